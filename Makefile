@@ -1,0 +1,43 @@
+# make demo: a simulated gyro, the service, a live view.   make test: everything that is checked.
+# Both do all the set-up there is: a virtual environment in .venv with what pyproject.toml names.
+
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test bench picture clean
+
+demo: $(VENV)/ready
+	@$(BIN)/gyrodrift demo
+
+test: $(VENV)/ready-to-test
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/pytest -n auto
+
+bench: $(VENV)/ready-to-test
+	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
+
+picture: $(VENV)/ready
+	$(BIN)/gyrodrift demo --svg docs/demo.svg
+
+clean:
+	rm -rf $(VENV)
+
+$(VENV)/ready: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@touch $@ $(VENV)/ready
+
+# Debian and Ubuntu keep the venv module in a package of its own.
+$(BIN)/python:
+	@set -e; for python in $(PYTHON) python3.13 python3.12 python3.11 python3; do \
+	  if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
+	done; \
+	if [ -z "$$found" ]; then echo "gyrodrift needs Python 3.11 or later; give it as make PYTHON=/path/to/python" >&2; exit 1; fi; \
+	$$found -m venv $(VENV) || { \
+	  echo "the venv module of $$found is incomplete; installing the system package python3-venv" >&2; \
+	  rm -rf $(VENV); $$( [ "$$(id -u)" = 0 ] || echo sudo ) apt-get install -y python3-venv; $$found -m venv $(VENV); }

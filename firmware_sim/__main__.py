@@ -1,0 +1,87 @@
+"""The simulated device alone, on a pty that looks like a serial port.
+
+It speaks until SIGINT or SIGTERM, or for --duration seconds of its own time. Without a reader it goes on, as a
+real device does; at --speed max it waits for one instead and loses nothing.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from itertools import takewhile
+from pathlib import Path
+
+from firmware_sim.bench import measure
+from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
+from firmware_sim.motion import load_profile
+from firmware_sim.rig import load_rig
+from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
+from firmware_sim.yaml_file import FileError
+
+WRONG_USAGE, LINK_FAILED = 2, 3
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the device; the exit status."""
+    arguments = _parser().parse_args(argv)
+    try:
+        return run(arguments)
+    except FileError as error:
+        for line in str(error).splitlines():
+            print(f"firmware_sim: {line}", file=sys.stderr)
+        return WRONG_USAGE
+    except LinkInUseError as error:
+        print(f"firmware_sim: {error}", file=sys.stderr)
+        return LINK_FAILED
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Play the rig on a pty until a signal comes or the time is over."""
+    rig = load_rig(arguments.rig)
+    profile = load_profile(arguments.profile)
+    frames = PROTOCOLS[arguments.protocol](measure(rig, profile, arguments.seed), rig.base)
+    device = PtyDevice(arguments.link, hello_frame(rig.base) if arguments.protocol == "native" else b"")
+    try:
+        print(f"firmware_sim: {arguments.protocol} on {arguments.link} ({device.slave_name})", file=sys.stderr)
+        with stopped_by_signals() as is_over:
+            frames = _for(frames, arguments.duration)
+            sent, lost = play(frames, device, arguments.speed, rig.base.host_delay_s, is_over)
+            if not is_over():
+                device.drain()
+    finally:
+        device.close()
+    print(f"firmware_sim: {sent} samples sent, {lost} without a reader", file=sys.stderr)
+    return 0
+
+
+def _for(frames: Iterator[Frame], duration_s: float | None) -> Iterator[Frame]:
+    return frames if duration_s is None else takewhile(lambda frame: frame.t_s < duration_s, frames)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m firmware_sim", description=__doc__)
+    parser.add_argument("--link", type=Path, required=True, help="name that the pty is linked at")
+    parser.add_argument("--rig", type=Path, help="rig file (default: the shipped config/rig.yaml)")
+    parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
+    parser.add_argument("--protocol", default="native", choices=sorted(PROTOCOLS))
+    parser.add_argument("--seed", type=int, default=0, help="of everything random (default 0)")
+    parser.add_argument(
+        "--speed",
+        type=_speed,
+        default=1.0,
+        help="device seconds in a second, or max for as fast as it is read",
+    )
+    parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds of device time")
+    return parser
+
+
+def _speed(text: str) -> float | None:
+    if text == "max":
+        return None
+    speed = float(text)
+    if not 0.0 < speed < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text}: expected a number above 0, or max")
+    return speed
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,218 @@
+"""The device on a pty: raw mode, a stable name, readers that come and go, and a pace.
+
+Facts of Linux ptys that this file stands on: a master without a reader polls as hung up; in packet mode it is
+told when a reader flushes its input, which is how pyserial ends opening a port; a pty takes about 20 kB before
+it is full; closing the master throws away what the reader has not read yet.
+"""
+
+import fcntl
+import os
+import pty
+import select
+import signal
+import struct
+import termios
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from firmware_sim.wire import Frame
+
+TIOCPKT = 0x5420
+TIOCPKT_FLUSHREAD = 0x01
+OPENING_S = 0.5
+"""A reader that has opened the port and not flushed it by then (cat, screen) is not going to."""
+
+LONGEST_NAP_S = 0.05
+DRAIN_S = 2.0
+DRAINED_S = 0.05
+
+
+class LinkInUseError(Exception):
+    """The link's name is taken by something that is not a link of ours to replace."""
+
+
+class PtyDevice:
+    """The master end of a pty whose slave is linked at `link`.
+
+    `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises.
+    """
+
+    def __init__(self, link: Path, greeting: bytes = b"") -> None:
+        self.link = link
+        self.greeting = greeting
+        self.fd, slave_fd = pty.openpty()
+        self.slave_name = os.ttyname(slave_fd)
+        tty.setraw(slave_fd)
+        fcntl.ioctl(self.fd, TIOCPKT, struct.pack("i", 1))
+        os.close(slave_fd)
+        os.set_blocking(self.fd, False)
+        self._poller = select.poll()
+        self._poller.register(self.fd, select.POLLIN | select.POLLPRI)
+        self._unsent = b""
+        self._flushed = False
+        try:
+            _make_link(self.slave_name, link)
+        except LinkInUseError:
+            os.close(self.fd)
+            raise
+
+    def has_reader(self) -> bool:
+        """Whether somebody has the port open; takes and drops what the reader sends."""
+        for _, events in self._poller.poll(0):
+            if events & select.POLLHUP:
+                self._flushed = False
+                self._unsent = b""
+                return False
+            self._listen()
+        return True
+
+    def wait_for_reader(self, is_over: Callable[[], bool]) -> None:
+        """Wait until a reader has opened the port and is done with it: what is sent then is not flushed away."""
+        opened_s: float | None = None
+        while not is_over():
+            if not self.has_reader():
+                opened_s = None
+            elif self._flushed or (opened_s is not None and time.monotonic() - opened_s > OPENING_S):
+                return
+            elif opened_s is None:
+                opened_s = time.monotonic()
+            time.sleep(0.005)
+
+    def send(self, content: bytes) -> bool:
+        """Send all of it, or none where the reader is too slow or not there. A frame begun is ended later."""
+        if not self.has_reader() or not self._finish():
+            return False
+        self._unsent = content
+        self._finish()
+        return True
+
+    def send_all(self, content: bytes, is_over: Callable[[], bool]) -> bool:
+        """Send all of it at the pace of the reader; False where the reader left."""
+        self._unsent += content
+        out = select.poll()
+        out.register(self.fd, select.POLLOUT)
+        while not is_over() and self.has_reader():
+            if self._finish():
+                return True
+            out.poll(100)
+        return False
+
+    def drain(self) -> None:
+        """Wait until the reader has taken everything, or has left, or has had its time."""
+        until_s = time.monotonic() + DRAIN_S
+        empty_s: float | None = None
+        while time.monotonic() < until_s and self.has_reader():
+            if self._finish() and self._reader_is_done():
+                empty_s = empty_s or time.monotonic()
+                if time.monotonic() - empty_s > DRAINED_S:
+                    return
+            else:
+                empty_s = None
+            time.sleep(0.005)
+
+    def close(self) -> None:
+        """Hang up and take the name away."""
+        with suppress(OSError):
+            if self.link.is_symlink() and str(self.link.readlink()) == self.slave_name:
+                self.link.unlink()
+        os.close(self.fd)
+
+    def _finish(self) -> bool:
+        """Whether nothing is left of what was to be sent."""
+        while self._unsent:
+            try:
+                sent = os.write(self.fd, self._unsent)
+            except (BlockingIOError, OSError):
+                return False
+            self._unsent = self._unsent[sent:]
+        return True
+
+    def _listen(self) -> None:
+        with suppress(OSError):
+            heard = os.read(self.fd, 4096)
+            if heard and heard[0] & TIOCPKT_FLUSHREAD:
+                self._flushed = True
+                self._unsent = self.greeting
+
+    def _reader_is_done(self) -> bool:
+        try:
+            fd = os.open(self.slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError:
+            return True
+        try:
+            (waiting,) = struct.unpack("i", fcntl.ioctl(fd, termios.FIONREAD, b"\0\0\0\0"))
+        finally:
+            os.close(fd)
+        return int(waiting) == 0
+
+
+def play(
+    frames: Iterator[Frame],
+    device: PtyDevice,
+    speed: float | None,
+    delay_s: float = 0.0,
+    is_over: Callable[[], bool] = lambda: False,
+) -> tuple[int, int]:
+    """Send frames at their times.
+
+    Parameters
+    ----------
+    speed
+        How many device seconds pass in a second; None for as fast as the reader takes them, none lost.
+    delay_s
+        From the time of a frame to its bytes on the link, s of the device.
+
+    Returns
+    -------
+    tuple[int, int]
+        Measurements sent, and measurements that found no reader or a reader that was too slow.
+    """
+    sent = lost = 0
+    origin_s = time.monotonic()
+    for frame in frames:
+        if is_over():
+            break
+        if speed is None:
+            while not device.send_all(frame.content, is_over) and not is_over():
+                device.wait_for_reader(is_over)
+            sent += frame.rows
+            continue
+        due_s = origin_s + (frame.t_s + delay_s) / speed
+        while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
+            time.sleep(min(early_s, LONGEST_NAP_S))
+        if device.send(frame.content):
+            sent += frame.rows
+        else:
+            lost += frame.rows
+    return sent, lost
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[Callable[[], bool]]:
+    """Whether SIGINT or SIGTERM has come."""
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    old = [signal.signal(number, lambda which, _frame: came.append(which)) for number in numbers]
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in zip(numbers, old, strict=True):
+            signal.signal(number, handler)
+
+
+def _make_link(target: str, link: Path) -> None:
+    """Point the name at the pty in one step, so that a reader finds the old one or the new one."""
+    if link.exists() and not link.is_symlink():
+        raise LinkInUseError(f"{link} exists and is not a link; choose another name")
+    fresh = link.with_name(f".{link.name}.{os.getpid()}")
+    try:
+        link.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):
+            fresh.unlink()
+        fresh.symlink_to(target)
+        fresh.replace(link)
+    except OSError as error:
+        raise LinkInUseError(f"{link} cannot be made: {error.strerror}") from error

@@ -1,0 +1,56 @@
+"""The rig as its file says it: what gyro, what encoder, what link; a value, like the profile it plays."""
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from firmware_sim.motion import config_folder
+from firmware_sim.yaml_file import Checked, load
+
+ENCODER_CPR_MOST = 2**31 // 360
+"""A count is a 32-bit number on the wire; this leaves room for 180 turns either way."""
+
+
+class Base(Checked):
+    """The ideal device.
+
+    sample_rate_hz
+        Samples per second of the device clock, Hz.
+    dps_per_lsb
+        One count of the 16-bit rate, deg/s.
+    noise_dps_rthz
+        White noise of the rate, one-sided density, deg/s/√Hz; the standard deviation of a sample is
+        noise·√(sample_rate / 2).
+    bias_dps
+        Constant offset of the rate, deg/s.
+    encoder_cpr
+        Counts of the encoder per turn; 0 for a rig without one.
+    host_delay_s
+        From the moment of a measurement to its bytes on the link, s.
+    """
+
+    sample_rate_hz: Annotated[float, Field(ge=0.1, le=65535.0)] = 100.0
+    dps_per_lsb: Annotated[float, Field(gt=0.0, le=10.0)] = 0.00763
+    noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.005
+    bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
+    encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MOST)] = 36000
+    host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
+
+
+class Rig(Checked):
+    """A whole rig; `effects` is what it has beyond the ideal."""
+
+    base: Base = Base()
+    effects: Annotated[tuple[str, ...], Field(strict=False, max_length=0)] = ()
+
+
+def load_rig(path: Path | None) -> Rig:
+    """The rig of a file, or the shipped one.
+
+    Raises
+    ------
+    FileError
+        With every mistake in the file.
+    """
+    return load(path or config_folder() / "rig.yaml", Rig)

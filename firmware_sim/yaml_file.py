@@ -1,0 +1,134 @@
+"""YAML read strictly into a checked model: every mistake at once, as `file:line:column key: what is wrong`.
+
+PyYAML reads `1e-3` as text, `on` as true, and lets the last of two equal keys win; here a number is a number and
+a key given twice is a mistake.
+"""
+
+import re
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+NUMBER = re.compile(r"[-+]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
+WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
+
+Key = tuple[str | int, ...]
+Place = tuple[int, int]
+
+
+class FileError(Exception):
+    """A rig or profile with mistakes; one line each."""
+
+
+class Checked(BaseModel):
+    """A block of a file: unknown keys are refused, and numbers have to be finite."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+Model = TypeVar("Model", bound=Checked)
+
+
+class _Reader:
+    """Turns nodes into plain values and remembers where each stood."""
+
+    def __init__(self) -> None:
+        self.places: dict[Key, Place] = {(): (1, 1)}
+        self.problems: list[tuple[Place, str]] = []
+
+    def value(self, key: Key, node: yaml.Node | None) -> Any:
+        if isinstance(node, yaml.MappingNode):
+            return self._mapping(key, node)
+        if isinstance(node, yaml.SequenceNode):
+            for index, item in enumerate(node.value):
+                self.places[*key, index] = _place(item)
+            return [self.value((*key, index), item) for index, item in enumerate(node.value)]
+        return None if node is None else _scalar(node)
+
+    def _mapping(self, key: Key, node: yaml.MappingNode) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for name_node, value_node in node.value:
+            name = str(name_node.value)
+            if name in values:
+                self.problems.append((_place(name_node), f"{_dotted((*key, name))}: is given twice"))
+                continue
+            self.places[*key, name] = _place(name_node)
+            values[name] = self.value((*key, name), value_node)
+        return values
+
+    def note(self, location: Key, message: str) -> None:
+        """Place a problem at the key it names, or at the nearest block around it.
+
+        Names of variants (the `ramp` in segments.3.ramp.to_dps) are no keys of the file and are left out.
+        """
+        key: Key = ()
+        for part in location:
+            if (*key, part) in self.places:
+                key = (*key, part)
+        missing = location[-1:] if location and key[-1:] != location[-1:] else ()
+        self.problems.append((self.places[key], f"{_dotted(key + missing)}: {message}"))
+
+
+def load(path: Path, model: type[Model]) -> Model:
+    """Read a file into a model.
+
+    Raises
+    ------
+    FileError
+        With every mistake in the file.
+    """
+    reader = _Reader()
+    value = reader.value((), _compose(path))
+    try:
+        checked = model.model_validate(value if value is not None else {})
+    except ValidationError as error:
+        for problem in error.errors(include_url=False):
+            reader.note(problem["loc"], _phrase(problem["type"], problem["msg"], problem["input"]))
+    if reader.problems:
+        lines = [f"{path}:{line}:{column} {text}" for (line, column), text in sorted(reader.problems)]
+        raise FileError("\n".join(lines))
+    return checked
+
+
+def _compose(path: Path) -> yaml.Node | None:
+    try:
+        node: yaml.Node | None = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: is not text") from error
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        raise FileError(f"{path}:{line}:1 is not YAML: {error.problem}") from error
+    except yaml.YAMLError as error:
+        raise FileError(f"{path}:1:1 is not YAML: {error}") from error
+    return node
+
+
+def _scalar(node: yaml.Node) -> Any:
+    text = str(node.value)
+    if getattr(node, "style", None) in ("'", '"', "|", ">"):
+        return text
+    if text.lower() in WORDS:
+        return WORDS[text.lower()]
+    if NUMBER.fullmatch(text):
+        return int(text) if text.lstrip("+-").isdigit() else float(text)
+    return text
+
+
+def _phrase(kind: str, message: str, given: Any) -> str:
+    if kind == "extra_forbidden":
+        return "is not known here"
+    if kind == "missing":
+        return "is missing"
+    return f"is {given!r}; {message[0].lower()}{message[1:]}"
+
+
+def _place(node: yaml.Node) -> Place:
+    return node.start_mark.line + 1, node.start_mark.column + 1
+
+
+def _dotted(key: Key) -> str:
+    return ".".join(map(str, key)) or "the file"

@@ -1,0 +1,76 @@
+"""The command line: `gyrodrift COMMAND ...`. Each command is a file of its own, imported when it is asked for."""
+
+import argparse
+import os
+import sys
+from difflib import get_close_matches
+from importlib import import_module
+
+from gyrodrift import __version__
+from gyrodrift.errors import GyrodriftError, UsageError
+
+COMMANDS = {
+    "serve": "read a device, correct its drift, emit yaw as JSON lines",
+    "filter": "run the same filter over a recorded session",
+    "replay": "play a recorded session through a pty that looks like the device",
+    "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
+}
+
+INTERRUPTED = 130
+EPILOG = """\
+exit status: 0 done, 2 wrong usage or config, 3 the link, 4 the data, 130 interrupted.
+angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is positive.
+"""
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command and give its exit status; a person's mistake is one line on stderr, never a traceback."""
+    arguments = sys.argv[1:] if argv is None else argv
+    name = next((word for word in arguments if not word.startswith("-")), "")
+    try:
+        if name in COMMANDS and arguments[0] == name:
+            return _run(name, arguments[1:])
+        return _outside_of_commands(arguments, name)
+    except GyrodriftError as error:
+        for line in str(error).splitlines():
+            print(f"gyrodrift: {line}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("gyrodrift: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: nothing to flush at exit
+        return 0
+
+
+def _run(name: str, arguments: list[str]) -> int:
+    command = import_module(f"gyrodrift.cli.{name}")
+    parser = argparse.ArgumentParser(
+        prog=f"gyrodrift {name}",
+        description=command.__doc__,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_arguments(parser)
+    status: int = command.run(parser.parse_args(arguments))
+    return status
+
+
+def _outside_of_commands(arguments: list[str], name: str) -> int:
+    width = max(map(len, COMMANDS))
+    listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
+    parser = argparse.ArgumentParser(
+        prog="gyrodrift",
+        usage="gyrodrift COMMAND ... (gyrodrift COMMAND --help for its options)",
+        description=f"Yaw from a low-cost gyro, with the drift taken out as it streams.\n\ncommands:\n{listing}",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"gyrodrift {__version__}")
+    if name:
+        nearest = get_close_matches(name, COMMANDS, n=1)
+        meant = f"did you mean {nearest[0]}?" if nearest else f"commands are {', '.join(COMMANDS)}"
+        raise UsageError(f"{name!r} is not a command; {meant}")
+    parser.parse_args(arguments)
+    parser.print_help(sys.stderr)
+    return UsageError.exit_status

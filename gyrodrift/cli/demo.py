@@ -1,0 +1,39 @@
+"""No hardware: a simulated gyro on a turntable behind a pty, serve reading it, and a live view of what comes out.
+
+At the end, and without a terminal only that: the yaw error against the encoder of the table, with the rate
+integrated as it is (raw) and as gyrodrift corrects it.
+"""
+
+import argparse
+from pathlib import Path
+
+from gyrodrift.cli import options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--duration", type=float, default=60.0, metavar="S", help="how long, s (default 60)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="config of serve (default: the shipped one)")
+    parser.add_argument("--rig", type=Path, metavar="FILE", help="rig of the simulator (default: the shipped one)")
+    parser.add_argument("--profile", default="turntable", help="motion: a shipped profile or a file")
+    parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times real time (default 1)")
+    parser.add_argument("--seed", type=int, default=1, help="of the simulated noise (default 1)")
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="save the last view as a picture")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the demo; 0 when its summary is printed."""
+    options.positive("--duration", arguments.duration)
+    options.positive("--speed", arguments.speed)
+    from gyrodrift.demo.show import run_demo
+
+    run_demo(
+        duration_s=arguments.duration,
+        config=arguments.config,
+        rig=arguments.rig,
+        profile=arguments.profile,
+        speed=arguments.speed,
+        seed=arguments.seed,
+        svg=arguments.svg,
+    )
+    return 0

@@ -1,0 +1,84 @@
+"""Play a recorded session through a pty that looks like the device, so that a recording takes the whole serial path.
+
+The csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb, witmotion
+to the steps of a WT901, without a clock. Playing starts when a reader has opened the port. At --speed max the
+reader sets the pace and nothing is lost; at any other speed what finds no reader is lost, as from a real device.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import INTERRUPTED
+from gyrodrift.errors import LinkError, UsageError
+
+if TYPE_CHECKING:
+    from firmware_sim.wire import Frame
+    from gyrodrift.session.session import Session
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.csv)")
+    parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
+    parser.add_argument("--protocol", default="csv", choices=("csv", "native", "witmotion"))
+    parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")
+    parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")
+    parser.add_argument("--lsb", type=float, default=0.01, metavar="DPS", help="native: deg/s per count (default 0.01)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Play until the end, or until a signal."""
+    from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
+    from gyrodrift.session.session import load_session
+
+    speed = _speed(arguments.speed)
+    session = load_session(arguments.session)
+    frames, hello = _speech(session, arguments)
+    try:
+        device = PtyDevice(arguments.link, hello)
+    except LinkInUseError as error:
+        raise LinkError(str(error)) from error
+    try:
+        print(f"gyrodrift: {session.name} on {arguments.link}, waiting for a reader", file=sys.stderr)
+        with stopped_by_signals() as is_over:
+            device.wait_for_reader(is_over)
+            sent, lost = play(frames, device, speed, is_over=is_over)
+            if not is_over():
+                device.drain()
+            was_stopped = is_over()
+    finally:
+        device.close()
+    print(f"gyrodrift: {sent} samples sent, {lost} without a reader", file=sys.stderr)
+    return INTERRUPTED if was_stopped else 0
+
+
+def _speech(session: "Session", arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+    """The frames of the session in the protocol asked for, and what greets a reader."""
+    from gyrodrift.replay import Recording, csv_frames, native_frames, native_hello, witmotion_frames
+
+    if not 0.0 < arguments.lsb <= 10.0:
+        raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")
+    recording = Recording(session, is_looping=arguments.loop)
+    match arguments.protocol:
+        case "native":
+            hello = native_hello(recording, arguments.lsb)
+            return native_frames(recording, arguments.lsb, hello), hello
+        case "witmotion":
+            return witmotion_frames(recording), b""
+        case _:
+            return csv_frames(recording), b""
+
+
+def _speed(text: str) -> float | None:
+    if text == "max":
+        return None
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = 0.0
+    if not 0.0 < speed < float("inf"):
+        raise UsageError(f"--speed {text}: expected a number above 0, or max")
+    return speed

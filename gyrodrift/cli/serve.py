@@ -1,0 +1,45 @@
+"""Read a gyro on a serial port, correct its drift, and emit yaw as JSON lines on stdout until SIGINT or SIGTERM.
+
+Each line has seq, t_s (device clock, s), rate_dps (as measured), corrected_dps, yaw_deg, bias_dps, and encoder_deg
+and temp_c where the device sends them. The log goes to stderr.
+"""
+
+import argparse
+from pathlib import Path
+
+from gyrodrift.cli import options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    options.add_link_options(parser)
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="YAML with hdr: parameters; followed while serve runs"
+    )
+    parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
+    options.add_log_options(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run until a signal comes; 0 then."""
+    rate_hz = options.positive("--rate", arguments.rate)
+    baud = options.baud(arguments.baud)
+    watch = None
+    if arguments.config is not None:
+        from gyrodrift.watch import ConfigWatch
+
+        watch = ConfigWatch(arguments.config)
+
+    from gyrodrift.filter import HdrParams
+    from gyrodrift.link.link import Link, LinkOptions
+    from gyrodrift.log import open_log
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.news import News
+    from gyrodrift.service.sinks.json_lines import JsonLines
+
+    log = open_log(arguments.log_level, arguments.log_format)
+    news = News(log)
+    link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
+    params = watch.config.hdr if watch else HdrParams()
+    Service(link, JsonLines(1, rate_hz), log, news, params, watch).run()
+    return 0

@@ -1,0 +1,106 @@
+"""Starts the simulator and `serve`, reads what `serve` prints, and shows it."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.live import Live
+
+from gyrodrift.demo.view import draw, summary
+from gyrodrift.demo.yaw_error import YawError
+from gyrodrift.errors import LinkError
+from gyrodrift.files import shipped_config
+
+FRAMES_PER_S = 10
+STARTING_S = 10.0
+WIDTH = 100
+
+
+def run_demo(
+    duration_s: float,
+    config: Path | None,
+    rig: Path | None,
+    profile: str,
+    speed: float,
+    seed: int,
+    svg: Path | None,
+) -> None:
+    """Run device and service for `duration_s` of device time; show them live on a terminal, and sum up.
+
+    Raises
+    ------
+    LinkError
+        Where the simulator or `serve` ended before its time.
+    """
+    console = Console(width=WIDTH, record=svg is not None)
+    error = YawError()
+    with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
+        port = Path(folder) / "gyro"
+        device = ["-m", "firmware_sim", "--link", str(port), "--profile", profile]
+        device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
+        stack.enter_context(_process(device, None))
+        _wait_for(port)
+        config_path = config or shipped_config("gyrodrift.yaml")
+        serve = ["-m", "gyrodrift", "serve", "--port", str(port), "--config", str(config_path)]
+        service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE))
+        live = (
+            stack.enter_context(Live(console=console, auto_refresh=False, transient=True))
+            if _is_live(console)
+            else None
+        )
+        next_s = 0.0
+        for line in _lines(service):
+            error.add(json.loads(line))
+            if live and time.monotonic() >= next_s:
+                live.update(draw(error, duration_s, port.name), refresh=True)
+                next_s = time.monotonic() + 1.0 / FRAMES_PER_S
+            if error.elapsed_s >= duration_s:
+                break
+    if error.elapsed_s < duration_s:
+        raise LinkError(f"the demo ended after {error.elapsed_s:.1f} of {duration_s:g} s: serve stopped; see above")
+    if svg is not None or _is_live(console):
+        console.print(draw(error, duration_s, "gyro"))
+    for text in summary(error):
+        console.print(text, highlight=False)
+    if svg is not None:
+        console.save_svg(str(svg), title="make demo")
+
+
+def _is_live(console: Console) -> bool:
+    return console.is_terminal and not console.is_dumb_terminal
+
+
+def _lines(service: "subprocess.Popen[str]") -> Iterator[str]:
+    assert service.stdout is not None  # noqa: S101 - it was opened with a pipe
+    yield from service.stdout
+
+
+@contextmanager
+def _process(arguments: list[str], stdout: int | None) -> "Iterator[subprocess.Popen[str]]":
+    """A Python process that is asked to end, and ended, when the block is left."""
+    process = subprocess.Popen([sys.executable, *arguments], stdout=stdout, text=True)  # noqa: S603 - our own
+    try:
+        yield process
+    finally:
+        process.terminate()
+        try:
+            process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if process.stdout:
+            process.stdout.close()
+
+
+def _wait_for(port: Path) -> None:
+    until_s = time.monotonic() + STARTING_S
+    while not port.exists():
+        if time.monotonic() > until_s:
+            raise LinkError("the simulated device did not start; see above")
+        time.sleep(0.01)

@@ -1,0 +1,65 @@
+"""Everything that can go wrong for a person, and the exit status it ends a command with.
+
+    GyrodriftError
+    ├── UsageError            2   wrong arguments
+    │   └── ConfigError       2   a YAML file with mistakes, all of them at once
+    ├── LinkError             3   the port, the cable, the device
+    │   ├── PortMissingError
+    │   ├── PortDeniedError
+    │   ├── PortBusyError
+    │   └── DeviceSilentError     nothing decodable within the time given
+    └── DataError             4   a session that cannot be read
+
+An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+
+class GyrodriftError(Exception):
+    """Root of the tree; `exit_status` is what a command ends with."""
+
+    exit_status: ClassVar[int] = 1
+
+
+class UsageError(GyrodriftError):
+    """The command was asked for something it cannot do."""
+
+    exit_status = 2
+
+
+class ConfigError(UsageError):
+    """A config file with mistakes; `problems` has one line each, `file:line:column key: what, and what is expected`."""
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = tuple(problems)
+
+
+class LinkError(GyrodriftError):
+    """The serial link cannot be used."""
+
+    exit_status = 3
+
+
+class PortMissingError(LinkError):
+    """There is no such port."""
+
+
+class PortDeniedError(LinkError):
+    """The port may not be opened by this user."""
+
+
+class PortBusyError(LinkError):
+    """Another process holds the port."""
+
+
+class DeviceSilentError(LinkError):
+    """The port is open, but nothing that can be decoded came in time."""
+
+
+class DataError(GyrodriftError):
+    """A recorded session cannot be read."""
+
+    exit_status = 4

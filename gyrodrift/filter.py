@@ -1,0 +1,144 @@
+"""HDR, heuristic drift reduction: one recursion, in plain floats, that everything here runs.
+
+`serve` steps it once a sample, `filter` walks a recording through it, and every batch version of it is held to
+its bits by a test. Nothing above this file is known here.
+
+Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking applications",
+Int. J. Vehicle Information and Communication Systems 2(1/2), 2009, DOI 10.1504/IJVICS.2009.027747, in the form
+with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8 of the README).
+"""
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Le
+
+ATTENUATOR_TABLE = 512
+"""Runs of equal signs up to this length take their step from a table; longer ones are worked out."""
+
+
+@dataclass(frozen=True, slots=True)
+class HdrParams:
+    """What a person or `tune` sets. The defaults are the published ones, read in deg/s.
+
+    i_c_dps
+        Integrator increment per sample, deg/s. Small: drift is learnt slowly. Large: the estimate hunts.
+        It belongs to the sample rate it was tuned at.
+    tau_s
+        Time constant of the low-pass filter before the decision, s. 0 decides on the raw rate.
+    theta_w_dps
+        Turn switch, deg/s: above this rate nothing is learnt. A bias larger than it is never learnt; slow real
+        turning below it is taken for drift.
+    c1, c2
+        Repetition attenuator, dimensionless: how strongly (c1) and how steeply (c2) the step shrinks while the
+        filtered rate keeps one sign. c1 = 0 switches it off.
+    """
+
+    i_c_dps: Annotated[float, Ge(0.0), Le(10.0)] = 0.0006
+    tau_s: Annotated[float, Ge(0.0), Le(1000.0)] = 0.9447
+    theta_w_dps: Annotated[float, Gt(0.0), Le(2000.0)] = 0.5608
+    c1: Annotated[float, Ge(0.0), Le(1000.0)] = 0.7839
+    c2: Annotated[float, Ge(0.0), Le(10.0)] = 1.2161
+
+
+@dataclass(frozen=True, slots=True)
+class HdrCoefficients:
+    """What follows from the parameters alone, worked out once when they change.
+
+    `steps_dps[r]` is R(r)·i_c in deg/s, equation 5 times the increment, for a run of r equal signs.
+    """
+
+    params: HdrParams
+    steps_dps: tuple[float, ...]
+
+
+@dataclass(slots=True)
+class HdrState:
+    """All that changes from sample to sample; copying it is saving the filter.
+
+    t_s, lpf_dps, i_dps, omega_dps, omega_d_dps, yaw_deg
+        The columns of the recursion after the last accepted sample.
+    sign_before
+        SIGN of omega one sample earlier than `omega_dps`.
+    run
+        r, the number of equal signs in a row.
+    samples, rejected
+        Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
+    """
+
+    t_s: float = 0.0
+    lpf_dps: float = 0.0
+    i_dps: float = 0.0
+    omega_dps: float = 0.0
+    omega_d_dps: float = 0.0
+    yaw_deg: float = 0.0
+    sign_before: int = 0
+    run: int = 1
+    samples: int = 0
+    rejected: int = 0
+
+
+def attenuated_step(params: HdrParams, run: int) -> float:
+    """R(r)·i_c in deg/s for a run of `run` equal signs (equation 5); 0 where r^c2 leaves the floats."""
+    try:
+        steepness: float = float(run) ** params.c2
+    except OverflowError:
+        return 0.0
+    return (1.0 + params.c1) / (1.0 + params.c1 * steepness) * params.i_c_dps
+
+
+def coefficients(params: HdrParams) -> HdrCoefficients:
+    """Work out everything that depends on the parameters alone."""
+    return HdrCoefficients(params, tuple(attenuated_step(params, run) for run in range(ATTENUATOR_TABLE)))
+
+
+def step(c: HdrCoefficients, s: HdrState, t_s: float, rate_dps: float) -> bool:
+    """Advance the state by one sample.
+
+    Parameters
+    ----------
+    c, s
+        Coefficients, and the state, which is changed in place.
+    t_s
+        Device time in s. T is its distance from the last accepted sample.
+    rate_dps
+        Measured rate, deg/s, counter-clockwise positive.
+
+    Returns
+    -------
+    bool
+        False where the sample was passed by (T ≤ 0, or a value that is not finite); it is counted in
+        `s.rejected` and leaves the recursion untouched.
+    """
+    if s.samples == 0:
+        return _first(s, t_s, rate_dps)
+    dt_s = t_s - s.t_s
+    if not (dt_s > 0.0 and isfinite(dt_s) and isfinite(rate_dps)):
+        s.rejected += 1
+        return False
+    p = c.params
+    omega_before = s.omega_dps
+    sign = (omega_before > 0.0) - (omega_before < 0.0)
+    s.run = s.run + 1 if s.samples >= 2 and sign == s.sign_before else 1
+    if abs(omega_before) < p.theta_w_dps:
+        step_dps = c.steps_dps[s.run] if s.run < ATTENUATOR_TABLE else attenuated_step(p, s.run)
+        s.i_dps -= sign * step_dps
+    s.lpf_dps = (rate_dps * dt_s + p.tau_s * s.lpf_dps) / (dt_s + p.tau_s)
+    s.omega_dps = s.lpf_dps + s.i_dps
+    s.omega_d_dps = s.omega_dps + p.tau_s / dt_s * (s.omega_dps - omega_before)
+    s.yaw_deg += s.omega_d_dps * dt_s
+    s.sign_before = sign
+    s.t_s = t_s
+    s.samples += 1
+    return True
+
+
+def _first(s: HdrState, t_s: float, rate_dps: float) -> bool:
+    if not (isfinite(t_s) and isfinite(rate_dps)):
+        s.rejected += 1
+        return False
+    s.t_s = t_s
+    s.lpf_dps = s.omega_dps = s.omega_d_dps = rate_dps
+    s.samples = 1
+    return True

@@ -1,0 +1,125 @@
+"""What a clock is, what it reports, and the fading straight line that both clocks are built on.
+
+Arrival is never used as the time of a sample: a serial link delivers late and in bunches, never early. The
+device clock uses the line only as a witness and to tell its drift; the arrival clock takes its times from it.
+"""
+
+from dataclasses import dataclass
+from math import exp
+from typing import Protocol
+
+from gyrodrift.sample import Reading, Sample
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A hole in the counter, or in time where there is no counter; T across it is the true one.
+
+    `missing` samples over a step of `seconds`.
+    """
+
+    missing: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClockRestart:
+    """The device clock began anew (a reset) or stepped; device time goes on one period after the last sample.
+
+    `step_s` is how far the raw clock moved, `silent_s` how long nothing had arrived by the host's clock.
+    """
+
+    step_s: float
+    silent_s: float
+
+
+ClockEvent = Gap | ClockRestart
+
+
+class Clock(Protocol):
+    """Gives readings their time; what it noticed waits in `events` until the link takes it."""
+
+    events: list[ClockEvent]
+
+    def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples for readings that arrived together at `arrival_s` (monotonic host clock, s)."""
+        ...
+
+    def doubt(self) -> None:
+        """The link was gone for a time: the next reading may come of a clock that began anew."""
+        ...
+
+    @property
+    def period_s(self) -> float:
+        """Typical step between samples, s; 0 while unknown."""
+        ...
+
+    @property
+    def drift_ppm(self) -> float | None:
+        """How fast the device clock runs against the host's, parts per million; None where unknown."""
+        ...
+
+
+class ArrivalFit:
+    """Exponentially weighted straight line through (x, arrival), with a gate against late arrivals.
+
+    x is device time in s or a sample number. Arrivals further off than `GATE_SCATTERS` mean deviations, and at
+    least `GATE_FLOOR_S`, stay out, unless `GATE_PATIENCE` of them come in a row: then the line itself has moved.
+    """
+
+    MEMORY_S = 30.0
+    WARM_S = 0.5
+    SCATTER_MEMORY = 50.0
+    GATE_SCATTERS = 10.0
+    GATE_FLOOR_S = 0.005
+    GATE_PATIENCE = 50
+
+    def __init__(self) -> None:
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything."""
+        self._weight = 0.0
+        self._x = self._y = self._xx = self._xy = 0.0
+        self._first_s = self._last_s = 0.0
+        self._scatter_s = 0.0
+        self._refused = 0
+
+    @property
+    def is_warm(self) -> bool:
+        """Whether it covers enough host time to be believed."""
+        return self._last_s - self._first_s >= self.WARM_S and self._xx > 0.0
+
+    @property
+    def slope(self) -> float:
+        """Host seconds per unit of x; 0 while unknown."""
+        return self._xy / self._xx if self._xx > 0.0 else 0.0
+
+    def arrival_s(self, x: float) -> float:
+        """Expected arrival of x, monotonic host clock, s."""
+        return self._y + self.slope * (x - self._x)
+
+    def add(self, x: float, arrival_s: float) -> None:
+        """Take one arrival into the line."""
+        if self.is_warm and self._refuses(abs(arrival_s - self.arrival_s(x))):
+            self._refused += 1
+            if self._refused < self.GATE_PATIENCE:
+                return
+            self.restart()
+        self._refused = 0
+        if self._weight == 0.0:
+            self._first_s = self._last_s = arrival_s
+        fade = exp((self._last_s - arrival_s) / self.MEMORY_S)
+        self._last_s = arrival_s
+        self._weight = self._weight * fade + 1.0
+        dx, dy = x - self._x, arrival_s - self._y
+        self._x += dx / self._weight
+        self._y += dy / self._weight
+        self._xx = self._xx * fade + dx * (x - self._x)
+        self._xy = self._xy * fade + dx * (arrival_s - self._y)
+
+    def _refuses(self, residual_s: float) -> bool:
+        if residual_s > max(self.GATE_FLOOR_S, self.GATE_SCATTERS * self._scatter_s):
+            return True
+        self._scatter_s += (residual_s - self._scatter_s) / self.SCATTER_MEMORY
+        return False

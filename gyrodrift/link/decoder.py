@@ -1,0 +1,55 @@
+"""What every decoder is: bytes are pushed in, readings come out, and what was damaged is counted.
+
+A decoder never reads, waits or raises. It gives the same readings for any split of the stream, and keeps less
+than a kilobyte between two pushes.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from gyrodrift.sample import Reading
+
+
+@dataclass(slots=True)
+class DecoderCounters:
+    """What a decoder has seen.
+
+    frames
+        Good frames or lines, of any kind.
+    damaged
+        Frames or lines that failed their checksum, length or form.
+    before_hello
+        Good samples dropped because their scale was not known yet.
+    clipped
+        Samples that the device marked as out of its range.
+    other
+        Good frames of kinds that carry no yaw rate.
+    """
+
+    frames: int = 0
+    damaged: int = 0
+    before_hello: int = 0
+    clipped: int = 0
+    other: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceFacts:
+    """What a device says of itself; None where its protocol has no word for it."""
+
+    device_id: str | None = None
+    sample_rate_hz: float | None = None
+    dps_per_lsb: float | None = None
+    encoder_cpr: int | None = None
+
+
+class Decoder(Protocol):
+    """A wire protocol, push-only."""
+
+    name: str
+    counters: DecoderCounters
+    facts: DeviceFacts
+
+    def push(self, chunk: bytes) -> list[Reading]:
+        """Take the next bytes of the stream and give the readings that they complete."""
+        ...

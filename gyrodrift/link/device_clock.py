@@ -1,0 +1,167 @@
+"""The device's own clock: unwrapped over 32 bits, its holes measured, its restarts told from its glitches."""
+
+from collections import deque
+from statistics import median
+
+from gyrodrift.link.clock import ArrivalFit, ClockEvent, ClockRestart, Gap
+from gyrodrift.sample import Reading, Sample
+
+CLOCK_WRAP_US = 1 << 32
+COUNTER_WRAP = 1 << 16
+
+STEP_US = 1_000_000
+"""A larger step of device time, either way, has to be explained before it is believed."""
+
+WITNESS_SLACK_S = 0.5
+"""How far host and device clock may part over one step before they contradict each other."""
+
+REAL_TIME = (0.9, 1.1)
+"""Host seconds per device second between which the host clock is a witness; a fast replay lies outside."""
+
+PERIOD_STEPS = 33
+HOLE_PERIODS = 1.5
+"""Without a counter, a step of more than HOLE_PERIODS times the median of PERIOD_STEPS steps is a hole."""
+
+FALLBACK_PERIOD_S = 0.01
+
+
+class DeviceClock:
+    """Unwraps a microsecond clock and a 16-bit counter.
+
+    Small steps are believed. A large one is believed where the counter moved as far, or where the host clock,
+    if it has been running alongside, does not contradict it: a sample cannot arrive before it was taken.
+    Otherwise the reading waits for the next one. If that goes on from it, the clock has begun anew, and device
+    time goes on one period after the last sample; if not, it was a glitch. A reading that goes back by less
+    than a second, or stands still, is passed on as it is: the filter counts it and passes it by.
+    """
+
+    def __init__(self, epoch_s: float) -> None:
+        self.events: list[ClockEvent] = []
+        self.glitches = 0
+        self.period_s = 0.0
+        self._epoch_s = epoch_s
+        self._fit = ArrivalFit()
+        self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
+        self._last: Reading | None = None
+        self._time_us = 0
+        self._seq = 0
+        self._arrival_s = 0.0
+        self._suspect: Reading | None = None
+        self._in_doubt = False
+
+    @property
+    def drift_ppm(self) -> float | None:
+        """Positive where the device clock runs fast; None where the host clock is no witness."""
+        return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_is_witness() else None
+
+    def doubt(self) -> None:
+        """After an outage the next step has to agree with the host clock from both sides."""
+        self._in_doubt = True
+
+    def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples on the unwrapped device clock."""
+        samples: list[Sample] = []
+        for reading in readings:
+            if self._last is None:
+                self._time_us, self._seq = reading.t_us or 0, reading.seq or 0
+                self._move(reading, 0, 0, arrival_s, samples)
+            else:
+                self._judge(self._last, reading, arrival_s, samples)
+        if samples:
+            self._fit.add(self._time_us * 1e-6, arrival_s)
+            self._arrival_s = arrival_s
+        return samples
+
+    def _judge(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        step_us = _clock_step(last, reading)
+        if self._is_believed(last, reading, step_us, arrival_s):
+            self.glitches += self._suspect is not None
+            self._suspect = None
+            if step_us > 0:
+                self._move(reading, step_us, self._counted(last, reading, step_us), arrival_s, samples)
+            else:
+                samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
+        elif self._suspect is not None and self._goes_on(self._suspect, reading):
+            first, self._suspect = self._suspect, None
+            self._begin_anew(last, first, arrival_s, samples)
+            self._judge(first, reading, arrival_s, samples)
+        else:
+            self.glitches += self._suspect is not None
+            self._suspect = reading
+
+    def _is_believed(self, last: Reading, reading: Reading, step_us: int, arrival_s: float) -> bool:
+        expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
+        if self._in_doubt and self._host_is_witness():
+            return abs(expected_s - arrival_s) < WITNESS_SLACK_S
+        if abs(step_us) <= STEP_US:
+            return True
+        if step_us < 0:
+            return False
+        return (
+            self._counter_agrees(last, reading, step_us)
+            or not self._host_is_witness()
+            or expected_s < arrival_s + WITNESS_SLACK_S
+        )
+
+    def _counter_agrees(self, last: Reading, reading: Reading, step_us: int) -> bool:
+        if reading.seq is None or last.seq is None or not self.period_s:
+            return False
+        counted_us = _counter_step(last.seq, reading.seq) * self.period_s * 1e6
+        return abs(counted_us - step_us) < 0.1 * step_us
+
+    def _host_is_witness(self) -> bool:
+        return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
+
+    def _goes_on(self, suspect: Reading, reading: Reading) -> bool:
+        return 0 < _clock_step(suspect, reading) <= max(STEP_US, 4e6 * self.period_s)
+
+    def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
+        """How far the counter moved over a believed step; reports a hole."""
+        step_s = step_us * 1e-6
+        expected = step_s / self.period_s if self.period_s else 1.0
+        if reading.seq is None or last.seq is None:
+            moved = round(expected) if expected > HOLE_PERIODS else 1
+        else:
+            moved = _counter_step(last.seq, reading.seq)
+            moved += COUNTER_WRAP * round((expected - moved) / COUNTER_WRAP)
+            if moved > 4.0 * expected + 8.0:  # the counter jumped and time did not: nothing is missing
+                return moved
+        if moved > 1:
+            self.events.append(Gap(moved - 1, step_s))
+        else:
+            self._learn_period(step_s)
+        return moved
+
+    def _learn_period(self, step_s: float) -> None:
+        self._steps_s.append(step_s)
+        if len(self._steps_s) == PERIOD_STEPS or (not self.period_s and len(self._steps_s) == 3):
+            self.period_s = median(self._steps_s)
+            self._steps_s.clear()
+
+    def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        self.events.append(ClockRestart(_clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
+        self._fit.restart()
+        period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
+        self._move(first, period_us, 1, arrival_s, samples)
+
+    def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:
+        self._in_doubt = False
+        self._last = reading
+        self._time_us += step_us
+        self._seq += counted
+        samples.append(self._sample(reading, self._time_us, self._seq, arrival_s))
+
+    def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
+        # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
+        _, _, rate_dps, encoder_deg, temp_c = reading
+        return Sample(seq, time_us / 1e6, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+
+
+def _clock_step(last: Reading, reading: Reading) -> int:
+    """Signed step of the wrapping clock, µs."""
+    half = CLOCK_WRAP_US // 2
+    return ((reading.t_us or 0) - (last.t_us or 0) + half) % CLOCK_WRAP_US - half
+
+
+def _counter_step(last_seq: int, seq: int) -> int:
+    return (seq - last_seq) % COUNTER_WRAP

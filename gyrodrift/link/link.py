@@ -1,0 +1,262 @@
+"""The link: a port, the protocol spoken on it, and its clock; what `serve` and `record` read samples from.
+
+One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then `read()`. The link finds
+the baud rate and the protocol, reopens the port under its stable name when it was unplugged, and tells what
+happened through `LinkObserver` and `LinkCounters`; the samples are never mixed with news.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
+
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
+from gyrodrift.link.arrival_clock import ArrivalClock
+from gyrodrift.link.clock import Clock, ClockRestart, Gap
+from gyrodrift.link.decoder import Decoder, DeviceFacts
+from gyrodrift.link.detect import AUTO, PROTOCOLS, Detector, decoder_for
+from gyrodrift.link.device_clock import DeviceClock
+from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
+from gyrodrift.sample import Reading, Sample
+
+BAUD_TRIAL_S = 0.8
+BAUD_TRIAL_WARM_S = 4.0
+"""How long `--baud auto` listens at a rate at which bytes come: the longer time where something was understood."""
+
+BACKOFF_FIRST_S = 0.05
+BACKOFF_LONGEST_S = 2.0
+
+News = Callable[..., Any]
+"""Called with the name of an event and its fields: `news("gap", missing=3, seconds=0.04)`."""
+
+
+@dataclass(slots=True)
+class LinkCounters:
+    """What the link has seen since it was opened."""
+
+    bytes: int = 0
+    samples: int = 0
+    gaps: int = 0
+    missing: int = 0
+    restarts: int = 0
+    reconnects: int = 0
+    gone_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class LinkOptions:
+    """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever."""
+
+    port: str
+    baud: int | None = None
+    protocol: str = AUTO
+    timeout_s: float = 10.0
+
+
+class Link:
+    """A device on a serial port, as samples.
+
+    Raises
+    ------
+    LinkError
+        From the constructor where the port cannot be opened; from `read` where nothing decodable came within
+        `timeout_s` of the start. Once a device has spoken, silence and unplugging are survived.
+    """
+
+    def __init__(self, options: LinkOptions, news: News, monotonic: Callable[[], float] = time.monotonic) -> None:
+        if options.protocol not in PROTOCOLS:
+            raise UsageError(f"unknown protocol {options.protocol!r}; known are {', '.join(PROTOCOLS)}")
+        self.options = options
+        self.name = stable_name(options.port)
+        self.counters = LinkCounters()
+        self.decoder: Decoder | None = None
+        self.clock: Clock | None = None
+        self._news = news
+        self._monotonic = monotonic
+        self._epoch_s = time.time() - monotonic()
+        self._detector = Detector(options.protocol)
+        if options.protocol != AUTO and options.baud is not None:
+            self.decoder = decoder_for(options.protocol)
+        self._bauds = cycle(USUAL_BAUDS)
+        self.baud = options.baud or next(self._bauds)
+        self._facts = DeviceFacts()
+        self._spoke = False
+        self._opened_s = self._heard_s = monotonic()
+        self._trial_s: float | None = None
+        self._backoff_s = BACKOFF_FIRST_S
+        self._retry_s = 0.0
+        self.port: Port | None = Port(self.name, self.baud)
+        self._news("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
+
+    def fileno(self) -> int | None:
+        """The descriptor to wait on; None while the port is gone."""
+        return self.port.fd if self.port else None
+
+    def wake_s(self) -> float:
+        """Longest time to wait before `read` has work of its own to do, s."""
+        now_s = self._monotonic()
+        if self.port is None:
+            return max(0.0, self._retry_s - now_s)
+        return 0.1 if not self._spoke else 1.0
+
+    def read(self) -> list[Sample]:
+        """What has arrived, as samples; an empty list where there is nothing yet."""
+        if self.port is None:
+            self._reopen()
+        if self.port is None:
+            return []
+        try:
+            chunk = self.port.read()
+        except PortGoneError:
+            self._lose()
+            return []
+        if not chunk:
+            self._give_up_waiting()
+            return []
+        arrival_s = self._monotonic()
+        self.counters.bytes += len(chunk)
+        self._trial_s = self._trial_s or arrival_s
+        readings = self._decode(chunk)
+        samples = self._stamp(readings, arrival_s) if readings else []
+        if readings:
+            self._heard_s = arrival_s
+            self._spoke = True
+        elif not self._spoke:
+            self._give_up_waiting()
+        self.counters.samples += len(samples)
+        return samples
+
+    def silent_s(self) -> float:
+        """How long no sample has come, s."""
+        return self._monotonic() - self._heard_s
+
+    def close(self) -> None:
+        """Give the port back."""
+        if self.port is not None:
+            self.port.close()
+            self.port = None
+
+    def _decode(self, chunk: bytes) -> list[Reading]:
+        if self.decoder is not None:
+            readings = self.decoder.push(chunk)
+        else:
+            found = self._detector.push(chunk)
+            if found is None:
+                return []
+            self.decoder, readings = found
+            self._news("protocol_found", protocol=self.decoder.name, baud=self.baud)
+        if self.decoder.facts is not self._facts:
+            self._meet(self.decoder.facts)
+        return readings
+
+    def _meet(self, facts: DeviceFacts) -> None:
+        if facts != self._facts and facts.device_id is not None:
+            self._news(
+                "device",
+                device_id=facts.device_id,
+                sample_rate_hz=facts.sample_rate_hz,
+                dps_per_lsb=facts.dps_per_lsb,
+                encoder_cpr=facts.encoder_cpr,
+            )
+        self._facts = facts
+
+    def _stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        if self.clock is None:
+            if readings[0].t_us is None:
+                self.clock = ArrivalClock(self._epoch_s)
+                self._news("no_device_clock", timing="regression of arrival times")
+            else:
+                self.clock = DeviceClock(self._epoch_s)
+        samples = self.clock.stamp(readings, arrival_s)
+        if self.clock.events:
+            self._report_clock_events(self.clock)
+        return samples
+
+    def _report_clock_events(self, clock: Clock) -> None:
+        for event in clock.events:
+            match event:
+                case Gap(missing, seconds):
+                    self.counters.gaps += 1
+                    self.counters.missing += missing
+                    self._news("gap", missing=missing, seconds=round(seconds, 6))
+                case ClockRestart(step_s, silent_s):
+                    self.counters.restarts += 1
+                    self._news("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
+        clock.events.clear()
+
+    def _lose(self) -> None:
+        self.close()
+        self._backoff_s = BACKOFF_FIRST_S
+        self._retry_s = self._monotonic() + self._backoff_s
+        self._news("link_lost", port=self.name)
+
+    def _reopen(self) -> None:
+        now_s = self._monotonic()
+        if now_s < self._retry_s:
+            return
+        try:
+            self.port = Port(self.name, self.baud)
+        except LinkError as error:
+            self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
+            self._retry_s = now_s + self._backoff_s
+            if not isinstance(error, PortMissingError):
+                self._news("link_refused", port=self.name, reason=str(error))
+            return
+        gone_s = now_s - self._heard_s
+        self.counters.reconnects += 1
+        self.counters.gone_s += gone_s
+        if self.decoder is not None:  # half a frame, and perhaps the scale, went with the old connection
+            self._carry_over(self.decoder)
+        if self.clock is not None:
+            self.clock.doubt()
+        self._news("link_restored", port=self.name, gone_s=round(gone_s, 3))
+
+    def _carry_over(self, old: Decoder) -> None:
+        self.decoder = decoder_for(old.name)
+        self.decoder.counters = old.counters
+
+    def _give_up_waiting(self) -> None:
+        if self._spoke:
+            return
+        now_s = self._monotonic()
+        if 0.0 < self.options.timeout_s <= now_s - self._opened_s:
+            raise DeviceSilentError(self._why_silent())
+        if self.options.baud is None and self.decoder is None and self._trial_s is not None:
+            trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
+            if now_s - self._trial_s >= trial_s:
+                self._next_baud()
+
+    def _next_baud(self) -> None:
+        """Listen afresh at the next of the usual rates."""
+        self.baud = next(self._bauds)
+        self._trial_s = None
+        self._detector = Detector(self.options.protocol)
+        try:
+            if self.port is not None:
+                self.port.set_baud(self.baud)
+        except PortGoneError:
+            self._lose()
+
+    def _why_silent(self) -> str:
+        waited = f"within {self.options.timeout_s:g} s"
+        if not self.counters.bytes:
+            return (
+                f"{self.name}: the device said nothing {waited}; "
+                "is it powered, is this its port, are TX and RX the right way round?"
+            )
+        tried = "any of the usual baud rates" if self.options.baud is None else f"{self.baud} baud"
+        if self.decoder is None:
+            return (
+                f"{self.name}: {self.counters.bytes} bytes came {waited}, but no native, csv or witmotion frame "
+                f"in them at {tried}; a wrong baud rate looks like this: give the device's with --baud"
+            )
+        if self.decoder.counters.before_hello:
+            return (
+                f"{self.name}: {self.decoder.counters.before_hello} samples came {waited}, but no HELLO frame that "
+                "says their scale; the device has to send one once a second"
+            )
+        return (
+            f"{self.name}: {self.counters.bytes} bytes came {waited}, but no {self.decoder.name} sample in them at "
+            f"{tried} ({self.decoder.counters.damaged} damaged frames); check --baud and --protocol"
+        )

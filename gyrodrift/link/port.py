@@ -1,0 +1,171 @@
+"""The serial port: the only room that knows pyserial.
+
+pyserial opens, locks and configures; reading goes to the file descriptor itself, since `read(1)` through
+pyserial costs a thousand times as much. Opening flushes the input and, on many boards, resets the device.
+"""
+
+import errno
+import fcntl
+import grp
+import os
+import select
+import stat
+import termios
+from contextlib import suppress
+from pathlib import Path
+
+import serial
+from serial.tools import list_ports
+
+from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
+
+USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 1000000, 2000000)
+"""What `--baud auto` tries, the most common first."""
+
+READ_BYTES = 4096
+READS_PER_TURN = 16
+"""One turn drains at most this many reads, so that a flood cannot keep the loop from its other work."""
+
+PTY_SLAVE_MAJORS = range(136, 144)
+BY_ID = Path("/dev/serial/by-id")
+
+GONE = frozenset({errno.EIO, errno.ENXIO, errno.EBADF, errno.ENODEV})
+
+
+class PortGoneError(Exception):
+    """The port hung up: unplugged, or its other end closed."""
+
+
+class Port:
+    """An open port with exclusive use of its device."""
+
+    def __init__(self, path: str, baud: int) -> None:
+        self.path = path
+        self._serial = _open(path, baud)
+        self.fd: int = self._serial.fileno()
+        self.is_pty = _is_pty(self.fd)
+        if not self.is_pty:  # a pty would stay locked after a kill for as long as its other end lives
+            with suppress(OSError):
+                fcntl.ioctl(self.fd, termios.TIOCEXCL)
+        with suppress(OSError, ValueError, NotImplementedError, AttributeError):
+            self._serial.set_low_latency_mode(True)
+
+    def read(self) -> bytes:
+        """All that is there, up to a bound, without waiting.
+
+        Raises
+        ------
+        PortGoneError
+            The port hung up, and everything it had before that has been read.
+        """
+        chunks: list[bytes] = []
+        for _ in range(READS_PER_TURN):
+            try:
+                chunk = os.read(self.fd, READ_BYTES)
+            except BlockingIOError:
+                break
+            except OSError as error:
+                if error.errno not in GONE:
+                    raise
+                chunk = b""
+            if not chunk:
+                if chunks or not self._hung_up():
+                    break  # pyserial sets VMIN 0: an empty read may just mean that nothing is there
+                raise PortGoneError(self.path)
+            chunks.append(chunk)
+            if len(chunk) < READ_BYTES // 2:
+                break
+        return b"".join(chunks)
+
+    def _hung_up(self) -> bool:
+        poller = select.poll()
+        poller.register(self.fd, 0)
+        return bool(poller.poll(0))
+
+    def set_baud(self, baud: int) -> None:
+        """Change the line rate and drop what came at the old one."""
+        try:
+            self._serial.baudrate = baud
+            self._serial.reset_input_buffer()
+        except (OSError, ValueError, termios.error, serial.SerialException) as error:
+            raise PortGoneError(self.path) from error
+
+    def close(self) -> None:
+        """Close, whatever state the device is in."""
+        with suppress(OSError):
+            if not self.is_pty:
+                fcntl.ioctl(self.fd, termios.TIOCNXCL)
+        with suppress(OSError, serial.SerialException, termios.error):
+            self._serial.close()
+
+
+def stable_name(path: str) -> str:
+    """The name under which the same adapter comes back after it was unplugged, if it has one."""
+    device = os.path.realpath(path)
+    if BY_ID.is_dir() and not Path(path).is_symlink():
+        for name in sorted(BY_ID.iterdir()):
+            if os.path.realpath(name) == device:
+                return str(name)
+    return path
+
+
+def _open(path: str, baud: int) -> serial.Serial:
+    try:
+        return serial.Serial(path, baud, timeout=0, exclusive=True)
+    except ValueError as error:
+        raise UsageError(f"{path}: cannot use {baud} baud: {error}") from error
+    except (OSError, termios.error) as error:  # SerialException is an OSError
+        raise _explain(path, error) from error
+
+
+def _explain(path: str, error: Exception) -> LinkError:
+    number = getattr(error, "errno", None)
+    if not os.path.lexists(path):
+        return PortMissingError(f"{path}: there is no such port; {_ports_there_are()}")
+    if not Path(path).exists():
+        return PortMissingError(f"{path} points to {os.path.realpath(path)}, which is not there; is the device on?")
+    if number in (errno.EACCES, errno.EPERM):
+        return PortDeniedError(f"{path}: no permission to open it; {_how_to_join(path)}")
+    if number in (errno.EBUSY, errno.EAGAIN):
+        return PortBusyError(f"{path}: the port is in use{_by_whom(path)}; stop that program first")
+    if not stat.S_ISCHR(Path(path).stat().st_mode):
+        return LinkError(f"{path}: this is not a serial port; {_ports_there_are()}")
+    return LinkError(f"{path}: the port cannot be opened: {error}")
+
+
+def _ports_there_are() -> str:
+    names = sorted(port.device for port in list_ports.comports())
+    return f"ports on this machine: {', '.join(names)}" if names else "no serial port is plugged in"
+
+
+def _how_to_join(path: str) -> str:
+    group_id = Path(path).stat().st_gid
+    try:
+        group = grp.getgrgid(group_id).gr_name
+    except KeyError:
+        group = str(group_id)
+    return f"it belongs to group {group}: run 'sudo usermod -aG {group} $USER' and log in again"
+
+
+def _by_whom(path: str) -> str:
+    """`by NAME (pid N)` where the system lets us see it; our own process is not a suspect."""
+    device = os.path.realpath(path)
+    for process in Path("/proc").glob("[0-9]*"):
+        if int(process.name) == os.getpid():
+            continue
+        with suppress(OSError):
+            if any(_points_to(link, device) for link in (process / "fd").iterdir()):
+                name = (process / "comm").read_text().strip()
+                return f" by {name} (pid {process.name})"
+    return ""
+
+
+def _points_to(link: Path, device: str) -> bool:
+    try:
+        return str(link.readlink()) == device
+    except OSError:
+        return False
+
+
+def _is_pty(fd: int) -> bool:
+    return os.major(os.fstat(fd).st_rdev) in PTY_SLAVE_MAJORS

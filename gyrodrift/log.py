@@ -1,0 +1,36 @@
+"""The log: one line an event on stderr, for a person on a terminal and as key=value or JSON elsewhere."""
+
+import sys
+from typing import Any
+
+import structlog
+
+from gyrodrift.errors import UsageError
+
+LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
+FORMATS = ("auto", "text", "json")
+
+
+def open_log(level: str = "info", style: str = "auto") -> structlog.typing.FilteringBoundLogger:
+    """Set up the log of this process and give its logger; `level` is the least that is written."""
+    if level not in LEVELS or style not in FORMATS:
+        raise UsageError(f"no log of level {level!r} and format {style!r}")
+    renderer: Any
+    if style == "json":
+        renderer = structlog.processors.JSONRenderer()
+    elif style == "text" or not sys.stderr.isatty():
+        renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
+    else:
+        renderer = structlog.dev.ConsoleRenderer()
+    structlog.configure(
+        processors=[
+            structlog.processors.add_log_level,
+            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            renderer,
+        ],
+        wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
+        logger_factory=structlog.PrintLoggerFactory(sys.stderr),
+        cache_logger_on_first_use=True,
+    )
+    logger: structlog.typing.FilteringBoundLogger = structlog.get_logger()
+    return logger

@@ -1,0 +1,62 @@
+"""The values everything passes on: a reading as the device spoke it, a sample with its time, a corrected sample."""
+
+from math import nan
+from typing import NamedTuple
+
+
+class Reading(NamedTuple):
+    """One measurement as decoded from the wire, before it has a time.
+
+    t_us
+        Device clock in µs, 32 bits, wrapping; None where the device has no clock.
+    seq
+        Device counter, 16 bits, wrapping; None where the device has none.
+    rate_dps
+        Yaw rate, deg/s, counter-clockwise positive.
+    encoder_deg, temp_c
+        Reference angle in degrees and temperature in °C; NaN where the device sends none.
+    """
+
+    t_us: int | None
+    seq: int | None
+    rate_dps: float
+    encoder_deg: float = nan
+    temp_c: float = nan
+
+
+class Sample(NamedTuple):
+    """One measurement on the unwrapped device clock.
+
+    seq
+        Counter, unwrapped; samples that were lost leave a hole in it.
+    t_device_s
+        The sensor's own clock in s, unwrapped.
+    t_host_s
+        When it arrived, Unix time in s on a clock that never steps.
+    rate_dps, encoder_deg, temp_c
+        As in `Reading`.
+    """
+
+    seq: int
+    t_device_s: float
+    t_host_s: float
+    rate_dps: float
+    encoder_deg: float = nan
+    temp_c: float = nan
+
+
+class Corrected(NamedTuple):
+    """A sample with what the filter made of it; what every sink is handed.
+
+    corrected_dps
+        Measured rate less the drift estimate, deg/s.
+    yaw_deg
+        Unwrapped yaw in degrees, 0 at the first sample.
+    bias_dps
+        The drift estimate (−I), deg/s.
+    """
+
+    sample: Sample
+    corrected_dps: float
+    yaw_deg: float
+    bias_dps: float

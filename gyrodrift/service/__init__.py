@@ -1,0 +1,1 @@
+"""The running service: link → filter → sinks, in one thread."""

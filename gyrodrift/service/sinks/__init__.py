@@ -1,0 +1,1 @@
+"""Where corrected samples go; one small file a sink."""

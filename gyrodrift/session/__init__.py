@@ -1,0 +1,1 @@
+"""Recorded sessions: arrays in, arrays out; one file a format."""

@@ -1,0 +1,108 @@
+"""Sessions as people have them: a header with any of the columns below, in any order, then numbers."""
+
+import csv
+import warnings
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.session import Floats, Session
+
+COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c")
+REQUIRED = ("t_device_s", "rate_dps")
+
+
+def read_csv(path: Path) -> Session:
+    """Load a `.csv` session. Lines starting with `#` are comments, an empty cell is NaN.
+
+    Raises
+    ------
+    DataError
+        With the line and column of the first value that is no number, or what the header lacks.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            names, header_line = _header(path, file)
+            table = _table(path, file, names, header_line)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise DataError(f"{path}: is not text: {error}") from error
+    columns = dict(zip(names, table.T, strict=True))
+    seq = columns.get("seq")
+    return Session(
+        name=path.stem,
+        t_device_s=columns["t_device_s"],
+        rate_dps=columns["rate_dps"],
+        t_host_s=columns.get("t_host_s"),
+        seq=None if seq is None else _counter(seq),
+        encoder_deg=columns.get("encoder_deg"),
+        temp_c=columns.get("temp_c"),
+    )
+
+
+def _header(path: Path, file: TextIO) -> tuple[list[str], int]:
+    number, line = next(
+        ((number, line) for number, line in enumerate(iter(file.readline, ""), 1) if _is_content(line)), (0, "")
+    )
+    if not line:
+        raise DataError(f"{path}: is empty; expected a header with {', '.join(REQUIRED)}")
+    names = [name.strip() for name in line.split(",")]
+    known = f"columns are {', '.join(COLUMNS)}"
+    for column, name in enumerate(names, 1):
+        if name not in COLUMNS:
+            raise DataError(f"{path}:{number}: column {column} is {name!r}; {known}")
+        if name in names[: column - 1]:
+            raise DataError(f"{path}:{number}: column {name} stands twice; {known}")
+    for name in REQUIRED:
+        if name not in names:
+            raise DataError(f"{path}:{number}: there is no column {name}, which is required; {known}")
+    return names, number
+
+
+def _is_content(line: str) -> bool:
+    return bool(line.strip()) and not line.startswith("#")
+
+
+def _table(path: Path, file: TextIO, names: list[str], header_line: int) -> Floats:
+    """All rows, shape (n, columns): by numpy's C reader, or cell by cell where that one stumbles."""
+    start = file.tell()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # numpy warns of a file without rows
+            table: Floats = np.loadtxt(file, delimiter=",", comments="#", ndmin=2, dtype=np.float64)
+    except (ValueError, UserWarning):
+        file.seek(start)
+        table = _cell_by_cell(path, file, names, header_line)
+    if table.size == 0:
+        raise DataError(f"{path}: has a header and no samples")
+    if table.shape[1] != len(names):
+        raise DataError(f"{path}: rows have {table.shape[1]} values, the header has {len(names)} columns")
+    return table
+
+
+def _cell_by_cell(path: Path, file: TextIO, names: list[str], header_line: int) -> Floats:
+    reader = csv.reader(file)
+    rows = []
+    for row in reader:
+        if not _is_content(",".join(row)):
+            continue
+        line = header_line + reader.line_num
+        if len(row) != len(names):
+            raise DataError(f"{path}:{line}: has {len(row)} values, the header has {len(names)} columns")
+        rows.append([_number(path, line, *cell) for cell in zip(names, row, strict=True)])
+    return np.array(rows, dtype=np.float64).reshape(-1, len(names))
+
+
+def _number(path: Path, line: int, name: str, text: str) -> float:
+    try:
+        return float(text) if text.strip() else float("nan")
+    except ValueError:
+        raise DataError(f"{path}:{line}: {name} is {text!r}, expected a number") from None
+
+
+def _counter(column: Floats) -> NDArray[np.int64]:
+    return np.where(np.isfinite(column), column, -1).astype(np.int64)

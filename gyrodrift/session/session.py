@@ -1,0 +1,54 @@
+"""A recorded session as arrays, and the one way to load it from a path."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrodrift.errors import DataError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """What a device sent, in the order it came; every array has the shape (n,), n ≥ 1.
+
+    name
+        Name of the file, without its folder and ending.
+    t_device_s
+        The sensor's own clock, s.
+    rate_dps
+        Measured yaw rate, deg/s.
+    t_host_s, seq, encoder_deg, temp_c
+        Arrival time in s, counter, reference angle in degrees, temperature in °C; None where there is none.
+        Single missing values are NaN (−1 in `seq`).
+    """
+
+    name: str
+    t_device_s: Floats
+    rate_dps: Floats
+    t_host_s: Floats | None = None
+    seq: NDArray[np.int64] | None = None
+    encoder_deg: Floats | None = None
+    temp_c: Floats | None = None
+
+
+def load_session(path: Path) -> Session:
+    """Load a session by its ending.
+
+    Raises
+    ------
+    DataError
+        Where it is missing, of an unknown kind, or damaged.
+    """
+    if not path.exists():
+        raise DataError(f"{path}: there is no such session")
+    if path.is_dir():
+        raise DataError(f"{path}: this is a folder; give one session in it")
+    if path.suffix == ".csv":
+        from gyrodrift.session.csv import read_csv  # noqa: PLC0415 - each format costs only who reads it
+
+        return read_csv(path)
+    raise DataError(f"{path}: sessions end in .csv, not {path.suffix or 'nothing'}")

@@ -1,0 +1,119 @@
+"""YAML read strictly: plain values, the line of every key, and all that PyYAML would let pass in silence.
+
+PyYAML follows YAML 1.1: it reads `1e-3` as text, `1:30` as 90, `on` as true and `017` as 15, and of a key given
+twice the last one wins. Here numbers are what a person means by them, and everything else is reported.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+LONGEST_BYTES = 4 << 20
+
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)")
+NOT_FINITE = re.compile(r"[-+]?\.(?:inf|nan)", re.IGNORECASE)
+WORDS = {"true": True, "True": True, "false": False, "False": False, "null": None, "~": None, "": None}
+
+Key = tuple[str | int, ...]
+"""The way from the top of the file to a value: ("hdr", "tau_s")."""
+
+
+@dataclass(slots=True)
+class YamlFile:
+    """A file as plain values, with the line and column of each key, and what is wrong with it."""
+
+    path: Path
+    value: Any = None
+    places: dict[Key, tuple[int, int]] = field(default_factory=dict)
+    _problems: list[tuple[int, int, str]] = field(default_factory=list)
+
+    @property
+    def problems(self) -> list[str]:
+        """One line each, in the order of the file: `file:line:column key: what is wrong and what is expected`."""
+        return [f"{self.path}:{line}:{column} {text}" for line, column, text in sorted(self._problems)]
+
+    def report(self, key: Key, message: str) -> None:
+        """Note a problem where the key stands, or where the block stands that it is missing from."""
+        line, column = self.places.get(key) or self.places.get(key[:-1]) or (1, 1)
+        name = ".".join(str(part) for part in key)
+        self.report_at(line, column, f"{name}: {message}" if name else message)
+
+    def report_at(self, line: int, column: int, message: str) -> None:
+        """Note a problem at a place of the file."""
+        self._problems.append((line, column, message))
+
+
+def read_yaml(path: Path) -> YamlFile:
+    """Read a file; whatever is wrong with it is in `problems`, and `value` is None where nothing can be read."""
+    read = YamlFile(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        read.report((), f"cannot be read: {error.strerror}")
+        return read
+    if len(content) > LONGEST_BYTES:
+        read.report((), f"is larger than {LONGEST_BYTES >> 20} MiB: this is no config file")
+        return read
+    try:
+        text = content.decode("utf-8-sig")
+        node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        read.report_at(line, 1, f"is not text: byte 0x{content[error.start]:02x} is not UTF-8")
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        read.report_at(line, column, f"is not YAML: {error.problem or error.context}")
+    except yaml.YAMLError as error:
+        read.report((), f"is not YAML: {str(error).splitlines()[0]}")
+    else:
+        if node is not None:
+            read.value = _value(read, (), node)
+    return read
+
+
+def _value(read: YamlFile, key: Key, node: yaml.Node) -> Any:
+    read.places.setdefault(key, _place(node))
+    if isinstance(node, yaml.MappingNode):
+        return _mapping(read, key, node)
+    if isinstance(node, yaml.SequenceNode):
+        return [_value(read, (*key, i), item) for i, item in enumerate(node.value)]
+    return _scalar(node)
+
+
+def _mapping(read: YamlFile, key: Key, node: yaml.MappingNode) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for name_node, value_node in node.value:
+        name = str(name_node.value)
+        child = (*key, name)
+        if name in values:
+            first, _ = read.places[child]
+            read.report_at(
+                *_place(name_node),
+                f"{'.'.join(map(str, child))}: is given twice, first in line {first}; keep one",
+            )
+            continue
+        read.places[child] = _place(name_node)
+        values[name] = _value(read, child, value_node)
+    return values
+
+
+def _scalar(node: yaml.Node) -> Any:
+    text = str(node.value)
+    if node.tag == "tag:yaml.org,2002:str" and getattr(node, "style", None) in ("'", '"', "|", ">"):
+        return text
+    if text in WORDS:
+        return WORDS[text]
+    if INTEGER.fullmatch(text):
+        return int(text)
+    if NUMBER.fullmatch(text) and not re.match(r"[-+]?0\d", text):
+        return float(text)
+    return float(text.replace(".", "", 1)) if NOT_FINITE.fullmatch(text) else text
+
+
+def _place(node: yaml.Node) -> tuple[int, int]:
+    return node.start_mark.line + 1, node.start_mark.column + 1
