@@ -1,0 +1,43 @@
+"""Fixtures for all tests, first of all the one that fails a test that leaves something behind."""
+
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from support import Recordings
+
+
+def _children() -> set[str]:
+    return set(Path(f"/proc/self/task/{os.getpid()}/children").read_text().split())
+
+
+def _descriptors() -> dict[str, str]:
+    found = {}
+    for link in Path("/proc/self/fd").iterdir():
+        try:
+            found[link.name] = os.readlink(link)
+        except OSError:
+            continue  # the descriptor of the listing itself
+    return found
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """Fail a test that leaves a thread, a descriptor, a child or a pty behind."""
+    threads, children, descriptors = set(threading.enumerate()), _children(), _descriptors()
+    yield
+    assert not set(threading.enumerate()) - threads, "threads left behind"
+    assert not _children() - children, "child processes left behind"
+    left = {fd: to for fd, to in _descriptors().items() if descriptors.get(fd) != to and not to.startswith("anon")}
+    assert not left, f"descriptors left behind: {left}"
+
+
+@pytest.fixture
+def recordings() -> Recordings:
+    """The folder of real recordings and worked filter cases; a test that needs it skips without."""
+    folder = Path(__file__).parent.parent.parent / "shared"
+    if not folder.is_dir():
+        pytest.skip(f"the recordings are not here: {folder}")
+    return Recordings(data=folder / "data", golden=folder / "golden")
