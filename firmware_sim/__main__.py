@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     frames = PROTOCOLS[arguments.protocol](measure(rig, profile, arguments.seed), rig.base)
     device = PtyDevice(arguments.link, hello_frame(rig.base) if arguments.protocol == "native" else b"")
     try:
-        print(f"firmware_sim: {arguments.protocol} on {arguments.link} ({device.slave_name})", file=sys.stderr)
+        _tell(arguments, f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
         with stopped_by_signals() as is_over:
             frames = _for(frames, arguments.duration)
             sent, lost = play(frames, device, arguments.speed, rig.base.host_delay_s, is_over)
@@ -49,8 +49,13 @@ def run(arguments: argparse.Namespace) -> int:
                 device.drain()
     finally:
         device.close()
-    print(f"firmware_sim: {sent} samples sent, {lost} without a reader", file=sys.stderr)
+    _tell(arguments, f"{sent} samples sent, {lost} without a reader")
     return 0
+
+
+def _tell(arguments: argparse.Namespace, news: str) -> None:
+    if not arguments.quiet:
+        print(f"firmware_sim: {news}", file=sys.stderr)
 
 
 def _for(frames: Iterator[Frame], duration_s: float | None) -> Iterator[Frame]:
@@ -70,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
         default=1.0,
         help="device seconds in a second, or max for as fast as it is read",
     )
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
     parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds of device time")
     return parser
 

@@ -135,7 +135,7 @@ class PtyDevice:
             heard = os.read(self.fd, 4096)
             if heard and heard[0] & TIOCPKT_FLUSHREAD:
                 self._flushed = True
-                self._unsent = self.greeting
+                self._unsent = self.greeting + self._unsent  # a frame begun before reads as damaged
 
     def _reader_is_done(self) -> bool:
         try:

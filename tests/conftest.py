@@ -17,7 +17,7 @@ def _descriptors() -> dict[str, str]:
     found = {}
     for link in Path("/proc/self/fd").iterdir():
         try:
-            found[link.name] = os.readlink(link)
+            found[link.name] = str(link.readlink())
         except OSError:
             continue  # the descriptor of the listing itself
     return found

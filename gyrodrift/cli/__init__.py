@@ -67,6 +67,8 @@ def _outside_of_commands(arguments: list[str], name: str) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"gyrodrift {__version__}")
+    if name in COMMANDS:
+        raise UsageError(f"{name!r} stands behind options; write gyrodrift {name} first")
     if name:
         nearest = get_close_matches(name, COMMANDS, n=1)
         meant = f"did you mean {nearest[0]}?" if nearest else f"commands are {', '.join(COMMANDS)}"

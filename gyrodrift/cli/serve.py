@@ -35,11 +35,13 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.log import open_log
     from gyrodrift.service.loop import Service
     from gyrodrift.service.news import News
+    from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.sinks.json_lines import JsonLines
 
     log = open_log(arguments.log_level, arguments.log_format)
     news = News(log)
-    link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
     params = watch.config.hdr if watch else HdrParams()
-    Service(link, JsonLines(1, rate_hz), log, news, params, watch).run()
+    with StopSignal() as stop:
+        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
+        Service(link, JsonLines(1, rate_hz), log, news, stop, params, watch).run()
     return 0

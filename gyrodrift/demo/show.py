@@ -1,6 +1,7 @@
 """Starts the simulator and `serve`, reads what `serve` prints, and shows it."""
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -9,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from rich._export_format import CONSOLE_SVG_FORMAT
 from rich.console import Console
 from rich.live import Live
 
@@ -20,6 +22,9 @@ from gyrodrift.files import shipped_config
 FRAMES_PER_S = 10
 STARTING_S = 10.0
 WIDTH = 100
+
+SVG_WITHOUT_WEB_FONTS = re.sub(r"@font-face \{\{.*?\}\}", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
+"""A picture that asks nobody for a font when it is looked at."""
 
 
 def run_demo(
@@ -42,10 +47,9 @@ def run_demo(
     error = YawError()
     with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
         port = Path(folder) / "gyro"
-        device = ["-m", "firmware_sim", "--link", str(port), "--profile", profile]
+        device = ["-m", "firmware_sim", "--quiet", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
-        stack.enter_context(_process(device, None))
-        _wait_for(port)
+        _wait_for(port, stack.enter_context(_process(device, None)))
         config_path = config or shipped_config("gyrodrift.yaml")
         serve = ["-m", "gyrodrift", "serve", "--port", str(port), "--config", str(config_path)]
         service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE))
@@ -69,7 +73,7 @@ def run_demo(
     for text in summary(error):
         console.print(text, highlight=False)
     if svg is not None:
-        console.save_svg(str(svg), title="make demo")
+        console.save_svg(str(svg), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
 
 
 def _is_live(console: Console) -> bool:
@@ -98,9 +102,9 @@ def _process(arguments: list[str], stdout: int | None) -> "Iterator[subprocess.P
             process.stdout.close()
 
 
-def _wait_for(port: Path) -> None:
+def _wait_for(port: Path, simulator: "subprocess.Popen[str]") -> None:
     until_s = time.monotonic() + STARTING_S
     while not port.exists():
-        if time.monotonic() > until_s:
+        if time.monotonic() > until_s or simulator.poll() is not None:
             raise LinkError("the simulated device did not start; see above")
         time.sleep(0.01)

@@ -1,16 +1,12 @@
 """The loop of `serve`: wait, read, filter, emit, in one thread and with no hop between threads.
 
-Config changes are applied between two samples. Signals end the loop through a descriptor that it waits on, so
-that nothing is interrupted half way.
+Config changes are applied between two samples, and a signal to stop is one of the things waited for.
 """
 
 import gc
-import os
 import select
-import signal
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -21,6 +17,7 @@ from gyrodrift.filter import HdrCoefficients, HdrParams, HdrState, coefficients,
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.news import News
+from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sinks.json_lines import JsonLines, ReaderGoneError
 
 if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
@@ -63,16 +60,16 @@ class Service:
     output: JsonLines
     log: FilteringBoundLogger
     news: News
+    stop: StopSignal
     params: HdrParams = field(default_factory=HdrParams)
     watch: "ConfigWatch | None" = None
     more_sinks: "Sequence[Sink]" = ()
     state: HdrState = field(default_factory=HdrState)
     _marks: _Marks = field(default_factory=_Marks)
     _coefficients: HdrCoefficients = field(init=False)
-    _is_stopping: bool = False
 
     def run(self) -> None:
-        """Run until SIGINT or SIGTERM.
+        """Run until the signal to stop.
 
         Raises
         ------
@@ -85,8 +82,7 @@ class Service:
         gc.collect()
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
-            with self._stopped_by_signals() as wake_fd:
-                self._loop(sinks, wake_fd)
+            self._loop(sinks)
             for sink in sinks:
                 sink.close()
         except ReaderGoneError:
@@ -95,9 +91,9 @@ class Service:
             self.link.close()
             self._log_stats("service_end", time.monotonic())
 
-    def _loop(self, sinks: "Sequence[Sink]", wake_fd: int) -> None:
-        while not self._is_stopping:
-            self._wait(wake_fd)
+    def _loop(self, sinks: "Sequence[Sink]") -> None:
+        while not self.stop.is_set:
+            self._wait()
             samples = self.link.read()
             if samples:
                 self._filter(samples, sinks)
@@ -109,9 +105,9 @@ class Service:
                 self._marks.chores_s = now_s
                 self._do_chores(now_s)
 
-    def _wait(self, wake_fd: int) -> None:
+    def _wait(self) -> None:
         poller = select.poll()
-        poller.register(wake_fd, select.POLLIN)
+        poller.register(self.stop.fd, select.POLLIN)
         link_fd = self.link.fileno()
         if link_fd is not None:
             poller.register(link_fd, select.POLLIN)
@@ -211,22 +207,3 @@ class Service:
         if port is not None and not port.is_pty and byte_rate * BITS_PER_BYTE > BUSY_LINE * self.link.baud:
             share = byte_rate * BITS_PER_BYTE / self.link.baud
             self.log.warning("line_busy", share=round(share, 2), baud=self.link.baud)
-
-    @contextmanager
-    def _stopped_by_signals(self) -> Iterator[int]:
-        """A descriptor that becomes readable when SIGINT or SIGTERM has come."""
-
-        def stop(_signal: int, _frame: object) -> None:
-            self._is_stopping = True
-
-        read_fd, write_fd = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
-        old_wake_fd = signal.set_wakeup_fd(write_fd, warn_on_full_buffer=False)
-        old_handlers = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield read_fd
-        finally:
-            for number, handler in old_handlers.items():
-                signal.signal(number, handler)
-            signal.set_wakeup_fd(old_wake_fd)
-            os.close(read_fd)
-            os.close(write_fd)

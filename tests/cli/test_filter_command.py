@@ -1,0 +1,65 @@
+"""`gyrodrift filter`: the recursion over a recording, column by column."""
+
+import csv
+from pathlib import Path
+
+import pytest
+from support import Command, Recordings
+
+from gyrodrift.cli import main
+
+HDR = "hdr: {{i_c_dps: {i_c}, tau_s: {tau}, theta_w_dps: {theta_w}, c1: {c1}, c2: {c2}}}\n"
+SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"
+
+
+def rows_of(path: Path) -> list[dict[str, float]]:
+    with path.open() as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def test_a_golden_case_comes_out_of_the_command_as_it_stands_in_its_file(
+    tmp_path: Path, recordings: Recordings
+) -> None:
+    """Session and config in, all columns out, to a billionth."""
+    source = recordings.golden / "hdr_other_parameters.csv"
+    first, *lines = source.read_text().splitlines()
+    words = dict(word.split("=") for word in first[1:].split())
+    (tmp_path / "c.yaml").write_text(HDR.format(**words))
+    session = ["t_device_s,rate_dps", *(",".join(line.split(",")[:2]) for line in lines[1:])]
+    (tmp_path / "s.csv").write_text("\n".join(session) + "\n")
+    out = tmp_path / "out.csv"
+    assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
+    (tmp_path / "expected.csv").write_text("\n".join(lines) + "\n")
+    got, expected = rows_of(out), rows_of(tmp_path / "expected.csv")
+    assert list(got[0]) == list(expected[0])
+    assert len(got) == len(expected) == 3000
+    for one, other in zip(got, expected, strict=True):
+        assert one == pytest.approx(other, abs=1e-9)
+
+
+def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A repeated time and a rate that is no number."""
+    (tmp_path / "s.csv").write_text(SESSION)
+    assert main(["filter", str(tmp_path / "s.csv")]) == 0
+    shown = capsys.readouterr()
+    assert [line.split(",")[0] for line in shown.out.splitlines()] == ["t_s", "0.0", "0.01", "0.03"]
+    assert shown.err == "gyrodrift: s: 2 samples passed by (time or rate)\n"
+
+
+def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path: Path) -> None:
+    """4 for the data, 2 for config and place."""
+    (tmp_path / "s.csv").write_text(SESSION)
+    (tmp_path / "c.yaml").write_text("hdr: {}\n")
+    out = tmp_path / "out.csv"
+    assert main(["filter", str(tmp_path / "none.csv"), "--out", str(out)]) == 4
+    assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 2
+    assert main(["filter", str(tmp_path / "s.csv"), "--out", str(tmp_path / "no" / "out.csv")]) == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c.yaml", "s.csv"]
+
+
+def test_output_may_go_to_a_device(tmp_path: Path) -> None:
+    """Which is written to, not replaced."""
+    (tmp_path / "s.csv").write_text(SESSION)
+    with Command("filter", tmp_path / "s.csv", "--out", "/dev/stdout") as run:
+        assert run.end() == 0
+    assert len(run.out.splitlines()) == 4

@@ -1,0 +1,113 @@
+"""`gyrodrift replay`: a recording that looks like the device, so that it takes the whole serial path."""
+
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import Command
+
+SAMPLES = 400
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Path:
+    """Times to the microsecond with jitter and a hole, rates with all their digits, angle and temperature."""
+    rng = np.random.default_rng(8)
+    t_us = np.cumsum(rng.integers(9000, 11000, SAMPLES)) + np.where(np.arange(SAMPLES) > 300, 700_000, 0)
+    rows = zip(
+        t_us / 1e6, rng.normal(0.3, 0.1, SAMPLES), rng.normal(0, 5, SAMPLES), rng.normal(25, 1, SAMPLES), strict=True
+    )
+    lines = (",".join(repr(float(value)) for value in row) for row in rows)
+    path = tmp_path / "mine.csv"
+    path.write_text("t_device_s,rate_dps,encoder_deg,temp_c\n" + "\n".join(lines) + "\n")
+    return path
+
+
+def played(session: Path, *options: str, count: int = SAMPLES) -> list[dict[str, float]]:
+    link = session.with_name("gyro")
+    with Command("replay", session, "--link", link, "--speed", "max", *options) as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link) as serve:
+            lines = serve.take_lines(count)
+            serve.stop()
+    return lines
+
+
+def table_of(session: Path) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    return np.loadtxt(session, delimiter=",", skiprows=1)
+
+
+def test_csv_carries_every_digit(session: Path) -> None:
+    """Time, rate, angle and temperature come out of `serve` as they stand in the file."""
+    keys = ("t_s", "rate_dps", "encoder_deg", "temp_c")
+    lines = played(session)
+    assert [[line[key] for key in keys] for line in lines] == table_of(session).tolist()
+
+
+def test_native_rounds_to_its_counts(session: Path) -> None:
+    """Half a count of rate, of angle and of temperature."""
+    got = np.array(
+        [[x["t_s"], x["rate_dps"], x["encoder_deg"], x["temp_c"]] for x in played(session, "--protocol", "native")]
+    )
+    error = np.abs(got - table_of(session)).max(axis=0)
+    assert error == pytest.approx(np.array([0.0, 0.005, 0.00005, 0.005]), abs=2e-4)
+    assert error[0] < 1e-9
+
+
+def test_witmotion_carries_rates_in_its_own_steps(session: Path) -> None:
+    """And no clock; the rest of the held samples come when there is a line through their arrivals."""
+    link = session.with_name("gyro")
+    with Command("replay", session, "--link", link, "--protocol", "witmotion", "--speed", "2") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link) as serve:
+            lines = serve.take_lines(SAMPLES)
+            serve.stop()
+    got = np.array([line["rate_dps"] for line in lines])
+    assert np.abs(got - table_of(session)[:, 1]).max() <= 1000 / 32768 + 1e-9
+
+
+def test_a_loop_goes_on_in_time(session: Path) -> None:
+    """The second pass begins one period after the first one ended."""
+    lines = played(session, "--loop", count=2 * SAMPLES + 10)
+    steps = np.diff([line["t_s"] for line in lines])
+    assert steps[SAMPLES - 1] == pytest.approx(0.01, abs=1e-3)
+    assert [line["rate_dps"] for line in lines[SAMPLES : 2 * SAMPLES]] == table_of(session)[:, 1].tolist()
+
+
+def test_the_end_of_a_recording_ends_it_when_everything_is_read(session: Path) -> None:
+    """With 0, and the link is gone."""
+    link = session.with_name("gyro")
+    with Command("replay", session, "--link", link, "--speed", "max") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link) as serve:
+            serve.take_lines(SAMPLES)
+            assert replay.end() == 0
+            serve.stop()
+    assert f"{SAMPLES} samples sent, 0 without a reader" in replay.log
+    assert not link.is_symlink()
+
+
+def test_a_signal_interrupts_it(session: Path) -> None:
+    """While it waits for a reader."""
+    with Command("replay", session, "--link", session.with_name("gyro")) as replay:
+        replay.until_log("waiting for a reader")
+        assert replay.stop(signal.SIGINT) == 130
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "message"),
+    [
+        (["--speed", "0"], 2, "--speed 0: expected a number above 0, or max"),
+        (["--speed", "fast"], 2, "--speed fast: expected a number above 0, or max"),
+        (["--lsb", "0"], 2, "--lsb 0: expected deg/s per count"),
+        (["--link", "{session}"], 3, "exists and is not a link"),
+    ],
+)
+def test_mistakes_are_one_line(session: Path, options: list[str], status: int, message: str) -> None:
+    """And a status."""
+    arguments = [word.format(session=session) for word in options]
+    with Command("replay", session, "--link", session.with_name("gyro"), *arguments) as replay:
+        assert replay.end() == status
+    assert message in replay.log
+    assert "Traceback" not in replay.log

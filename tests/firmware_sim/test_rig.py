@@ -1,0 +1,82 @@
+"""Rigs: what is shipped, what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from firmware_sim.motion import config_folder
+from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, load_rig
+from firmware_sim.yaml_file import FileError
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "rig.yaml"
+    path.write_text(text)
+    return path
+
+
+def test_the_shipped_rig_is_the_default() -> None:
+    """Without a file it is config/rig.yaml, which has no effects."""
+    rig = load_rig(None)
+    assert rig == load_rig(config_folder() / "rig.yaml")
+    assert not rig.effects
+
+
+def test_the_shipped_rig_states_every_base_value() -> None:
+    """A reader of the shipped file sees all there is to set."""
+    assert load_rig(None).base.model_fields_set == set(Base.model_fields)
+
+
+def test_an_empty_file_is_a_rig_of_defaults(tmp_path: Path) -> None:
+    """What a file leaves out has its default."""
+    assert load_rig(written(tmp_path, "# nothing\n")) == Rig()
+
+
+def test_a_file_sets_what_it_names(tmp_path: Path) -> None:
+    """Values of the file are taken, whole numbers and exponents among them; the others keep their defaults."""
+    rig = load_rig(written(tmp_path, "base: {sample_rate_hz: 200, noise_dps_rthz: 1e-2, bias_dps: -3, encoder_cpr: 0}"))
+    assert rig.base == Base(sample_rate_hz=200.0, noise_dps_rthz=0.01, bias_dps=-3.0, encoder_cpr=0)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("sample_rate_hz", "0"),
+        ("sample_rate_hz", "65536"),
+        ("dps_per_lsb", "0"),
+        ("dps_per_lsb", "-0.1"),
+        ("noise_dps_rthz", "-1e-9"),
+        ("bias_dps", "50.1"),
+        ("bias_dps", "on"),
+        ("encoder_cpr", "-1"),
+        ("encoder_cpr", "1.5"),
+        ("encoder_cpr", str(ENCODER_CPR_MOST + 1)),
+        ("host_delay_s", "-1"),
+        ("host_delay_s", "true"),
+        ("drift_dps", "1"),
+    ],
+)
+def test_a_value_that_no_rig_can_have_is_told_with_its_place(tmp_path: Path, key: str, value: str) -> None:
+    """Each is refused by line, column and key."""
+    with pytest.raises(FileError, match=rf"rig\.yaml:3:3 base\.{key}: is "):
+        load_rig(written(tmp_path, f"# of a test\nbase:\n  {key}: {value}\n"))
+
+
+def test_all_mistakes_of_a_rig_are_told_at_once(tmp_path: Path) -> None:
+    """Two wrong values and an unknown block are three lines."""
+    path = written(tmp_path, "base: {sample_rate_hz: 0, bias_dps: 99}\neffect: []\n")
+    with pytest.raises(FileError) as caught:
+        load_rig(path)
+    places = [line.split(" ")[0] for line in str(caught.value).splitlines()]
+    assert places == [f"{path}:{at}" for at in ("1:8", "1:27", "2:1")]
+
+
+def test_an_unknown_effect_is_refused(tmp_path: Path) -> None:
+    """A rig with an effect that nobody has heard of does not run as if it had none."""
+    with pytest.raises(FileError, match=r"rig\.yaml:1:\d+ effects"):
+        load_rig(written(tmp_path, "effects: [{name: gremlins}]\n"))
+
+
+def test_the_finest_encoder_has_room_for_180_turns_either_way() -> None:
+    """Its counts over that many turns fit the 32 bits of the wire."""
+    assert 180 * ENCODER_CPR_MOST < 2**31

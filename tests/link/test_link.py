@@ -1,0 +1,192 @@
+"""The link: finds baud rate and protocol, survives what happens to cables, and says what happened."""
+
+import termios
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import speaking_on
+
+from firmware_sim.bench import measure
+from firmware_sim.device import PtyDevice
+from firmware_sim.motion import load_profile
+from firmware_sim.rig import Rig
+from firmware_sim.wire import PROTOCOLS
+from gyrodrift.errors import DeviceSilentError, UsageError
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.sample import Sample
+
+RIG = Rig()
+
+
+class Host:
+    """A link with a clock that the test sets, and what it reported."""
+
+    def __init__(self, port: Path, **options: Any) -> None:
+        self.now_s = 1000.0
+        self.told: list[tuple[str, dict[str, Any]]] = []
+        self.link = Link(LinkOptions(str(port), **options), self.tell, lambda: self.now_s)
+
+    def tell(self, event: str, **fields: Any) -> None:
+        self.told.append((event, fields))
+
+    def events(self) -> list[str]:
+        return [event for event, _ in self.told]
+
+    def hear(self, device: PtyDevice, frames: Iterator[bytes], count: int) -> list[Sample]:
+        """Samples of the next `count` frames, sent and read one by one, 10 ms apart."""
+        samples = []
+        for frame in islice(frames, count):
+            assert device.send(frame)
+            self.now_s += 0.01
+            samples += self.link.read()
+        return samples
+
+
+def spoken(protocol: str) -> Iterator[bytes]:
+    blocks = measure(RIG, load_profile("turntable"), 1, block_samples=256)
+    return (frame.content for frame in PROTOCOLS[protocol](blocks, RIG.base))
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Path:
+    return tmp_path / "gyro"
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
+    """With nothing lost but the samples before HELLO."""
+    with speaking_on(port) as device:
+        host = Host(port)
+        samples = host.hear(device, spoken(protocol), 150)
+        assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
+        assert len(samples) == 150 - {"native": 2, "csv": 1, "witmotion": 0}[protocol]
+        assert ("no_device_clock" in host.events()) == (protocol == "witmotion")
+        host.link.close()
+
+
+def test_a_device_tells_who_it_is(port: Path) -> None:
+    """Once, not with every HELLO."""
+    with speaking_on(port) as device:
+        host = Host(port)
+        host.hear(device, spoken("native"), 350)
+        assert host.events() == ["link_open", "protocol_found", "device"]
+        assert host.told[-1][1]["device_id"] == "firmware_sim"
+        host.link.close()
+
+
+def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
+    """What a reader at another line rate sees: the pty's master knows the rate that the reader set."""
+    speed = termios.tcgetattr(device.fd)[5]
+    return frame if speed == getattr(termios, f"B{baud}") else bytes(byte ^ 0xA5 for byte in frame[::2])
+
+
+@pytest.mark.parametrize("baud", [9600, 921600])
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
+    """Bytes at the wrong rate are garbage."""
+    with speaking_on(port) as device:
+        host = Host(port, timeout_s=30.0)
+        for frame in islice(spoken(protocol), 1000):
+            device.send(garbled(device, frame, baud))
+            host.now_s += 0.01
+            host.link.read()
+        assert host.link.baud == baud
+        assert host.link.counters.samples > 100
+        host.link.close()
+
+
+def test_a_given_baud_is_never_second_guessed(port: Path) -> None:
+    """Garbage at 115200 stays garbage at 115200, until time is up; the message says what to try."""
+    with speaking_on(port) as device:
+        host = Host(port, baud=115200, timeout_s=5.0)
+        garbage = (garbled(device, frame, 9600) for frame in spoken("native"))
+        with pytest.raises(DeviceSilentError, match=r"bytes came within 5 s, but no native.* at 115200 baud; a wrong"):
+            host.hear(device, garbage, 1000)
+        assert host.link.baud == 115200
+        host.link.close()
+
+
+def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
+    """With the questions a person should ask."""
+    with speaking_on(port):
+        host = Host(port, timeout_s=3.0)
+        host.now_s += 2.9
+        assert host.link.read() == []
+        host.now_s += 0.2
+        with pytest.raises(DeviceSilentError, match="said nothing within 3 s; is it powered"):
+            host.link.read()
+        host.link.close()
+
+
+def test_samples_that_never_say_their_scale_are_explained(port: Path) -> None:
+    """A native device without HELLO."""
+    with speaking_on(port) as device:
+        host = Host(port, baud=115200, protocol="native", timeout_s=3.0)
+        frames = [frame for frame in islice(spoken("native"), 400) if len(frame) == 20]
+        with pytest.raises(DeviceSilentError, match="but no HELLO frame"):
+            host.hear(device, iter(frames), 400)
+        host.link.close()
+
+
+def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> None:
+    """The device comes back as another pty under the same name, its clock at zero."""
+    with speaking_on(port) as device:
+        host = Host(port)
+        before = host.hear(device, spoken("native"), 300)
+    assert host.link.read() == []
+    assert host.link.fileno() is None
+    for _ in range(40):
+        host.now_s += 0.1
+        assert host.link.read() == []
+    with speaking_on(port) as device:
+        host.now_s += host.link.wake_s() + 0.001
+        host.link.read()
+        after = host.hear(device, spoken("native"), 50)
+    assert host.events() == [
+        "link_open",
+        "protocol_found",
+        "device",
+        "link_lost",
+        "link_restored",
+        "device_reset",
+    ]
+    gone_s = host.told[4][1]["gone_s"]
+    assert 4.0 <= gone_s <= 6.0
+    assert host.link.counters.gone_s == pytest.approx(gone_s, abs=1e-3)
+    assert after[0].t_device_s - before[-1].t_device_s == pytest.approx(0.01)
+    assert len(after) == 49
+    host.link.close()
+
+
+def test_reopening_is_tried_less_and_less_often(port: Path) -> None:
+    """Up to every two seconds."""
+    with speaking_on(port):
+        host = Host(port)
+    host.link.read()
+    waits = []
+    for _ in range(9):
+        waits.append(host.link.wake_s())
+        host.now_s += host.link.wake_s() + 1e-6
+        host.link.read()
+    assert waits == pytest.approx([0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0], abs=1e-3)
+    host.link.close()
+
+
+def test_gaps_are_counted_and_told(port: Path) -> None:
+    """Missing frames on the way."""
+    with speaking_on(port) as device:
+        host = Host(port)
+        frames = list(islice(spoken("native"), 200))
+        host.hear(device, iter(frames[:150] + frames[157:]), 193)
+        assert host.told[-1] == ("gap", {"missing": 7, "seconds": pytest.approx(0.08)})
+        assert (host.link.counters.gaps, host.link.counters.missing) == (1, 7)
+        host.link.close()
+
+
+def test_an_unknown_protocol_is_refused_before_the_port_is_opened() -> None:
+    """The port need not even exist."""
+    with pytest.raises(UsageError, match="unknown protocol 'nmea'"):
+        Link(LinkOptions("/dev/ttyNONE", protocol="nmea"), lambda *_, **__: None)

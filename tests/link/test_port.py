@@ -1,0 +1,109 @@
+"""The port: exclusive, honest about why it cannot be opened, and quick to notice that it is gone."""
+
+import os
+import pty
+from pathlib import Path
+
+import pytest
+from support import Command, speaking_on
+
+from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
+from gyrodrift.link import port as port_module
+from gyrodrift.link.port import Port, PortGoneError, stable_name
+
+
+def test_bytes_come_as_they_were_sent(tmp_path: Path) -> None:
+    """No byte means anything to the line discipline, and an empty port is just empty."""
+    with speaking_on(tmp_path / "gyro") as device:
+        port = Port(str(tmp_path / "gyro"), 115200)
+        assert port.read() == b""
+        device.send(bytes(range(256)))
+        assert port.read() == bytes(range(256))
+        assert port.is_pty
+        port.close()
+
+
+def test_a_port_that_hung_up_gives_its_last_bytes_or_says_that_it_is_gone(tmp_path: Path) -> None:
+    """And says so again each time it is asked."""
+    with speaking_on(tmp_path / "gyro"):
+        port = Port(str(tmp_path / "gyro"), 115200)
+    for _ in range(2):
+        with pytest.raises(PortGoneError):
+            port.read()
+    with pytest.raises(PortGoneError):
+        port.set_baud(9600)
+    port.close()
+
+
+def test_a_missing_port_is_named() -> None:
+    """With what there is instead."""
+    with pytest.raises(PortMissingError, match=r"/dev/ttyNONE: there is no such port; (ports on|no serial port)"):
+        Port("/dev/ttyNONE", 115200)
+
+
+def test_a_link_whose_device_is_off_is_told_from_a_wrong_name(tmp_path: Path) -> None:
+    """The name is right, the device is not there."""
+    (tmp_path / "gyro").symlink_to("/dev/pts/99999")
+    with pytest.raises(PortMissingError, match="points to /dev/pts/99999, which is not there; is the device on"):
+        Port(str(tmp_path / "gyro"), 115200)
+
+
+def test_a_file_is_no_port(tmp_path: Path) -> None:
+    """Whatever it holds."""
+    (tmp_path / "file").write_text("0,1\n")
+    with pytest.raises(LinkError, match="this is not a serial port"):
+        Port(str(tmp_path / "file"), 115200)
+
+
+def test_a_baud_rate_that_the_system_cannot_do_is_a_usage_error(tmp_path: Path) -> None:
+    """It is never rounded to another one."""
+    with speaking_on(tmp_path / "gyro"), pytest.raises(UsageError, match="cannot use -5 baud"):
+        Port(str(tmp_path / "gyro"), -5)
+
+
+def test_a_busy_port_names_who_holds_it(tmp_path: Path) -> None:
+    """A second reader would steal bytes from the first."""
+    link = tmp_path / "gyro"
+    with speaking_on(link), Command("serve", "--port", link) as first:
+        first.until_log("link_open")
+        with pytest.raises(PortBusyError, match=rf"in use by \S+ \(pid {first.process.pid}\); stop that program first"):
+            Port(str(link), 115200)
+        assert first.stop() == 0
+
+
+def test_no_permission_names_the_group_to_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The system's refusal is played, since tests may run as root, who is refused nothing."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(port_module.serial, "Serial", refuse)
+    with speaking_on(tmp_path / "gyro"):
+        os.chown(tmp_path / "gyro", -1, 20)
+        with pytest.raises(
+            PortDeniedError,
+            match=r"no permission to open it; it belongs to group dialout: run 'sudo usermod -aG dialout \$USER'",
+        ):
+            Port(str(tmp_path / "gyro"), 115200)
+
+
+def test_an_adapter_is_remembered_by_its_stable_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It often comes back under another ttyUSB number; a name that is a link already is kept."""
+    monkeypatch.setattr(port_module, "BY_ID", tmp_path / "by-id")
+    assert stable_name("/dev/null") == "/dev/null"
+    (tmp_path / "by-id").mkdir()
+    (tmp_path / "by-id" / "usb-gyro").symlink_to("/dev/null")
+    assert stable_name("/dev/null") == str(tmp_path / "by-id" / "usb-gyro")
+    assert stable_name("/dev/zero") == "/dev/zero"
+    (tmp_path / "gyro").symlink_to("/dev/null")
+    assert stable_name(str(tmp_path / "gyro")) == str(tmp_path / "gyro")
+
+
+def test_only_ptys_count_as_ptys() -> None:
+    """Line capacity means nothing on them."""
+    master, slave = pty.openpty()
+    with Path("/dev/null").open() as null:
+        assert port_module._is_pty(slave)
+        assert not port_module._is_pty(null.fileno())
+    os.close(master)
+    os.close(slave)

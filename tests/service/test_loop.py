@@ -1,0 +1,87 @@
+"""The loop in this process: what it logs, and when it ends."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import structlog
+from support import never, speaking_on
+
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.sample import Corrected
+from gyrodrift.service import loop
+from gyrodrift.service.loop import Service
+from gyrodrift.service.news import News
+from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.sinks.json_lines import JsonLines
+
+
+class StopAfter:
+    """A sink that asks the service to stop when it has had enough."""
+
+    def __init__(self, stop: StopSignal, count: int) -> None:
+        self.stop, self.left = stop, count
+        self.closed = False
+
+    def on_sample(self, _corrected: Corrected) -> None:
+        self.left -= 1
+        self.stop.is_set = self.left <= 0
+
+    def flush(self) -> None:
+        pass
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.fixture
+def logged() -> Iterator[list[Any]]:
+    with structlog.testing.capture_logs() as events:
+        yield events
+
+
+def test_link_stats_say_all_that_a_stranger_needs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
+) -> None:
+    """Every ten seconds; here with each turn of the loop."""
+    monkeypatch.setattr(loop, "STATS_S", 0.0)
+    monkeypatch.setattr(loop, "CHORES_S", 0.0)
+    log = structlog.get_logger()
+    lines = b"".join(b"%d,0.5\n" % (i * 10_000) for i in range(100))
+    with speaking_on(tmp_path / "gyro") as device, StopSignal() as stop, Path("/dev/null").open("wb") as null:
+        sink = StopAfter(stop, 100)
+        link = Link(LinkOptions(str(tmp_path / "gyro")), News(log))
+        device.send_all(lines, never)
+        Service(link, JsonLines(null.fileno()), log, News(log), stop, more_sinks=[sink]).run()
+    stats = [event for event in logged if event["event"] == "link_stats"]
+    assert stats
+    assert set(stats[-1]) >= {
+        "rate_hz",
+        "samples",
+        "bytes",
+        "damaged",
+        "gaps",
+        "missing",
+        "rejected",
+        "reconnects",
+        "clock_ppm",
+        "lines_dropped",
+    }
+    assert (logged[-1]["event"], logged[-1]["samples"], logged[-1]["bytes"]) == ("service_end", 100, len(lines))
+    assert sink.closed
+
+
+def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
+    """The first at once, then at most one line a second, with nothing left out of the sum."""
+    now = [100.0]
+    news = News(structlog.get_logger(), lambda: now[0])
+    for missing in range(1, 11):
+        news("gap", missing=missing, seconds=0.01 * missing)
+        now[0] += 0.05
+    now[0] += 1.0
+    news.report_gaps()
+    gaps = [(event["holes"], event["missing"], event["longest_s"]) for event in logged]
+    assert gaps == [(1, 1, 0.01), (9, 54, 0.1)]
+    news.report_gaps()
+    assert len(logged) == 2

@@ -1,0 +1,46 @@
+"""Real recordings through the whole serial path: replay → pty → serve, against `filter` on the same file.
+
+What the filter makes of them is printed (pytest -s), not asserted: they are other sensors at other sample rates
+than its published parameters were found for.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import Command, Recordings
+
+from gyrodrift.cli import main
+from gyrodrift.session.session import load_session
+
+RECORDINGS = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep")
+
+
+def yaw_of_filter(session: Path, out: Path) -> list[float]:
+    assert main(["filter", str(session), "--out", str(out)]) == 0
+    with out.open() as file:
+        return [float(row["yaw_deg"]) for row in csv.DictReader(file)]
+
+
+@pytest.mark.parametrize("name", RECORDINGS)
+def test_a_real_recording_comes_out_of_serve_as_it_comes_out_of_filter(
+    name: str, tmp_path: Path, recordings: Recordings
+) -> None:
+    """Every sample arrives, and the yaw has the same bits."""
+    path, link = recordings.data / f"{name}.csv", tmp_path / "gyro"
+    session, expected = load_session(path), yaw_of_filter(path, tmp_path / "out.csv")
+    with Command("replay", path, "--link", link, "--speed", "max") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link) as serve:
+            lines = serve.take_lines(len(expected))
+            assert serve.stop() == 0
+    assert len(expected) == len(session.t_device_s)
+    assert [line["t_s"] for line in lines] == session.t_device_s.tolist()
+    assert [line["yaw_deg"] for line in lines] == expected
+    assert session.encoder_deg is not None
+    true_deg = session.encoder_deg - session.encoder_deg[0]
+    steps_s = np.diff(session.t_device_s, prepend=session.t_device_s[0])
+    euler_deg = np.cumsum(session.rate_dps * steps_s)
+    euler, hdr = (float(np.mean(np.abs(yaw - true_deg))) for yaw in (euler_deg, np.array(expected)))
+    print(f"\n{name:18} mean |yaw error|, deg: Euler {euler:8.2f}   HDR, published parameters {hdr:8.2f}")
