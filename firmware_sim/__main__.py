@@ -6,7 +6,8 @@ real device does; at --speed max it waits for one instead and loses nothing.
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from itertools import takewhile
 from pathlib import Path
 
@@ -39,16 +40,13 @@ def run(arguments: argparse.Namespace) -> int:
     rig = load_rig(arguments.rig)
     profile = load_profile(arguments.profile)
     frames = PROTOCOLS[arguments.protocol](measure(rig, profile, arguments.seed), rig.base)
-    device = PtyDevice(arguments.link, hello_frame(rig.base) if arguments.protocol == "native" else b"")
-    try:
+    greeting = hello_frame(rig.base) if arguments.protocol == "native" else b""
+    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, greeting)) as device:
         _tell(arguments, f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
-        with stopped_by_signals() as is_over:
-            frames = _for(frames, arguments.duration)
-            sent, lost = play(frames, device, arguments.speed, rig.base.host_delay_s, is_over)
-            if not is_over():
-                device.drain()
-    finally:
-        device.close()
+        frames = _for(frames, arguments.duration)
+        sent, lost = play(frames, device, arguments.speed, rig.base.host_delay_s, is_over)
+        if not is_over():
+            device.drain()
     _tell(arguments, f"{sent} samples sent, {lost} without a reader")
     return 0
 
@@ -68,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--rig", type=Path, help="rig file (default: the shipped config/rig.yaml)")
     parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
     parser.add_argument("--protocol", default="native", choices=sorted(PROTOCOLS))
-    parser.add_argument("--seed", type=int, default=0, help="of everything random (default 0)")
+    parser.add_argument("--seed", type=_seed, default=0, help="of everything random (default 0)")
     parser.add_argument(
         "--speed",
         type=_speed,
@@ -76,17 +74,35 @@ def _parser() -> argparse.ArgumentParser:
         help="device seconds in a second, or max for as fast as it is read",
     )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
-    parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds of device time")
+    parser.add_argument(
+        "--duration", type=_number(0.0, "seconds from 0 on"), metavar="S", help="stop after S seconds of device time"
+    )
     return parser
 
 
+def _number(least: float, what: str) -> Callable[[str], float]:
+    """A reader of numbers from `least` on."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not least <= value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text}: expected {what}")
+        return value
+
+    return read
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text}: expected a whole number from 0")
+    return int(text)
+
+
 def _speed(text: str) -> float | None:
-    if text == "max":
-        return None
-    speed = float(text)
-    if not 0.0 < speed < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text}: expected a number above 0, or max")
-    return speed
+    return None if text == "max" else _number(1e-6, "a number above 0, or max")(text)
 
 
 if __name__ == "__main__":

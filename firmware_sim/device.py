@@ -31,12 +31,13 @@ DRAINED_S = 0.05
 
 
 class LinkInUseError(Exception):
-    """The link's name is taken by something that is not a link of ours to replace."""
+    """The link's name cannot be made, or is taken by something that is no link to a pty."""
 
 
 class PtyDevice:
     """The master end of a pty whose slave is linked at `link`.
 
+    What a reader left unread waits for the next one, as in a real port; pyserial flushes it away when it opens.
     `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises.
     """
 
@@ -53,6 +54,7 @@ class PtyDevice:
         self._poller.register(self.fd, select.POLLIN | select.POLLPRI)
         self._unsent = b""
         self._flushed = False
+        self._opened_s: float | None = None
         try:
             _make_link(self.slave_name, link)
         except LinkInUseError:
@@ -69,16 +71,17 @@ class PtyDevice:
             self._listen()
         return True
 
+    def is_ready(self) -> bool:
+        """Whether a reader has opened the port and is done with it: what is sent then is not flushed away."""
+        if not self.has_reader():
+            self._opened_s = None
+            return False
+        self._opened_s = self._opened_s or time.monotonic()
+        return self._flushed or time.monotonic() - self._opened_s > OPENING_S
+
     def wait_for_reader(self, is_over: Callable[[], bool]) -> None:
-        """Wait until a reader has opened the port and is done with it: what is sent then is not flushed away."""
-        opened_s: float | None = None
-        while not is_over():
-            if not self.has_reader():
-                opened_s = None
-            elif self._flushed or (opened_s is not None and time.monotonic() - opened_s > OPENING_S):
-                return
-            elif opened_s is None:
-                opened_s = time.monotonic()
+        """Wait until a reader is ready."""
+        while not is_over() and not self.is_ready():
             time.sleep(0.005)
 
     def send(self, content: bytes) -> bool:
@@ -90,7 +93,9 @@ class PtyDevice:
         return True
 
     def send_all(self, content: bytes, is_over: Callable[[], bool]) -> bool:
-        """Send all of it at the pace of the reader; False where the reader left."""
+        """Send all of it at the pace of the reader; False where there is none that is ready, or where it left."""
+        if not self.is_ready():
+            return False
         self._unsent += content
         out = select.poll()
         out.register(self.fd, select.POLLOUT)
@@ -176,9 +181,9 @@ def play(
         if is_over():
             break
         if speed is None:
-            while not device.send_all(frame.content, is_over) and not is_over():
+            while not (has_gone := device.send_all(frame.content, is_over)) and not is_over():
                 device.wait_for_reader(is_over)
-            sent += frame.rows
+            sent += frame.rows if has_gone else 0
             continue
         due_s = origin_s + (frame.t_s + delay_s) / speed
         while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
@@ -205,14 +210,14 @@ def stopped_by_signals() -> Iterator[Callable[[], bool]]:
 
 def _make_link(target: str, link: Path) -> None:
     """Point the name at the pty in one step, so that a reader finds the old one or the new one."""
-    if link.exists() and not link.is_symlink():
-        raise LinkInUseError(f"{link} exists and is not a link; choose another name")
     fresh = link.with_name(f".{link.name}.{os.getpid()}")
     try:
+        if os.path.lexists(link) and not (link.is_symlink() and str(link.readlink()).startswith("/dev/pts/")):
+            raise LinkInUseError(f"{link} exists and is not a link to a pty; choose another name")
         link.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileNotFoundError):
-            fresh.unlink()
         fresh.symlink_to(target)
         fresh.replace(link)
     except OSError as error:
+        with suppress(OSError):
+            fresh.unlink()
         raise LinkInUseError(f"{link} cannot be made: {error.strerror}") from error

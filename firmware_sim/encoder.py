@@ -1,4 +1,4 @@
-"""The encoder: true angle in, counts out, the last whole one as real encoders give it."""
+"""The encoder: true angle in, the nearest count out."""
 
 import numpy as np
 from numpy.typing import NDArray

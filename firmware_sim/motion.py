@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from firmware_sim.yaml_file import Checked, load
+from firmware_sim.yaml_file import Checked, FileError, load
 
 Floats = NDArray[np.float64]
 Seconds = Annotated[float, Field(gt=0.0, le=1e6)]
@@ -154,5 +154,10 @@ def load_profile(name: str) -> Profile:
     FileError
         Where there is none, or it has mistakes.
     """
-    shipped = config_folder() / "profiles" / f"{name}.yaml"
-    return load(shipped if shipped.is_file() and not Path(name).is_file() else Path(name), Profile)
+    folder = config_folder() / "profiles"
+    if Path(name).is_file():
+        return load(Path(name), Profile)
+    shipped = sorted(path.stem for path in folder.glob("*.yaml"))
+    if name not in shipped:
+        raise FileError(f"{name}: there is no such profile; shipped are {', '.join(shipped)}, or give a file")
+    return load(folder / f"{name}.yaml", Profile)

@@ -9,7 +9,7 @@ from firmware_sim.motion import config_folder
 from firmware_sim.yaml_file import Checked, load
 
 ENCODER_CPR_MOST = 2**31 // 360
-"""A count is a 32-bit number on the wire; this leaves room for 180 turns either way."""
+"""A count is a 32-bit number on the wire; this leaves room for 360 turns either way."""
 
 
 class Base(Checked):
@@ -30,7 +30,7 @@ class Base(Checked):
         From the moment of a measurement to its bytes on the link, s.
     """
 
-    sample_rate_hz: Annotated[float, Field(ge=0.1, le=65535.0)] = 100.0
+    sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
     dps_per_lsb: Annotated[float, Field(gt=0.0, le=10.0)] = 0.00763
     noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.005
     bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0

@@ -5,6 +5,7 @@ Written from the protocol, not from the host's decoders: a codec that both ends 
 
 import struct
 from collections.abc import Callable, Iterator
+from math import floor, log10
 from typing import NamedTuple
 
 from firmware_sim.bench import Block
@@ -118,28 +119,35 @@ def native(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     for block in blocks:
         always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
         for seq, t_us, rate_raw, is_clipped, temp_centi_c, counts in block.rows():
-            if t_us * 1e-6 >= next_hello_s:
-                yield Frame(t_us * 1e-6, hello, 0)
+            if t_us / 1e6 >= next_hello_s:
+                yield Frame(t_us / 1e6, hello, 0)
                 next_hello_s += 1.0
             flags = always | (RATE_CLIPPED if is_clipped else 0)
-            yield Frame(t_us * 1e-6, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1)
+            yield Frame(t_us / 1e6, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1)
 
 
 def csv(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     """A banner, then a line for each measurement, as a hobby sketch prints them."""
     yield Frame(0.0, b"# t_us,rate_dps,encoder_deg,temp_c\r\n", 0)
+    deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
+    rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
     for block in blocks:
         for _, t_us, rate_raw, _, temp_centi_c, counts in block.rows():
-            angle_deg = round(counts * 360.0 / base.encoder_cpr, 4) if base.encoder_cpr else None
-            line = csv_line(t_us, round(rate_raw * base.dps_per_lsb, 5), angle_deg, temp_centi_c / 100.0)
-            yield Frame(t_us * 1e-6, line, 1)
+            angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
+            line = csv_line(t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0)
+            yield Frame(t_us / 1e6, line, 1)
+
+
+def _digits(step: float) -> int:
+    """Decimals that tell every multiple of a step from the next, with one to spare."""
+    return max(4, 2 - floor(log10(step)))
 
 
 def witmotion(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     """The frames of a WT901 for each measurement; it has no clock to tell, and no encoder."""
     for block in blocks:
         for _, t_us, rate_raw, _, temp_centi_c, _ in block.rows():
-            yield Frame(t_us * 1e-6, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
+            yield Frame(t_us / 1e6, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
 
 
 PROTOCOLS: dict[str, Speech] = {"native": native, "csv": csv, "witmotion": witmotion}

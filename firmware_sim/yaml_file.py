@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
 
 NUMBER = re.compile(r"[-+]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
@@ -37,8 +38,14 @@ class _Reader:
     def __init__(self) -> None:
         self.places: dict[Key, Place] = {(): (1, 1)}
         self.problems: list[tuple[Place, str]] = []
+        self._read: set[int] = set()
 
     def value(self, key: Key, node: yaml.Node | None) -> Any:
+        if isinstance(node, yaml.CollectionNode):
+            if id(node) in self._read:
+                self.problems.append((_place(node), f"{_dotted(key)}: is an alias (*); write it out"))
+                return None
+            self._read.add(id(node))
         if isinstance(node, yaml.MappingNode):
             return self._mapping(key, node)
         if isinstance(node, yaml.SequenceNode):
@@ -50,6 +57,9 @@ class _Reader:
     def _mapping(self, key: Key, node: yaml.MappingNode) -> dict[str, Any]:
         values: dict[str, Any] = {}
         for name_node, value_node in node.value:
+            if not isinstance(name_node, yaml.ScalarNode):
+                self.problems.append((_place(name_node), f"{_dotted(key)}: a key has to be a word"))
+                continue
             name = str(name_node.value)
             if name in values:
                 self.problems.append((_place(name_node), f"{_dotted((*key, name))}: is given twice"))
@@ -85,7 +95,8 @@ def load(path: Path, model: type[Model]) -> Model:
         checked = model.model_validate(value if value is not None else {})
     except ValidationError as error:
         for problem in error.errors(include_url=False):
-            reader.note(problem["loc"], _phrase(problem["type"], problem["msg"], problem["input"]))
+            if problem["type"] != "too_short" or not problem["input"]:  # a list of which nothing could be read
+                reader.note(problem["loc"], _phrase(problem))
     if reader.problems:
         lines = [f"{path}:{line}:{column} {text}" for (line, column), text in sorted(reader.problems)]
         raise FileError("\n".join(lines))
@@ -103,7 +114,7 @@ def _compose(path: Path) -> yaml.Node | None:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise FileError(f"{path}:{line}:1 is not YAML: {error.problem}") from error
     except yaml.YAMLError as error:
-        raise FileError(f"{path}:1:1 is not YAML: {error}") from error
+        raise FileError(f"{path}:1:1 is not YAML: {str(error).splitlines()[0]}") from error
     return node
 
 
@@ -118,12 +129,22 @@ def _scalar(node: yaml.Node) -> Any:
     return text
 
 
-def _phrase(kind: str, message: str, given: Any) -> str:
-    if kind == "extra_forbidden":
-        return "is not known here"
-    if kind == "missing":
-        return "is missing"
-    return f"is {given!r}; {message[0].lower()}{message[1:]}"
+def _phrase(problem: ErrorDetails) -> str:
+    """What is wrong, in the words of someone who writes YAML."""
+    given, limits = problem["input"], problem.get("ctx", {})
+    match problem["type"]:
+        case "extra_forbidden":
+            return "is not known here"
+        case "missing" | "union_tag_not_found":
+            return f"{limits.get('discriminator', '')} is missing".strip()
+        case "union_tag_invalid":
+            return f"{limits['tag']!r} is not known; known are {limits['expected_tags']}"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return f"is {given!r}; expected a block of keys"
+        case "tuple_type" | "list_type":
+            return f"is {given!r}; expected a list"
+        case _:
+            return f"is {given!r}; {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
 
 def _place(node: yaml.Node) -> Place:

@@ -24,11 +24,15 @@ Key = tuple[str | int, ...]
 
 @dataclass(slots=True)
 class YamlFile:
-    """A file as plain values, with the line and column of each key, and what is wrong with it."""
+    """A file as plain values, with the line and column of each key, and what is wrong with it.
+
+    `nodes` are the blocks and lists read so far, by which aliases are told.
+    """
 
     path: Path
     value: Any = None
     places: dict[Key, tuple[int, int]] = field(default_factory=dict)
+    nodes: set[int] = field(default_factory=set)
     _problems: list[tuple[int, int, str]] = field(default_factory=list)
 
     @property
@@ -78,6 +82,11 @@ def read_yaml(path: Path) -> YamlFile:
 
 def _value(read: YamlFile, key: Key, node: yaml.Node) -> Any:
     read.places.setdefault(key, _place(node))
+    if isinstance(node, yaml.CollectionNode):
+        if id(node) in read.nodes:
+            read.report(key, "is an alias (*), which may never end; write it out")
+            return None
+        read.nodes.add(id(node))
     if isinstance(node, yaml.MappingNode):
         return _mapping(read, key, node)
     if isinstance(node, yaml.SequenceNode):
@@ -88,6 +97,9 @@ def _value(read: YamlFile, key: Key, node: yaml.Node) -> Any:
 def _mapping(read: YamlFile, key: Key, node: yaml.MappingNode) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for name_node, value_node in node.value:
+        if not isinstance(name_node, yaml.ScalarNode):
+            read.report_at(*_place(name_node), "a key has to be a word")
+            continue
         name = str(name_node.value)
         child = (*key, name)
         if name in values:

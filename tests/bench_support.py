@@ -14,14 +14,13 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from firmware_sim.rig import Base
+from firmware_sim.wire import ENCODER_VALID, TEMPERATURE_VALID, csv_line, hello_frame, sample_frame
 from gyrodrift.filter import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.device_clock import DeviceClock
 from gyrodrift.link.native import NativeDecoder
 from gyrodrift.sample import Corrected
 from gyrodrift.service.sinks.json_lines import JsonLines
-
-from firmware_sim.rig import Base
-from firmware_sim.wire import ENCODER_VALID, TEMPERATURE_VALID, csv_line, hello_frame, sample_frame
 
 Process = subprocess.Popen[bytes]
 

@@ -14,6 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+import pytest
+
 from firmware_sim.device import PtyDevice
 
 PATIENCE_S = 20.0
@@ -115,3 +117,8 @@ def speaking_on(link: Path) -> Iterator[PtyDevice]:
 def never() -> bool:
     """For the pty, which asks whether it is over."""
     return False
+
+
+def near(value: float, tolerance: float | None = None) -> Any:
+    """`pytest.approx` where a field wants a number."""
+    return pytest.approx(value, abs=tolerance)

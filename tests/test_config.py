@@ -91,6 +91,13 @@ def test_all_mistakes_are_told_at_once_in_the_order_of_the_file(tmp_path: Path) 
     ]
 
 
+def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
+    """A block that contains itself, which PyYAML takes."""
+    assert "c.yaml:1:6 hdr.0: is an alias (*), which may never end; write it out" in problems(
+        tmp_path, "hdr: &a [*a]\n"
+    )
+
+
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     """With the system's reason."""
     with pytest.raises(ConfigError, match=r"nowhere\.yaml:1:1 cannot be read: No such file or directory"):

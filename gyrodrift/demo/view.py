@@ -40,8 +40,8 @@ def _summed_up(name: str, mean_deg: float, last_deg: float) -> str:
 
 def _angles(error: YawError) -> Table:
     table = Table(box=None, pad_edge=False)
-    for name in ("yaw", "degrees", "-180° … 180°", "error"):
-        table.add_column(name, justify="left" if name in ("yaw", "-180° … 180°") else "right")
+    for name in ("yaw", "degrees", "+180° … -180°", "error"):
+        table.add_column(name, justify="left" if name in ("yaw", "+180° … -180°") else "right")
     rows = (
         ("table (encoder)", error.true_deg, None, "white"),
         ("raw integration", error.raw_deg, error.raw_error_deg, RAW),

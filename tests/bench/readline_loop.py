@@ -4,6 +4,7 @@ import json
 import sys
 
 import serial
+
 from gyrodrift.filter import HdrParams, HdrState, coefficients, step
 
 
@@ -24,7 +25,7 @@ def main(port: str, count: int) -> None:
             "encoder_deg": encoder_deg,
             "temp_c": temp_c,
         }
-        print(json.dumps(line))  # noqa: T201 - this is what such a program does
+        print(json.dumps(line))
 
 
 if __name__ == "__main__":

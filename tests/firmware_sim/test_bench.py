@@ -55,7 +55,7 @@ def test_only_the_rate_is_random(turntable: Profile) -> None:
     assert [row[:2] + row[3:] for row in left] == [row[:2] + row[3:] for row in right]
 
 
-@pytest.mark.parametrize("rate_hz", [0.1, 33.3, 100.0, 1000.0, 65535.0])
+@pytest.mark.parametrize("rate_hz", [1.0, 33.3, 100.0, 1000.0, 65535.0])
 def test_counter_and_clock_go_together(turntable: Profile, rate_hz: float) -> None:
     """Sample n has number n and the time n over the sample rate, to the microsecond."""
     rows = first_rows(500, Rig(base=Base(sample_rate_hz=rate_hz)), turntable, block_samples=37)

@@ -85,7 +85,8 @@ def test_a_rate_out_of_range_is_clipped_and_says_so(rate_dps: float, count: int,
 def test_counts_are_16_bit_and_flags_are_truth_values() -> None:
     """The arrays have the types of the wire and the shape of the input."""
     counts, is_clipped = gyro(base()).measure(np.zeros(7))
-    assert (counts.dtype, is_clipped.dtype, counts.shape, is_clipped.shape) == (np.int16, np.bool_, (7,), (7,))
+    assert (str(counts.dtype), str(is_clipped.dtype)) == ("int16", "bool")
+    assert counts.shape == is_clipped.shape == (7,)
 
 
 @given(st.lists(st.integers(0, 200), max_size=8), st.integers(0, 2**32))

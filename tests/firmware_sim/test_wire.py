@@ -92,19 +92,12 @@ def test_the_crc_of_the_catalogue_is_met() -> None:
     assert wire.crc16_ccitt_false(b"123456789") == 0x29B1
 
 
-@given(st.floats(0.5, 65535.0), st.floats(1e-6, 10.0), st.integers(0, 2**31 // 360))
+@given(st.floats(1.0, 65535.0), st.floats(1e-6, 10.0), st.integers(0, 2**31 // 360))
 def test_hello_tells_rate_scale_and_encoder(rate_hz: float, lsb_dps: float, cpr: int) -> None:
     """The fields are those of the rig: rate in whole Hz, scale as a 32-bit float."""
     base = Base(sample_rate_hz=rate_hz, dps_per_lsb=lsb_dps, encoder_cpr=cpr)
     fields = struct.unpack("<BBHfI16s", opened(wire.hello_frame(base)))
     assert fields == (1, 1, round(rate_hz), np.float32(lsb_dps), cpr, b"firmware_sim".ljust(16, b"\0"))
-
-
-@pytest.mark.xfail(strict=True, reason="a rig of 0.1 Hz is valid, and its HELLO says 0 Hz")
-def test_hello_never_says_0_hz() -> None:
-    """The slowest rig that is accepted still tells a rate that a host can divide by."""
-    _, _, rate_hz = struct.unpack("<BBH", opened(wire.hello_frame(Base(sample_rate_hz=0.1)))[:4])
-    assert rate_hz > 0
 
 
 @given(st.integers(0, 7), ENDLESS, ENDLESS, i16, i16, st.integers(-(2**40), 2**40))
@@ -142,6 +135,13 @@ def test_native_frames_carry_the_measurements_in_order() -> None:
     for frame, (seq, t_us, raw, _, temp, counts) in islice(zip(frames, rows, strict=False), 1500):
         assert sample_of(frame.content) == (3, seq, t_us, raw, temp, counts)
         assert frame.t_s == pytest.approx(t_us * 1e-6)
+
+
+@pytest.mark.parametrize("speech", wire.PROTOCOLS.values(), ids=list(wire.PROTOCOLS))
+def test_the_time_of_a_frame_is_exact(speech: wire.Speech) -> None:
+    """A sample at 100 ms leaves at 0.1 s, and is not in the tenth of a second before."""
+    *_, frame = speech(block_at(10, 100_000), Base())
+    assert frame.t_s == 0.1
 
 
 def test_the_flags_say_what_is_valid() -> None:
@@ -185,7 +185,6 @@ def test_a_csv_line_tells_the_counts_of_the_shipped_rig(rate_raw: int, counts: i
     assert temp_c == 25.0
 
 
-@pytest.mark.xfail(strict=True, reason="csv rounds rates to 5 digits and angles to 4, whatever the rig's resolution")
 @pytest.mark.parametrize("base", [Base(dps_per_lsb=1e-6), Base(encoder_cpr=2**31 // 360)])
 def test_a_csv_line_tells_the_counts_of_the_finest_rig(base: Base) -> None:
     """A rig that is accepted is not made coarser by the text."""
@@ -207,8 +206,8 @@ def test_csv_without_encoder_has_no_angle() -> None:
     assert frame.content == b"0,0.0,nan,25.0\r\n"
 
 
-@given(st.integers(0, 255), i16, i16, i16, i16)
-def test_a_witmotion_frame_ends_with_its_sum(kind: int, *values: int) -> None:
+@given(st.integers(0, 255), st.tuples(i16, i16, i16, i16))
+def test_a_witmotion_frame_ends_with_its_sum(kind: int, values: tuple[int, int, int, int]) -> None:
     """Eleven bytes: head, kind, four values and the low byte of the sum of all before."""
     frame = wire.wt901_frame(kind, *values)
     assert struct.unpack("<BB4h", frame[:10]) == (0x55, kind, *values)
@@ -235,4 +234,5 @@ def test_witmotion_says_three_frames_for_each_measurement() -> None:
     base = Base()
     for number, frame in enumerate(islice(wire.witmotion(blocks_of(base), base), 600)):
         assert [frame.content[at : at + 2] for at in (0, 11, 22)] == [b"\x55\x51", b"\x55\x52", b"\x55\x53"]
-        assert (len(frame.content), frame.rows, frame.t_s) == (33, 1, pytest.approx(number * 0.01))
+        assert (len(frame.content), frame.rows) == (33, 1)
+        assert frame.t_s == pytest.approx(number * 0.01)

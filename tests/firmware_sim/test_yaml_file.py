@@ -1,13 +1,12 @@
 """Files read strictly: numbers are numbers, and every mistake is told with its place."""
 
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from pydantic import BaseModel
+from pydantic import Field
 
 from firmware_sim.yaml_file import Checked, FileError, load
 
@@ -26,7 +25,7 @@ class Desk(Checked):
     """Something with blocks and lists in it."""
 
     width_mm: float
-    drawers: list[Drawer] = []
+    drawers: tuple[Drawer, ...] = Field(default=(), strict=False)
 
 
 onto_one_file = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -46,6 +45,14 @@ def mistakes(folder: Path, text: str | bytes, model: type[Checked] = Desk) -> li
     with pytest.raises(FileError) as caught:
         load(path, model)
     return [line.removeprefix(f"{folder}/") for line in str(caught.value).splitlines()]
+
+
+def complaints(path: Path) -> list[str]:
+    try:
+        load(path, Desk)
+    except FileError as error:
+        return str(error).split("\n")
+    return []
 
 
 @onto_one_file
@@ -153,9 +160,9 @@ def test_a_model_with_defaults_takes_an_empty_file(tmp_path: Path) -> None:
 def test_what_was_read_cannot_be_changed(tmp_path: Path) -> None:
     """A checked value stays what the file says."""
     (tmp_path / "file.yaml").write_text("width_mm: 1\n")
-    desk: BaseModel = load(tmp_path / "file.yaml", Desk)
+    desk = load(tmp_path / "file.yaml", Desk)
     with pytest.raises(ValueError, match="frozen"):
-        desk.width_mm = 2.0  # type: ignore[attr-defined]  # the frozen model would be caught here already
+        desk.width_mm = 2.0
 
 
 @onto_one_file
@@ -164,27 +171,19 @@ def test_any_text_is_read_or_told_about(tmp_path: Path, text: str) -> None:
     """Whatever is in the file, there is a value or a FileError, whose every line names the file."""
     path = tmp_path / "file.yaml"
     path.write_text(text)
-    with suppress(FileError):
-        try:
-            load(path, Desk)
-        except FileError as error:
-            assert all(line.startswith(f"{path}:") for line in str(error).split("\n"))
-            raise
+    assert all(line.startswith(f"{path}:") for line in complaints(path))
 
 
-@pytest.mark.xfail(strict=True, raises=RecursionError, reason="an alias inside its own anchor is followed for ever")
 def test_a_block_that_contains_itself_is_a_mistake(tmp_path: Path) -> None:
     """YAML allows a list in itself; a rig does not."""
-    assert len(mistakes(tmp_path, "width_mm: 1\ndrawers: &all [*all]\n")) == 1
+    assert any("is an alias" in line for line in mistakes(tmp_path, "width_mm: 1\ndrawers: &all [*all]\n"))
 
 
-@pytest.mark.xfail(strict=True, reason="PyYAML's message about a character goes over two lines")
 def test_a_control_character_is_told_in_one_line(tmp_path: Path) -> None:
     """A stray control character is one mistake and one line."""
     assert len(mistakes(tmp_path, "width_mm: \x01\n")) == 1
 
 
-@pytest.mark.xfail(strict=True, reason="the key is printed as PyYAML's nodes")
 def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
     """A list as a key is a mistake of the file's, told without the inside of the parser."""
     assert "ScalarNode" not in "".join(mistakes(tmp_path, "width_mm: 1\n? [a]\n: 1\n"))

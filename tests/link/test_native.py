@@ -5,6 +5,7 @@ from math import isnan
 import golden_frames as golden
 import pytest
 from golden_frames import NativeSample
+from support import near
 
 from firmware_sim.wire import native_frame
 from gyrodrift.link.decoder import DeviceFacts
@@ -18,7 +19,7 @@ def test_hello_tells_the_facts() -> None:
     """Of the device and its scale."""
     decoder = NativeDecoder()
     assert decoder.push(golden.HELLO) == []
-    assert decoder.facts == DeviceFacts("firmware_sim", 100.0, pytest.approx(LSB), 36000)
+    assert decoder.facts == DeviceFacts("firmware_sim", 100.0, near(LSB), 36000)
 
 
 @pytest.mark.parametrize("sample", golden.SAMPLES)

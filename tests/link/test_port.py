@@ -5,6 +5,7 @@ import pty
 from pathlib import Path
 
 import pytest
+import serial
 from support import Command, speaking_on
 
 from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
@@ -77,7 +78,7 @@ def test_no_permission_names_the_group_to_join(tmp_path: Path, monkeypatch: pyte
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(port_module.serial, "Serial", refuse)
+    monkeypatch.setattr(serial, "Serial", refuse)
     with speaking_on(tmp_path / "gyro"):
         os.chown(tmp_path / "gyro", -1, 20)
         with pytest.raises(

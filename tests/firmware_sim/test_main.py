@@ -1,0 +1,204 @@
+"""The command `python -m firmware_sim`, as a process and through its pty."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import serial
+from golden_frames import HELLO
+from support import PATIENCE_S, Command
+
+A_MINUTE_OF_CSV = ("--speed", "max", "--protocol", "csv", "--duration", "60")
+
+SIGNAL_AT_THE_LINK = """
+import os, signal, sys
+from firmware_sim import __main__ as command
+
+class Device(command.PtyDevice):
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+command.PtyDevice = Device
+sys.exit(command.main())
+"""
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Path:
+    return tmp_path / "gyro"
+
+
+def simulator(*arguments: str | Path) -> Command:
+    return Command(*arguments, module="firmware_sim")
+
+
+def ended(*arguments: str | Path) -> tuple[int, list[str]]:
+    """The exit status and the lines of the log of a command that ends by itself."""
+    with simulator(*arguments) as command:
+        return command.end(), command.log.splitlines()
+
+
+def wait_for(link: Path, command: Command) -> None:
+    """Wait, without a pause, so that the next line runs in the moment that the link stands."""
+    while not link.is_symlink():
+        assert command.process.poll() is None, "it ended without a link"
+
+
+def port_on(command: Command, link: Path) -> serial.Serial:
+    wait_for(link, command)
+    return serial.Serial(str(link), timeout=PATIENCE_S)
+
+
+def test_help_names_every_option_with_its_unit() -> None:
+    """Asking for help is no mistake, and its text goes to stdout."""
+    with simulator("--help") as command:
+        assert command.end() == 0
+        for option in ("--link", "--rig", "--profile", "--protocol", "--seed", "--speed", "--duration", "seconds"):
+            assert option in command.out
+        assert not command.log
+
+
+def test_a_link_is_required() -> None:
+    """Without a name for the pty there is nothing to do."""
+    status, log = ended()
+    assert status == 2
+    assert "--link" in log[-1]
+
+
+def test_an_unknown_profile_is_one_clear_line(link: Path) -> None:
+    """It is wrong usage, and the line names what was asked for."""
+    status, log = ended("--link", link, "--profile", "loop-the-loop")
+    assert (status, len(log)) == (2, 1)
+    assert log[0].startswith("firmware_sim: ")
+    assert "loop-the-loop" in log[0]
+    assert not link.is_symlink()
+
+
+def test_an_unknown_profile_is_answered_with_the_shipped_ones(link: Path) -> None:
+    """Whoever misspells a profile reads which ones there are."""
+    _, log = ended("--link", link, "--profile", "turntabel")
+    assert "turntable" in log[0]
+
+
+def test_every_mistake_in_a_rig_is_a_line(link: Path, tmp_path: Path) -> None:
+    """Two mistakes are two lines with their places, and no link is made."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base:\n  bias_dps: 99\n  noise: 0\n")
+    status, log = ended("--link", link, "--rig", rig)
+    assert status == 2
+    assert [line.split(": ")[:2] for line in log] == [
+        ["firmware_sim", f"{rig}:2:3 base.bias_dps"],
+        ["firmware_sim", f"{rig}:3:3 base.noise"],
+    ]
+    assert not link.is_symlink()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--protocol", "nmea", "invalid choice"),
+        ("--speed", "0", "expected a number above 0, or max"),
+        ("--speed", "nan", "expected a number above 0, or max"),
+        ("--duration", "long", "--duration"),
+        pytest.param("--speed", "fast", "or max"),
+        pytest.param("--seed", "-1", "--seed"),
+        pytest.param("--duration", "nan", "--duration"),
+        pytest.param("--duration", "-1", "--duration"),
+    ],
+)
+def test_a_value_that_makes_no_sense_is_wrong_usage(link: Path, option: str, value: str, words: str) -> None:
+    """The last line says which option, and what it expects."""
+    status, log = ended("--link", link, "--speed", "max", "--duration", "0", option, value)
+    assert status == 2
+    assert words in log[-1]
+
+
+def test_a_file_at_the_link_is_left_alone(link: Path) -> None:
+    """A name that is taken by a file is a failure of the link, told in one line."""
+    link.write_text("precious")
+    status, log = ended("--link", link)
+    assert (status, log) == (3, [f"firmware_sim: {link} exists and is not a link to a pty; choose another name"])
+    assert link.read_text() == "precious"
+
+
+def test_a_name_too_long_is_a_failure_of_the_link(link: Path) -> None:
+    """A name that the file system refuses is told in one line, too."""
+    status, log = ended("--link", link.with_name("y" * 300))
+    assert (status, len(log)) == (3, 1)
+
+
+def test_it_ends_by_itself_after_its_duration(link: Path) -> None:
+    """Without a reader it plays to the end, counts what was lost, and takes its link away."""
+    status, log = ended("--link", link, "--duration", "0.095")
+    assert status == 0
+    assert log[-1] == "firmware_sim: 0 samples sent, 10 without a reader"
+    assert log[0].startswith(f"firmware_sim: native on {link} (/dev/pts/")
+    assert not link.is_symlink()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_well(link: Path, number: int) -> None:
+    """While it speaks, a signal makes it stop, take its link away and end with 0."""
+    with simulator("--link", link) as command:
+        with port_on(command, link) as port:
+            assert port.read(1)
+        assert command.stop(number) == 0
+        assert not link.is_symlink()
+        assert "samples sent" in command.log
+
+
+def test_a_signal_right_after_the_link_ends_it_well(link: Path) -> None:
+    """There is no moment in which the link stands and a signal leaves it behind."""
+    ending = subprocess.run([sys.executable, "-c", SIGNAL_AT_THE_LINK, "--link", str(link)], check=False)
+    assert ending.returncode == 0
+    assert not link.is_symlink()
+
+
+def test_a_reader_hears_hello_first(link: Path) -> None:
+    """Whoever opens the port can tell the scale at once, without waiting for the next second."""
+    with simulator("--link", link) as command, port_on(command, link) as port:
+        assert port.read_until(b"\0") == HELLO
+
+
+@pytest.mark.parametrize(("protocol", "start"), [("csv", b"#0123456789"), ("witmotion", b"\x55")])
+def test_it_speaks_the_protocol_asked_for(link: Path, protocol: str, start: bytes) -> None:
+    """The first byte that a reader gets is one that the protocol begins with."""
+    with simulator("--link", link, "--protocol", protocol) as command, port_on(command, link) as port:
+        assert port.read(1) in [bytes([byte]) for byte in start]
+
+
+def test_at_full_speed_nothing_is_missing_between_the_first_and_the_last(link: Path) -> None:
+    """A minute arrives without a gap up to its last line, and the device ends when that is read."""
+    with simulator("--link", link, *A_MINUTE_OF_CSV) as command:
+        with port_on(command, link) as port:
+            port.readline()  # begun, perhaps, before the port was open
+            times_us = [int(port.readline().split(b",")[0])]
+            while times_us[-1] < 59_990_000:
+                times_us.append(int(port.readline().split(b",")[0]))
+            assert command.end() == 0
+        assert times_us == list(range(times_us[0], 60_000_000, 10_000))
+        assert "6000 samples sent, 0 without a reader" in command.log
+
+
+def test_at_full_speed_nothing_is_missing_at_the_start(link: Path) -> None:
+    """A reader that opens the port as soon as it is there gets the very first line."""
+    with simulator("--link", link, *A_MINUTE_OF_CSV) as command, port_on(command, link) as port:
+        assert port.readline().startswith(b"#")
+        assert port.readline().startswith(b"0,")
+
+
+def test_quiet_says_nothing_but_errors(link: Path) -> None:
+    """With --quiet a run that goes well leaves the log empty."""
+    assert ended("--link", link, "--duration", "0", "--quiet") == (0, [])
+
+
+def test_two_readers_one_after_the_other_are_both_served(link: Path) -> None:
+    """The device does not mind that the first one leaves."""
+    with simulator("--link", link) as command:
+        for _ in range(2):
+            with port_on(command, link) as port:
+                assert port.read_until(b"\0") == HELLO
+        assert command.stop() == 0
