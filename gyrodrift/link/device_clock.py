@@ -24,6 +24,9 @@ HOLE_PERIODS = 1.5
 
 FALLBACK_PERIOD_S = 0.01
 
+FIT_EVERY_S = 0.02
+"""The line through (device time, arrival) takes no more points than this: they cost more than the samples."""
+
 
 class DeviceClock:
     """Unwraps a microsecond clock and a 16-bit counter.
@@ -48,6 +51,8 @@ class DeviceClock:
         self._arrival_s = 0.0
         self._suspect: Reading | None = None
         self._in_doubt = False
+        self._usual_us = 0.0
+        self._fit_due_s = float("-inf")
 
     @property
     def drift_ppm(self) -> float | None:
@@ -62,15 +67,34 @@ class DeviceClock:
         """Samples on the unwrapped device clock."""
         samples: list[Sample] = []
         for reading in readings:
-            if self._last is None:
+            last = self._last
+            if last is None:
                 self._time_us, self._seq = reading.t_us or 0, reading.seq or 0
                 self._move(reading, 0, 0, arrival_s, samples)
+            elif self._is_next(last, reading):
+                self._move(reading, (reading.t_us or 0) - (last.t_us or 0), 1, arrival_s, samples)
             else:
-                self._judge(self._last, reading, arrival_s, samples)
+                self._judge(last, reading, arrival_s, samples)
         if samples:
-            self._fit.add(self._time_us * 1e-6, arrival_s)
             self._arrival_s = arrival_s
+            if arrival_s >= self._fit_due_s:
+                self._fit.add(self._time_us * 1e-6, arrival_s)
+                self._fit_due_s = arrival_s + FIT_EVERY_S
         return samples
+
+    def _is_next(self, last: Reading, reading: Reading) -> bool:
+        """The common case, told as cheaply as can be: one on by the counter, about a period on by the clock."""
+        t_us, seq, last_us, last_seq = reading.t_us, reading.seq, last.t_us, last.seq
+        return (
+            seq is not None
+            and last_seq is not None
+            and t_us is not None
+            and last_us is not None
+            and seq - last_seq == 1
+            and 0 < t_us - last_us < self._usual_us
+            and self._suspect is None
+            and not self._in_doubt
+        )
 
     def _judge(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
         step_us = _clock_step(last, reading)
@@ -136,6 +160,7 @@ class DeviceClock:
         self._steps_s.append(step_s)
         if len(self._steps_s) == PERIOD_STEPS or (not self.period_s and len(self._steps_s) == 3):
             self.period_s = median(self._steps_s)
+            self._usual_us = HOLE_PERIODS * self.period_s * 1e6
             self._steps_s.clear()
 
     def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:

@@ -67,6 +67,8 @@ class Service:
     state: HdrState = field(default_factory=HdrState)
     _marks: _Marks = field(default_factory=_Marks)
     _coefficients: HdrCoefficients = field(init=False)
+    _poller: select.poll = field(init=False)
+    _waited_for: dict[int | None, int] = field(default_factory=dict)
 
     def run(self) -> None:
         """Run until the signal to stop.
@@ -106,14 +108,16 @@ class Service:
                 self._do_chores(now_s)
 
     def _wait(self) -> None:
-        poller = select.poll()
-        poller.register(self.stop.fd, select.POLLIN)
-        link_fd = self.link.fileno()
-        if link_fd is not None:
-            poller.register(link_fd, select.POLLIN)
+        wanted = {self.stop.fd: select.POLLIN, self.link.fileno(): select.POLLIN}
         if self.output.is_waiting:
-            poller.register(self.output.fd, select.POLLOUT)
-        poller.poll(min(self.link.wake_s(), CHORES_S) * 1e3)
+            wanted[self.output.fd] = select.POLLOUT
+        if wanted != self._waited_for:
+            self._poller = select.poll()
+            for fd, events in wanted.items():
+                if fd is not None:
+                    self._poller.register(fd, events)
+            self._waited_for = wanted
+        self._poller.poll(min(self.link.wake_s(), CHORES_S) * 1e3)
 
     def _filter(self, samples: list[Sample], sinks: "Sequence[Sink]") -> None:
         coefficients_now, state = self._coefficients, self.state

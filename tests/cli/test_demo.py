@@ -46,5 +46,5 @@ def test_a_bad_profile_is_told_and_ends_it() -> None:
     """With the words of the simulator and the status of a broken link."""
     with Command("demo", "--profile", "nowhere") as demo:
         assert demo.end() == 3
-    assert "nowhere: cannot be read" in demo.log
+    assert "nowhere: there is no such profile; shipped are " in demo.log
     assert "Traceback" not in demo.log

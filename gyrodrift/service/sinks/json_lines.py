@@ -75,17 +75,19 @@ class JsonLines:
             self._write()
 
     def _enqueue(self) -> None:
-        piece = ""
-        for line in self._batch:
+        piece = self._batch[0]
+        for line in self._batch[1:]:
             if len(piece) + len(line) > PIECE_BYTES:
-                self._queue.append(piece.encode())
-                self._queue_bytes += len(piece)
+                self._append(piece)
                 piece = ""
             piece += line
-        self._queue.append(piece.encode())
-        self._queue_bytes += len(piece)
+        self._append(piece)
         while self._queue_bytes > LONGEST_QUEUE_BYTES and len(self._queue) > 2:
             self._drop_oldest()
+
+    def _append(self, piece: str) -> None:
+        self._queue.append(piece.encode())
+        self._queue_bytes += len(piece)
 
     def _drop_oldest(self) -> None:
         """Drop the oldest piece that has not begun to be sent."""
