@@ -14,7 +14,7 @@ from pathlib import Path
 from firmware_sim.bench import measure
 from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
 from firmware_sim.motion import load_profile
-from firmware_sim.rig import load_rig
+from firmware_sim.rig import load_rig, parse_effect, with_effects
 from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
 from firmware_sim.yaml_file import FileError
 
@@ -37,14 +37,14 @@ def main(argv: list[str] | None = None) -> int:
 
 def run(arguments: argparse.Namespace) -> int:
     """Play the rig on a pty until a signal comes or the time is over."""
-    rig = load_rig(arguments.rig)
+    rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
     profile = load_profile(arguments.profile)
     frames = PROTOCOLS[arguments.protocol](measure(rig, profile, arguments.seed), rig.base)
     greeting = hello_frame(rig.base) if arguments.protocol == "native" else b""
     with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, greeting)) as device:
         _tell(arguments, f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
         frames = _for(frames, arguments.duration)
-        sent, lost = play(frames, device, arguments.speed, rig.base.host_delay_s, is_over)
+        sent, lost = play(frames, device, arguments.speed, is_over)
         if not is_over():
             device.drain()
     _tell(arguments, f"{sent} samples sent, {lost} without a reader")
@@ -64,6 +64,13 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m firmware_sim", description=__doc__)
     parser.add_argument("--link", type=Path, required=True, help="name that the pty is linked at")
     parser.add_argument("--rig", type=Path, help="rig file (default: the shipped config/rig.yaml)")
+    parser.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help="an effect more than the rig has, of typical size where nothing is said (may be given again)",
+    )
     parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
     parser.add_argument("--protocol", default="native", choices=sorted(PROTOCOLS))
     parser.add_argument("--seed", type=_seed, default=0, help="of everything random (default 0)")

@@ -1,20 +1,28 @@
 """The whole bench: profile → gyro and encoder → measurements, block by block, so that memory stays bounded.
 
-The same rig, profile and seed give the same measurements, whatever the size of the blocks.
+A measurement comes about as in a real rig. The motion is known in closed form. The gyro sees it (late, perhaps), on
+a grid fine enough for what acts in continuous time; noise joins it there; then it is sampled, bent, biased, and
+rounded to counts. The encoder sees the same motion with errors of its own. The clock stamps, the link delivers.
+
+The same rig, profile, seed and session number give the same measurements.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import ceil
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_sim import encoder
-from firmware_sim.gyro import Gyro
-from firmware_sim.motion import Floats, Profile
+from firmware_sim.effects.catalogue import ORDER
+from firmware_sim.effects.effect import Act, Floats, Moments, Place
+from firmware_sim.effects.environment import sensor_temperature_c
+from firmware_sim.motion import Profile
 from firmware_sim.rig import Rig
 
-AMBIENT_C = 25.0
+BLOCK_SAMPLES = 4096
+COUNTS_MOST = 32767
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +30,11 @@ class Block:
     """Measurements in the order they were taken; every array has the shape (n,).
 
     seq
-        Counter from 0, not wrapped.
+        Counter from 0, not wrapped; samples that the link lost leave holes.
     t_device_us
         Device clock from 0, µs, not wrapped.
+    t_host_s
+        When the host has the sample, s after power-on by the host's clock.
     rate_raw, is_clipped
         Rate in counts, and whether it left the range.
     temp_centi_c
@@ -35,16 +45,18 @@ class Block:
 
     seq: NDArray[np.int64]
     t_device_us: NDArray[np.int64]
+    t_host_s: Floats
     rate_raw: NDArray[np.int16]
     is_clipped: NDArray[np.bool_]
     temp_centi_c: NDArray[np.int16]
     encoder_counts: NDArray[np.int64]
 
-    def rows(self) -> Iterator[tuple[int, int, int, bool, int, int]]:
+    def rows(self) -> Iterator[tuple[int, int, float, int, bool, int, int]]:
         """One measurement after the other, as plain numbers in the order of the arrays."""
         return zip(
             self.seq.tolist(),
             self.t_device_us.tolist(),
+            self.t_host_s.tolist(),
             self.rate_raw.tolist(),
             self.is_clipped.tolist(),
             self.temp_centi_c.tolist(),
@@ -52,23 +64,95 @@ class Block:
             strict=True,
         )
 
+    def only(self, kept: NDArray[np.bool_]) -> "Block":
+        """The measurements where `kept` is true."""
+        return Block(
+            self.seq[kept],
+            self.t_device_us[kept],
+            self.t_host_s[kept],
+            self.rate_raw[kept],
+            self.is_clipped[kept],
+            self.temp_centi_c[kept],
+            self.encoder_counts[kept],
+        )
 
-def measure(rig: Rig, profile: Profile, seed: int, block_samples: int = 4096) -> Iterator[Block]:
-    """Measurements of a rig that plays a profile, without end."""
-    base = rig.base
-    gyro = Gyro(base, np.random.default_rng(seed))
+
+def measure(
+    rig: Rig, profile: Profile, seed: int, session: int = 0, block_samples: int = BLOCK_SAMPLES
+) -> Iterator[Block]:
+    """Measurements of a rig that plays a profile, without end; `session` numbers the runs of one seed."""
+    bench = _Bench(rig, profile, seed, session)
     first = 0
     while True:
-        seq = np.arange(first, first + block_samples)
-        t_s: Floats = seq / base.sample_rate_hz
-        angle_deg, rate_dps = profile.at(t_s)
-        rate_raw, is_clipped = gyro.measure(rate_dps)
-        yield Block(
-            seq=seq,
-            t_device_us=np.rint(t_s * 1e6).astype(np.int64),
-            rate_raw=rate_raw,
-            is_clipped=is_clipped,
-            temp_centi_c=np.full(block_samples, round(AMBIENT_C * 100), np.int16),
-            encoder_counts=encoder.counts(angle_deg, base.encoder_cpr),
-        )
+        yield bench.block(first, block_samples)
         first += block_samples
+
+
+class _Bench:
+    """The acts of one session's effects, by place, and what they need from block to block."""
+
+    def __init__(self, rig: Rig, profile: Profile, seed: int, session: int) -> None:
+        self._base, self._profile = rig.base, profile
+        self._rate_hz = rig.base.sample_rate_hz
+        finest_s = min([effect.finest_step_s() for effect in rig.effects], default=float("inf"))
+        self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
+        sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine / 2.0)
+        noise = np.random.default_rng([seed, session])
+        self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
+        self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
+        twins: dict[str, int] = {}
+        for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
+            twins[effect.name] = twins.get(effect.name, 0) + 1
+            rng = np.random.default_rng([seed, session, crc32(effect.name.encode()), twins[effect.name]])
+            place = self._acts[effect.place]
+            act = effect.begin(rng, self._rate_hz)
+            if effect.name == "vibration":
+                place.insert(0, act)  # before the low-pass, as the noise is
+            else:
+                place.append(act)
+
+    def _moments(self, t_s: Floats, step_s: float) -> Moments:
+        angle_deg, rate_dps = self._profile.at(t_s)
+        powered_s = np.maximum(t_s, 0.0) + self._profile.powered_s
+        temp_c = sensor_temperature_c(self._profile.ambient_at(t_s), powered_s)
+        return Moments(t_s, powered_s, angle_deg, rate_dps, temp_c, step_s)
+
+    def _through(self, place: Place, values: Floats, moments: Moments) -> Floats:
+        for act in self._acts[place]:
+            values = act(values, moments)
+        return values
+
+    def block(self, first: int, count: int) -> Block:
+        """Measurements number `first` to `first + count`."""
+        seq = np.arange(first, first + count)
+        truth = self._moments(seq / self._rate_hz, 1.0 / self._rate_hz)
+        rate_dps = self._rate(first, count, truth)
+        counts = np.rint(rate_dps / self._base.dps_per_lsb)
+        angle_deg = self._through(Place.COUNTS, self._through(Place.ENCODER, truth.angle_deg, truth), truth)
+        stamp_s = self._through(Place.CLOCK, truth.t_s, truth)
+        arrival_s = self._through(Place.ARRIVAL, truth.t_s + self._base.host_delay_s, truth)
+        arrived = ~np.isnan(arrival_s)
+        block = Block(
+            seq=seq,
+            t_device_us=np.rint(stamp_s * 1e6).astype(np.int64),
+            t_host_s=arrival_s,
+            rate_raw=np.clip(counts, -COUNTS_MOST, COUNTS_MOST).astype(np.int16),
+            is_clipped=np.abs(counts) > COUNTS_MOST,
+            temp_centi_c=np.rint(truth.temp_c * 100.0).astype(np.int16),
+            encoder_counts=np.floor(angle_deg / 360.0 * self._base.encoder_cpr + 0.5).astype(np.int64),
+        )
+        return block if arrived.all() else block.only(arrived)
+
+    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
+        """What the device reads out, deg/s: seen on the fine grid, sampled at each last point of a sample's stretch."""
+        fine_rate_hz = self._rate_hz * self._fine
+        points = np.arange(first * self._fine - self._fine + 1, (first + count - 1) * self._fine + 1)
+        fine = truth if self._fine == 1 else self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
+        seen_s = self._through(Place.LAG, fine.t_s, fine)
+        motion_dps = fine.rate_dps if seen_s is fine.t_s else self._profile.at(seen_s)[1]
+        rate_dps = self._through(Place.ANALOGUE, motion_dps, fine)[self._fine - 1 :: self._fine]
+        # What depends on the rate depends on the one that is seen, not on the one that is.
+        seen = replace(truth, rate_dps=motion_dps[self._fine - 1 :: self._fine])
+        for place in (Place.RATE, Place.OUTPUT, Place.HOLD):
+            rate_dps = self._through(place, rate_dps, seen)
+        return rate_dps

@@ -158,7 +158,6 @@ def play(
     frames: Iterator[Frame],
     device: PtyDevice,
     speed: float | None,
-    delay_s: float = 0.0,
     is_over: Callable[[], bool] = lambda: False,
 ) -> tuple[int, int]:
     """Send frames at their times.
@@ -167,8 +166,6 @@ def play(
     ----------
     speed
         How many device seconds pass in a second; None for as fast as the reader takes them, none lost.
-    delay_s
-        From the time of a frame to its bytes on the link, s of the device.
 
     Returns
     -------
@@ -185,7 +182,7 @@ def play(
                 device.wait_for_reader(is_over)
             sent += frame.rows if has_gone else 0
             continue
-        due_s = origin_s + (frame.t_s + delay_s) / speed
+        due_s = origin_s + frame.t_s / speed
         while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
             time.sleep(min(early_s, LONGEST_NAP_S))
         if device.send(frame.content):

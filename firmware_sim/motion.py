@@ -1,113 +1,54 @@
-"""What the turntable does: a profile is a list of segments, each with an exact rate and an exact angle.
+"""What the turntable does: a profile is a list of segments, each with a rate and the exact angle that belongs to it.
 
 Profiles live in `config/profiles/`. A device runs for ever, so a profile starts again when it is over.
 """
 
 from functools import cached_property
-from math import pi
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from firmware_sim.effects.effect import Floats
+from firmware_sim.segments import Chirp, Drive, Hold, Multisine, Ramp, Rest, Sine, Steps
 from firmware_sim.yaml_file import Checked, FileError, load
 
-Floats = NDArray[np.float64]
-Seconds = Annotated[float, Field(gt=0.0, le=1e6)]
-RateDps = Annotated[float, Field(ge=-4000.0, le=4000.0)]
-FrequencyHz = Annotated[float, Field(gt=0.0, le=1000.0)]
+Segment = Annotated[Rest | Ramp | Hold | Steps | Sine | Chirp | Multisine | Drive, Field(discriminator="kind")]
 
 
-class Rest(Checked):
-    """Standing still for `seconds`."""
+class Ambient(Checked):
+    """The air around the sensor is at `temp_c` at `at_s` into the profile, and in between on a straight line."""
 
-    kind: Literal["rest"]
-    seconds: Seconds
-
-    def end_rate_dps(self, start_dps: float) -> float:
-        """Rate after the segment, deg/s."""
-        return 0.0
-
-    def rate_dps(self, t_s: Floats, start_dps: float) -> Floats:
-        """Rate at `t_s` into the segment, deg/s."""
-        return np.zeros_like(t_s)
-
-    def angle_deg(self, t_s: Floats, start_dps: float) -> Floats:
-        """Angle gained at `t_s` into the segment, degrees."""
-        return np.zeros_like(t_s)
-
-
-class Ramp(Checked):
-    """From the present rate to `to_dps` at constant acceleration."""
-
-    kind: Literal["ramp"]
-    seconds: Seconds
-    to_dps: RateDps
-
-    def end_rate_dps(self, start_dps: float) -> float:
-        """Rate after the segment, deg/s."""
-        return self.to_dps
-
-    def rate_dps(self, t_s: Floats, start_dps: float) -> Floats:
-        """Rate at `t_s` into the segment, deg/s."""
-        return start_dps + (self.to_dps - start_dps) * t_s / self.seconds
-
-    def angle_deg(self, t_s: Floats, start_dps: float) -> Floats:
-        """Angle gained at `t_s` into the segment, degrees."""
-        return start_dps * t_s + 0.5 * (self.to_dps - start_dps) * t_s**2 / self.seconds
-
-
-class Hold(Checked):
-    """Going on at the present rate."""
-
-    kind: Literal["hold"]
-    seconds: Seconds
-
-    def end_rate_dps(self, start_dps: float) -> float:
-        """Rate after the segment, deg/s."""
-        return start_dps
-
-    def rate_dps(self, t_s: Floats, start_dps: float) -> Floats:
-        """Rate at `t_s` into the segment, deg/s."""
-        return np.full_like(t_s, start_dps)
-
-    def angle_deg(self, t_s: Floats, start_dps: float) -> Floats:
-        """Angle gained at `t_s` into the segment, degrees."""
-        return start_dps * t_s
-
-
-class Sine(Checked):
-    """The present rate plus a sine of `amplitude_dps` at `frequency_hz`."""
-
-    kind: Literal["sine"]
-    seconds: Seconds
-    amplitude_dps: RateDps
-    frequency_hz: FrequencyHz
-
-    def end_rate_dps(self, start_dps: float) -> float:
-        """Rate after the segment, deg/s."""
-        return start_dps
-
-    def rate_dps(self, t_s: Floats, start_dps: float) -> Floats:
-        """Rate at `t_s` into the segment, deg/s."""
-        return start_dps + self.amplitude_dps * np.sin(2.0 * pi * self.frequency_hz * t_s)
-
-    def angle_deg(self, t_s: Floats, start_dps: float) -> Floats:
-        """Angle gained at `t_s` into the segment, degrees."""
-        turn_rate = 2.0 * pi * self.frequency_hz
-        return start_dps * t_s + self.amplitude_dps / turn_rate * (1.0 - np.cos(turn_rate * t_s))
-
-
-Segment = Annotated[Rest | Ramp | Hold | Sine, Field(discriminator="kind")]
+    at_s: Annotated[float, Field(ge=0.0, le=1e6)]
+    temp_c: Annotated[float, Field(ge=-60.0, le=150.0)]
 
 
 class Profile(Checked):
-    """A motion of the turntable, as its file says it."""
+    """A motion of the turntable, with its surroundings.
+
+    about
+        What it is for.
+    segments
+        What happens, one after the other.
+    powered_s
+        How long the device has been on when it begins, s: 0 is a cold start.
+    ambient
+        Temperature of the air; 25 °C where nothing is said.
+    """
 
     about: str
     segments: Annotated[tuple[Segment, ...], Field(min_length=1, strict=False)]
+    powered_s: Annotated[float, Field(ge=0.0, le=1e6)] = 0.0
+    ambient: Annotated[tuple[Ambient, ...], Field(min_length=1, strict=False)] = (Ambient(at_s=0.0, temp_c=25.0),)
+
+    @model_validator(mode="after")
+    def _times_rise(self) -> "Profile":
+        times_s = [point.at_s for point in self.ambient]
+        if any(later <= earlier for earlier, later in pairwise(times_s)):
+            raise ValueError("the times of ambient have to rise")
+        return self
 
     @cached_property
     def _table(self) -> tuple[Floats, list[float], Floats]:
@@ -126,9 +67,9 @@ class Profile(Checked):
         return float(self._table[0][-1])
 
     def at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """True angle in degrees and rate in deg/s at the times `t_s`, both of its shape."""
+        """True angle in degrees and rate in deg/s at the times `t_s`, both of its shape; before 0 the table rests."""
         starts_s, rates_dps, angles_deg = self._table
-        passes, within_s = np.divmod(t_s, starts_s[-1])
+        passes, within_s = np.divmod(np.maximum(t_s, 0.0), starts_s[-1])
         which = np.clip(np.searchsorted(starts_s, within_s, side="right") - 1, 0, len(self.segments) - 1)
         angle_deg = passes * angles_deg[-1]
         rate_dps = np.zeros_like(t_s)
@@ -137,13 +78,26 @@ class Profile(Checked):
             into_s = within_s[chosen] - starts_s[index]
             angle_deg[chosen] += angles_deg[index] + self.segments[index].angle_deg(into_s, rates_dps[index])
             rate_dps[chosen] = self.segments[index].rate_dps(into_s, rates_dps[index])
+        rate_dps[t_s < 0.0] = 0.0
         return angle_deg, rate_dps
+
+    def ambient_at(self, t_s: Floats) -> Floats:
+        """Temperature of the air in °C at the times `t_s`, of its shape."""
+        within_s = np.mod(np.maximum(t_s, 0.0), self.seconds)
+        points = ([point.at_s for point in self.ambient], [point.temp_c for point in self.ambient])
+        temps_c: Floats = np.interp(within_s, *points)
+        return temps_c
 
 
 def config_folder() -> Path:
     """Where rigs and profiles are: beside the package in a checkout, inside it when installed from a wheel."""
     installed = Path(__file__).parent / "config"
     return installed if installed.is_dir() else Path(__file__).parent.parent / "config"
+
+
+def shipped_profiles() -> list[str]:
+    """Names of the profiles that come with the simulator."""
+    return sorted(path.stem for path in (config_folder() / "profiles").glob("*.yaml"))
 
 
 def load_profile(name: str) -> Profile:
@@ -154,10 +108,9 @@ def load_profile(name: str) -> Profile:
     FileError
         Where there is none, or it has mistakes.
     """
-    folder = config_folder() / "profiles"
     if Path(name).is_file():
         return load(Path(name), Profile)
-    shipped = sorted(path.stem for path in folder.glob("*.yaml"))
-    if name not in shipped:
-        raise FileError(f"{name}: there is no such profile; shipped are {', '.join(shipped)}, or give a file")
-    return load(folder / f"{name}.yaml", Profile)
+    if name not in shipped_profiles():
+        known = ", ".join(shipped_profiles())
+        raise FileError(f"{name}: there is no such profile; shipped are {known}, or give a file")
+    return load(config_folder() / "profiles" / f"{name}.yaml", Profile)

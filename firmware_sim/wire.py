@@ -21,7 +21,7 @@ WT901_GRAVITY_RAW = 2048
 
 
 class Frame(NamedTuple):
-    """Bytes that leave together; `t_s` is when the device has them ready, in s since power-on.
+    """Bytes that leave together; `t_s` is when the host has them, in s since power-on.
 
     `rows` is how many measurements are in it: 0 for HELLO.
     """
@@ -118,12 +118,12 @@ def native(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     next_hello_s = 0.0
     for block in blocks:
         always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
-        for seq, t_us, rate_raw, is_clipped, temp_centi_c, counts in block.rows():
+        for seq, t_us, t_host_s, rate_raw, is_clipped, temp_centi_c, counts in block.rows():
             if t_us / 1e6 >= next_hello_s:
-                yield Frame(t_us / 1e6, hello, 0)
-                next_hello_s += 1.0
+                yield Frame(t_host_s, hello, 0)
+                next_hello_s = t_us // 1_000_000 + 1.0
             flags = always | (RATE_CLIPPED if is_clipped else 0)
-            yield Frame(t_us / 1e6, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1)
+            yield Frame(t_host_s, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1)
 
 
 def csv(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
@@ -132,10 +132,10 @@ def csv(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
     rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
     for block in blocks:
-        for _, t_us, rate_raw, _, temp_centi_c, counts in block.rows():
+        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts in block.rows():
             angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
             line = csv_line(t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0)
-            yield Frame(t_us / 1e6, line, 1)
+            yield Frame(t_host_s, line, 1)
 
 
 def _digits(step: float) -> int:
@@ -146,8 +146,8 @@ def _digits(step: float) -> int:
 def witmotion(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
     """The frames of a WT901 for each measurement; it has no clock to tell, and no encoder."""
     for block in blocks:
-        for _, t_us, rate_raw, _, temp_centi_c, _ in block.rows():
-            yield Frame(t_us / 1e6, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
+        for _, _, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+            yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
 
 
 PROTOCOLS: dict[str, Speech] = {"native": native, "csv": csv, "witmotion": witmotion}

@@ -103,6 +103,11 @@ def load(path: Path, model: type[Model]) -> Model:
     return checked
 
 
+def problems_of(error: ValidationError) -> list[str]:
+    """What is wrong with a block that came from elsewhere than a file: `key: what`."""
+    return [f"{_dotted(problem['loc'])} {_phrase(problem)}" for problem in error.errors(include_url=False)]
+
+
 def _compose(path: Path) -> yaml.Node | None:
     try:
         node: yaml.Node | None = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)

@@ -1,1 +1,1 @@
-"""What a real gyro, its surroundings and its link add to an ideal measurement, in rooms by stage."""
+"""What a real gyro, its surroundings, its encoder and its link add to an ideal measurement; rooms by stage."""

@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"gyrodrift: {session.name} on {arguments.link}, waiting for a reader", file=sys.stderr)
         with stopped_by_signals() as is_over:
             device.wait_for_reader(is_over)
-            sent, lost = play(frames, device, speed, is_over=is_over)
+            sent, lost = play(frames, device, speed, is_over)
             if not is_over():
                 device.drain()
             was_stopped = is_over()

@@ -1,0 +1,66 @@
+"""Environment: temperature, and what it does. The sensor warms itself by 8 °C over some minutes after power-on."""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from firmware_sim.effects.effect import Act, Effect, Floats, Place, Rng
+
+REFERENCE_C = 25.0
+"""Where the linear effects of temperature are zero."""
+
+SELF_HEATING_C = 8.0
+SELF_HEATING_S = 240.0
+"""A small board in still air (MPU-6050 field reports: ten to fifteen minutes until it is settled)."""
+
+
+def sensor_temperature_c(ambient_c: Floats, powered_s: Floats) -> Floats:
+    """Ambient plus self-heating, °C; of the shape of both."""
+    return ambient_c + SELF_HEATING_C * (1.0 - np.exp(-powered_s / SELF_HEATING_S))
+
+
+class TempBias(Effect):
+    """Bias k·(T − 25 °C). Typical k: 0.005 to 0.16 deg/s/°C."""
+
+    name: Literal["temp_bias"] = "temp_bias"
+    slope_dps_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
+    stage: ClassVar[str] = "environment"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03}
+    small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Linear."""
+        return lambda rate, moments: rate + self.slope_dps_per_c * (moments.temp_c - REFERENCE_C)
+
+
+class TempScale(Effect):
+    """Gain 1 + k·(T − 25 °C). Typical k: 0.005 to 0.05 %/°C."""
+
+    name: Literal["temp_scale"] = "temp_scale"
+    slope_percent_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
+    stage: ClassVar[str] = "environment"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.05}
+    small: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.02}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Linear."""
+        return lambda rate, m: rate + self.slope_percent_per_c / 100.0 * (m.temp_c - REFERENCE_C) * m.rate_dps
+
+
+class Warmup(Effect):
+    """Bias A·exp(−t/τ) after power-on. Typical: 0.05 to 0.5 deg/s over 30 to 600 s."""
+
+    name: Literal["warmup"] = "warmup"
+    amplitude_dps: Annotated[float, Field(ge=-20.0, le=20.0)]
+    time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 120.0
+    stage: ClassVar[str] = "environment"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0}
+    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Decay."""
+        return lambda rate, m: rate + self.amplitude_dps * np.exp(-m.powered_s / self.time_constant_s)

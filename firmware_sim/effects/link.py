@@ -1,0 +1,86 @@
+"""Clock and link: time stamps and delivery. The measurement is right; when it was, or whether it comes, is not."""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+
+SHORTEST_STEP_S = 1e-6
+"""Device clocks count microseconds, and never stand still."""
+
+
+class ClockDrift(Effect):
+    """The device clock runs fast (positive) against the host's. Typical: crystal 20 to 100 ppm, gyro PLL 1 %."""
+
+    name: Literal["clock_drift"] = "clock_drift"
+    ppm: Annotated[float, Field(ge=-100000.0, le=100000.0)]
+    stage: ClassVar[str] = "clock"
+    place: ClassVar[Place] = Place.CLOCK
+    typical: ClassVar[dict[str, float]] = {"ppm": 5000.0}
+    small: ClassVar[dict[str, float]] = {"ppm": 300.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Time stretched."""
+        return lambda stamp_s, _: stamp_s * (1.0 + self.ppm * 1e-6)
+
+
+class TimestampJitter(Effect):
+    """Time stamps scatter (normal) about the time of measurement. Typical: 0.1 to 5 ms (stamped by a busy loop)."""
+
+    name: Literal["timestamp_jitter"] = "timestamp_jitter"
+    sigma_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
+    stage: ClassVar[str] = "clock"
+    place: ClassVar[Place] = Place.CLOCK
+    typical: ClassVar[dict[str, float]] = {"sigma_ms": 1.0}
+    small: ClassVar[dict[str, float]] = {"sigma_ms": 0.2}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Scatter, kept in order: a stamp is at least a microsecond after the one before."""
+        last_s = [-np.inf]
+
+        def act(stamp_s: Floats, _: Moments) -> Floats:
+            scattered = np.maximum(stamp_s + self.sigma_ms * 1e-3 * rng.standard_normal(len(stamp_s)), 0.0)
+            ladder = SHORTEST_STEP_S * np.arange(len(stamp_s))
+            reached = np.maximum.accumulate(np.maximum(scattered - ladder, last_s[0] + SHORTEST_STEP_S))
+            ordered: Floats = reached + ladder
+            last_s[0] = float(ordered[-1])
+            return ordered
+
+        return act
+
+
+class UsbBatching(Effect):
+    """Samples wait for the next tick of an interval and arrive together. Typical: 1 to 16 ms (FTDI latency timer)."""
+
+    name: Literal["usb_batching"] = "usb_batching"
+    interval_ms: Annotated[float, Field(gt=0.0, le=5000.0)]
+    stage: ClassVar[str] = "link"
+    place: ClassVar[Place] = Place.ARRIVAL
+    typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0}
+    small: ClassVar[dict[str, float]] = {"interval_ms": 16.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """The next tick."""
+        interval_s = self.interval_ms * 1e-3
+        return lambda arrival_s, _: np.ceil(arrival_s / interval_s) * interval_s
+
+
+class SampleDrop(Effect):
+    """Samples that never arrive; the counter shows it. Typical: 0.01 to 2 %."""
+
+    name: Literal["sample_drop"] = "sample_drop"
+    share_percent: Annotated[float, Field(ge=0.0, le=90.0)]
+    stage: ClassVar[str] = "link"
+    place: ClassVar[Place] = Place.ARRIVAL
+    typical: ClassVar[dict[str, float]] = {"share_percent": 1.0}
+    small: ClassVar[dict[str, float]] = {"share_percent": 0.1}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Independent from sample to sample."""
+
+        def act(arrival_s: Floats, _: Moments) -> Floats:
+            return np.where(rng.random(len(arrival_s)) < self.share_percent / 100.0, np.nan, arrival_s)
+
+        return act

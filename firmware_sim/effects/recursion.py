@@ -1,0 +1,83 @@
+"""First-order recursions and slow random tracks over blocks, without a Python step for each sample."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from firmware_sim.effects.effect import Floats, Rng
+
+RUN = 64
+"""Samples that one matrix product takes; the carry between runs is a Python float."""
+
+SLOW_STEP_S = 0.1
+SLOW_CHUNK = 1024
+"""Bias processes are drawn on a grid of SLOW_STEP_S, SLOW_CHUNK values at a time, and interpolated."""
+
+
+class OnePole:
+    """y[n] = pole·y[n−1] + x[n], carried from block to block; `last` is y before the first."""
+
+    def __init__(self, pole: float, last: float = 0.0) -> None:
+        self.last = last
+        powers: Floats = np.power(pole, np.arange(RUN + 1, dtype=np.float64))
+        steps = np.arange(RUN)
+        distance = steps[:, None] - steps[None, :]
+        self._within: Floats = np.where(distance >= 0, powers[np.maximum(distance, 0)], 0.0)
+        self._decay: Floats = powers[1:]
+
+    def __call__(self, x: Floats) -> Floats:
+        """The next values, of the shape of x (n,)."""
+        runs = -(-len(x) // RUN)
+        padded = np.zeros(runs * RUN)
+        padded[: len(x)] = x
+        y = padded.reshape(runs, RUN) @ self._within.T
+        carries = np.empty(runs)
+        carry, whole = self.last, float(self._decay[-1])
+        for run, end in enumerate(y[:, -1].tolist()):
+            carries[run] = carry
+            carry = end + whole * carry
+        y += carries[:, None] * self._decay
+        out: Floats = y.reshape(-1)[: len(x)]
+        if len(out):
+            self.last = float(out[-1])
+        return out
+
+
+class SlowTrack:
+    """A random track on a coarse grid, linear between its points; asked for at times that never go back."""
+
+    def __init__(self, draw: Callable[[int], Floats]) -> None:
+        self._draw = draw
+        self._values = draw(SLOW_CHUNK)
+        self._first = 0
+
+    def at(self, t_s: Floats) -> Floats:
+        """The track at times from 0 on, of their shape."""
+        place = np.maximum(t_s, 0.0) / SLOW_STEP_S
+        while self._first + len(self._values) < place[-1] + 2.0:
+            self._values = np.concatenate([self._values, self._draw(SLOW_CHUNK)])
+        done = int(place[0]) - self._first
+        if done > SLOW_CHUNK:
+            self._values = self._values[done:]
+            self._first += done
+        grid = self._first + np.arange(len(self._values))
+        track: Floats = np.interp(place, grid, self._values)
+        return track
+
+
+class Poisson:
+    """Events at random times, at a mean distance of `mean_s`; asked for at times that never go back."""
+
+    def __init__(self, rng: Rng, mean_s: float) -> None:
+        self._rng = rng
+        self._mean_s = mean_s
+        self._times_s: Floats = np.zeros(0)
+        self._reached_s = 0.0
+
+    def count_until(self, t_s: Floats) -> Floats:
+        """How many events have come until each time, of its shape."""
+        while self._reached_s <= t_s[-1]:
+            gaps_s = self._rng.exponential(self._mean_s, 64)
+            self._times_s = np.concatenate([self._times_s, self._reached_s + np.cumsum(gaps_s)])
+            self._reached_s = float(self._times_s[-1])
+        return np.searchsorted(self._times_s, t_s, side="right").astype(np.float64)

@@ -1,0 +1,109 @@
+"""Sensor: what the bias does by itself, and what turning and tilting do to it."""
+
+from math import log, pi, sqrt
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from firmware_sim.effects.effect import Act, Effect, Floats, Place, Rng
+from firmware_sim.effects.recursion import SLOW_STEP_S, OnePole, Poisson, SlowTrack
+
+FLICKER_TAUS_S = tuple(0.3 * 3.0**power for power in range(10))
+"""Time constants, 0.3 s to 1.6 h, whose sum has a spectrum of 1/f between their ends."""
+
+
+class BiasInstability(Effect):
+    """1/f noise of one-sided density B²/(2πf), as a sum of first-order Markov processes.
+
+    Their variance is B²·ln(ratio of time constants)/(2π) each. The Allan deviation is flat at 0.664·B (IEEE Std
+    952). Typical B: 4 to 40 deg/h.
+    """
+
+    name: Literal["bias_instability"] = "bias_instability"
+    floor_dph: Annotated[float, Field(ge=0.0, le=10000.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"floor_dph": 40.0}
+    small: ClassVar[dict[str, float]] = {"floor_dph": 10.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Slow track."""
+        sigma_dps = self.floor_dph / 3600.0 * sqrt(log(3.0) / (2.0 * pi))
+        poles = [float(np.exp(-SLOW_STEP_S / tau_s)) for tau_s in FLICKER_TAUS_S]
+        processes = [OnePole(pole, sigma_dps * rng.standard_normal()) for pole in poles]
+        scales = [sigma_dps * sqrt(1.0 - pole**2) for pole in poles]
+
+        def draw(count: int) -> Floats:
+            drawn = [step(scale * rng.standard_normal(count)) for step, scale in zip(processes, scales, strict=True)]
+            summed: Floats = np.sum(drawn, axis=0)
+            return summed
+
+        track = SlowTrack(draw)
+        return lambda rate, moments: rate + track.at(moments.t_s)
+
+
+class RateRandomWalk(Effect):
+    """The bias walks: db = K·dW. Allan deviation K·√(τ/3). Typical K: 0.001 to 0.01 deg/s/√s."""
+
+    name: Literal["rate_random_walk"] = "rate_random_walk"
+    density_dps_rts: Annotated[float, Field(ge=0.0, le=1.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"density_dps_rts": 0.005}
+    small: ClassVar[dict[str, float]] = {"density_dps_rts": 0.001}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Slow track."""
+        walk = OnePole(1.0)
+        step_dps = self.density_dps_rts * sqrt(SLOW_STEP_S)
+        track = SlowTrack(lambda count: walk(step_dps * rng.standard_normal(count)))
+        return lambda rate, moments: rate + track.at(moments.t_s)
+
+
+class Popcorn(Effect):
+    """The bias jumps between two levels after exponential dwell times. Typical step: 0.02 to 0.3 deg/s."""
+
+    name: Literal["popcorn"] = "popcorn"
+    step_dps: Annotated[float, Field(ge=0.0, le=20.0)]
+    dwell_s: Annotated[float, Field(ge=0.01, le=1e5)] = 20.0
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"step_dps": 0.2, "dwell_s": 20.0}
+    small: ClassVar[dict[str, float]] = {"step_dps": 0.03, "dwell_s": 20.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Telegraph: the level is the parity of the jumps so far."""
+        jumps = Poisson(rng, self.dwell_s)
+        return lambda rate, moments: rate + self.step_dps * (jumps.count_until(moments.t_s) % 2.0 - 0.5)
+
+
+class VibrationRectification(Effect):
+    """Bias that grows with the square of the rate, stated at 100 deg/s. Typical: 0.02 to 0.3 deg/s there."""
+
+    name: Literal["vibration_rectification"] = "vibration_rectification"
+    bias_dps_at_100_dps: Annotated[float, Field(ge=-50.0, le=50.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.2}
+    small: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.05}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Square."""
+        return lambda rate, moments: rate + self.bias_dps_at_100_dps * (moments.rate_dps / 100.0) ** 2
+
+
+class GSensitivity(Effect):
+    """Bias A·sin(θ + φ), once per turn of a tilted table. Typical: 0.1 deg/s per g, times the sine of the tilt."""
+
+    name: Literal["g_sensitivity"] = "g_sensitivity"
+    amplitude_dps: Annotated[float, Field(ge=0.0, le=20.0)]
+    phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.RATE
+    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.1, "phase_deg": 30.0}
+    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.03, "phase_deg": 30.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Sine of the true angle."""
+        return lambda rate, m: rate + self.amplitude_dps * np.sin(np.deg2rad(m.angle_deg + self.phase_deg))

@@ -1,0 +1,90 @@
+"""Sensor: what depends on how fast the rate changes. Low-pass, delay, vibration. These act in continuous time."""
+
+from math import exp, pi
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.recursion import OnePole
+
+GRID_STEPS = 10.0
+"""Steps of the analogue grid in one time constant of a low-pass, and in one period of a tone below it."""
+
+
+class Latency(Effect):
+    """The gyro sees the motion of a fixed time ago. Typical: 1 to 20 ms (internal filters, bus, firmware)."""
+
+    name: Literal["latency"] = "latency"
+    delay_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.LAG
+    typical: ClassVar[dict[str, float]] = {"delay_ms": 20.0}
+    small: ClassVar[dict[str, float]] = {"delay_ms": 3.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Earlier times; the motion is known in closed form between samples too."""
+        return lambda t_s, _: t_s - self.delay_ms * 1e-3
+
+
+class Vibration(Effect):
+    """A tone A·sin(2πft + φ) in the rate, φ random. Typical: 0.01 to 1 deg/s at 10 to 300 Hz (motors, fans).
+
+    It is there before sampling: above half the sample rate it aliases.
+    """
+
+    name: Literal["vibration"] = "vibration"
+    amplitude_dps: Annotated[float, Field(ge=0.0, le=500.0)]
+    frequency_hz: Annotated[float, Field(gt=0.0, le=5000.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.ANALOGUE
+    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.5, "frequency_hz": 73.0}
+    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "frequency_hz": 23.0}
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Tone."""
+        phase = rng.uniform(0.0, 2.0 * pi)
+        return lambda rate, m: rate + self.amplitude_dps * np.sin(2.0 * pi * self.frequency_hz * m.t_s + phase)
+
+
+class Bandwidth(Effect):
+    """One-pole low-pass, H = 1 / (1 + jf/f_c), of motion, vibration and noise. Typical f_c: 5 to 256 Hz.
+
+    Exact for input that is linear between the points of the analogue grid (first-order hold):
+    y[n] = p·y[n−1] + a·x[n] + b·x[n−1] with p = exp(−h/τ), c = τ/h·(1 − p), a = 1 − c, b = c − p.
+    """
+
+    name: Literal["bandwidth"] = "bandwidth"
+    cutoff_hz: Annotated[float, Field(ge=0.05, le=2000.0)]
+    stage: ClassVar[str] = "sensor"
+    place: ClassVar[Place] = Place.ANALOGUE
+    typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0}
+    small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0}
+
+    def finest_step_s(self) -> float:
+        """A tenth of the time constant."""
+        return 1.0 / (2.0 * pi * self.cutoff_hz) / GRID_STEPS
+
+    def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
+        """Recursion over the analogue grid, settled on the first value."""
+        return _LowPass(1.0 / (2.0 * pi * self.cutoff_hz))
+
+
+class _LowPass:
+    def __init__(self, tau_s: float) -> None:
+        self._tau_s = tau_s
+        self._pole: OnePole | None = None
+        self._x_before = 0.0
+        self._a = self._b = 0.0
+
+    def __call__(self, rate: Floats, moments: Moments) -> Floats:
+        if self._pole is None:
+            p = exp(-moments.step_s / self._tau_s)
+            c = self._tau_s / moments.step_s * (1.0 - p)
+            self._a, self._b = 1.0 - c, c - p
+            self._x_before = float(rate[0])
+            self._pole = OnePole(p, self._x_before)
+        before = np.concatenate([[self._x_before], rate[:-1]])
+        self._x_before = float(rate[-1])
+        return self._pole(self._a * rate + self._b * before)
