@@ -11,7 +11,13 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 LOWEST = ("gyrodrift.filter", "gyrodrift.sample", "gyrodrift.errors", "gyrodrift.yaml_file")
-MAY_USE_THE_SIMULATOR = ("gyrodrift.replay", "gyrodrift.cli.replay")
+MAY_USE_THE_SIMULATOR = (
+    "gyrodrift.replay",
+    "gyrodrift.cli.replay",
+    "gyrodrift.simulate",
+    "gyrodrift.cli.simulate",
+    "gyrodrift.twin",
+)
 
 
 def name_of(path: Path) -> str:

@@ -12,6 +12,7 @@ from gyrodrift.errors import GyrodriftError, UsageError
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
     "filter": "run the same filter over a recorded session",
+    "simulate": "write sessions of the simulated rig, without waiting for real time",
     "replay": "play a recorded session through a pty that looks like the device",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
 }

@@ -2,6 +2,7 @@
 
 import csv
 import warnings
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TextIO
 
@@ -106,3 +107,58 @@ def _number(path: Path, line: int, name: str, text: str) -> float:
 
 def _counter(column: Floats) -> NDArray[np.int64]:
     return np.where(np.isfinite(column), column, -1).astype(np.int64)
+
+
+def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
+    """The text of a `.csv` session from its consecutive chunks, every value with all its digits.
+
+    The columns are those of the first chunk; a value that is not there is an empty cell.
+    """
+    columns: list[str] = []
+    texts: dict[str, _Texts] = {}
+    fractions = _Fractions()
+    for chunk in chunks:
+        if not columns:
+            columns = [name for name in COLUMNS if getattr(chunk, name) is not None]
+            texts = {name: _Texts() for name in columns}
+            yield ",".join(columns) + "\n"
+        cells = [_cells(name, getattr(chunk, name), texts[name], fractions) for name in columns]
+        yield "\n".join(map(",".join, zip(*cells, strict=True))) + "\n"
+
+
+REMEMBERED = 100_000
+"""Texts of numbers that are kept: most columns of a session hold few different values."""
+
+
+class _Texts(dict[float, str]):
+    """Every digit of a number; nothing for NaN."""
+
+    def __missing__(self, value: float) -> str:
+        if len(self) >= REMEMBERED:
+            self.clear()
+        text = self[value] = "" if value != value else repr(value)  # noqa: PLR0124 - NaN alone differs from itself
+        return text
+
+
+class _Fractions(dict[int, str]):
+    """`.000001` by number of microseconds."""
+
+    def __missing__(self, micros: int) -> str:
+        if len(self) >= REMEMBERED:
+            self.clear()
+        text = self[micros] = f".{micros:06d}"
+        return text
+
+
+def _cells(name: str, values: NDArray[np.float64] | NDArray[np.int64], texts: _Texts, tails: _Fractions) -> list[str]:
+    if name == "seq":
+        return ["" if seq < 0 else str(seq) for seq in values.tolist()]
+    if not name.startswith("t_"):
+        return list(map(texts.__getitem__, values.tolist()))
+    micros = np.rint(values * 1e6)
+    if not np.array_equal(micros / 1e6, values) or not (micros >= 0.0).all():
+        return list(map(repr, values.tolist()))
+    # Whole microseconds: the seconds repeat, and so do their fractions at any steady rate.
+    seconds, fractions = np.divmod(micros.astype(np.int64), 1_000_000)
+    parts = zip(map(str, seconds.tolist()), map(tails.__getitem__, fractions.tolist()), strict=True)
+    return list(map("".join, parts))

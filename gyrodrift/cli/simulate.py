@@ -1,0 +1,73 @@
+"""Write sessions of the simulated rig, as fast as they can be computed.
+
+A rig, a profile and a seed give the same samples here and from `python -m firmware_sim`. --twin makes, of a table of
+published sessions, simulated ones of the same lengths that drift as far.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
+
+if TYPE_CHECKING:
+    from firmware_sim.rig import Rig
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
+    parser.add_argument("--rig", type=Path, metavar="FILE", help="rig (default: the shipped config/rig.yaml)")
+    parser.add_argument("--profile", default="turntable", help="motion: a shipped profile or a file")
+    parser.add_argument("--sessions", type=int, default=1, metavar="N", help="how many (default 1)")
+    parser.add_argument("--minutes", type=float, default=10.0, metavar="M", help="length of each (default 10)")
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything random (default 0)")
+    parser.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help="an effect more than the rig has, of typical size where nothing is said (may be given again)",
+    )
+    parser.add_argument("--format", default="csv", choices=("csv",), help="of the sessions")
+    parser.add_argument("--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate; 0 when everything is written."""
+    options.positive("--minutes", arguments.minutes)
+    options.positive("--sessions", arguments.sessions)
+    if arguments.seed < 0:
+        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
+    from firmware_sim.motion import load_profile
+    from firmware_sim.rig import load_rig, parse_effect, with_effects
+    from firmware_sim.yaml_file import FileError
+
+    try:
+        rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
+        profile = load_profile(arguments.profile)
+    except FileError as error:
+        raise UsageError(str(error)) from error
+    try:
+        if arguments.twin is not None:
+            _twins(arguments, rig)
+        else:
+            from gyrodrift.simulate import write_sessions
+
+            numbers = (arguments.seed, arguments.sessions, arguments.minutes)
+            for path in write_sessions(rig, profile, arguments.out, *numbers):
+                print(path, file=sys.stderr)
+    except OSError as error:
+        raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
+    return 0
+
+
+def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
+    from gyrodrift.twin import read_rows, write_twins
+
+    for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed):
+        print(f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}", file=sys.stderr)
