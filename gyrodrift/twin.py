@@ -7,7 +7,7 @@ that very E; everything else of the rig stays as it is.
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,10 +27,10 @@ FLOOR_DPH = 40.0
 WALK_DPS_RTS = 0.001
 """The bias track at strength 1: what is left of a low-cost gyro's bias after a calibration at the start of the day."""
 
-CLOSE_ENOUGH_DEG = 5e-5
-"""Half the last digit of a published E."""
+CLOSE_ENOUGH_DEG = 5e-4
+"""E moves in steps of about 0.0001 deg, as single samples round to the next count; this is a few of them."""
 
-MOST_TRIES = 12
+MOST_TRIES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) 
     """The strength of the bias track that gives the row's E, and its session.
 
     The error is a straight line in the strength at every moment, but for the rounding to counts: so two simulations
-    give a first answer, and a few secant steps the last digits.
+    give a first answer, and a few steps of Newton's the last digits.
 
     Raises
     ------
@@ -113,23 +113,31 @@ def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) 
         return Simulation(drifting(rig, strength), profile, seed, number, row.minutes).whole()
 
     without, at_one = (euler_error_deg(simulated(strength)) for strength in (0.0, 1.0))
-    low, high = 0.0, 1.0
-    while np.mean(np.abs(without + high * (at_one - without))) < row.e_euler_deg:
-        high *= 2.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        is_below = np.mean(np.abs(without + middle * (at_one - without))) < row.e_euler_deg
-        low, high = (middle, high) if is_below else (low, middle)
-    strength = high
-    session = simulated(strength)
-    slope = _mean_abs(session) / strength if strength > 0.0 else 0.0
+    track = at_one - without
+
+    def predicted_deg(strength: float) -> float:
+        return float(np.mean(np.abs(without + strength * track)))
+
+    strength = _solve(predicted_deg, row.e_euler_deg)
     for _ in range(MOST_TRIES):
+        session = simulated(strength)
         missing_deg = row.e_euler_deg - _mean_abs(session)
         if abs(missing_deg) <= CLOSE_ENOUGH_DEG:
             return strength, session
-        strength += missing_deg / slope if slope else 0.0
-        session = simulated(strength)
+        slope = (predicted_deg(1.001 * strength) - predicted_deg(0.999 * strength)) / (0.002 * strength)
+        strength += missing_deg / slope
     raise DataError(f"{row.name}: no bias track of this rig gives E = {row.e_euler_deg:g} deg; is its noise too high?")
+
+
+def _solve(predicted_deg: Callable[[float], float], e_deg: float) -> float:
+    """Where the prediction reaches e, from below."""
+    low, high = 0.0, 1.0
+    while predicted_deg(high) < e_deg:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if predicted_deg(middle) < e_deg else (low, middle)
+    return high
 
 
 def drifting(rig: Rig, strength: float) -> Rig:
