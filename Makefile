@@ -4,7 +4,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test bench picture clean
+.PHONY: demo test bench pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -18,8 +18,9 @@ test: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
 
-picture: $(VENV)/ready
+pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
+	$(BIN)/python -m firmware_sim.gallery --out docs/effects
 
 clean:
 	rm -rf $(VENV)
@@ -29,7 +30,7 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	$(BIN)/python -m pip install --quiet --editable '.[lab,test]'
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

@@ -153,6 +153,5 @@ class _Bench:
         rate_dps = self._through(Place.ANALOGUE, motion_dps, fine)[self._fine - 1 :: self._fine]
         # What depends on the rate depends on the one that is seen, not on the one that is.
         seen = replace(truth, rate_dps=motion_dps[self._fine - 1 :: self._fine])
-        for place in (Place.RATE, Place.OUTPUT, Place.HOLD):
-            rate_dps = self._through(place, rate_dps, seen)
-        return rate_dps
+        rate_dps = self._through(Place.RATE, rate_dps, seen) + self._base.bias_dps
+        return self._through(Place.HOLD, self._through(Place.OUTPUT, rate_dps, seen), seen)

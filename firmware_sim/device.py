@@ -22,6 +22,9 @@ from firmware_sim.wire import Frame
 
 TIOCPKT = 0x5420
 TIOCPKT_FLUSHREAD = 0x01
+TCGETS2, TERMIOS2 = 0x802C542A, struct.Struct("4I20s2I")
+"""The one call that tells line rates outside the list of POSIX; its last field is the rate in baud."""
+
 OPENING_S = 0.5
 """A reader that has opened the port and not flushed it by then (cat, screen) is not going to."""
 
@@ -34,6 +37,20 @@ class LinkInUseError(Exception):
     """The link's name cannot be made, or is taken by something that is no link to a pty."""
 
 
+class Cable:
+    """What lies between device and reader; this one is whole."""
+
+    def link_at(self, link: Path, t_s: float) -> Path | None:
+        """The name that a device called `link` has at `t_s`, s since power-on; None while it is unplugged."""
+        _ = t_s
+        return link
+
+    def carry(self, content: bytes, t_s: float, read_baud: int) -> bytes:
+        """What a reader whose line rate is `read_baud` gets of what is sent at `t_s`."""
+        _ = t_s, read_baud
+        return content
+
+
 class PtyDevice:
     """The master end of a pty whose slave is linked at `link`.
 
@@ -41,28 +58,57 @@ class PtyDevice:
     `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises.
     """
 
-    def __init__(self, link: Path, greeting: bytes = b"") -> None:
+    def __init__(self, link: Path, greeting: bytes = b"", cable: Cable | None = None) -> None:
         self.link = link
         self.greeting = greeting
-        self.fd, slave_fd = pty.openpty()
-        self.slave_name = os.ttyname(slave_fd)
+        self.fd = -1
+        self.slave_name = ""
+        self._cable = cable or Cable()
+        self._first_link = link
+        self._t_s = 0.0
+        self._plug_in(self._cable.link_at(link, 0.0) or link)
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether there is a port at all."""
+        return self.fd >= 0
+
+    def live_until(self, t_s: float) -> None:
+        """Let it be `t_s`, s since power-on: the cable may be pulled or put back."""
+        self._t_s = t_s
+        link = self._cable.link_at(self._first_link, t_s)
+        if link is None:
+            self.close()
+        elif not self.is_plugged:
+            self._plug_in(link)
+
+    def is_pulled_at(self, t_s: float) -> bool:
+        """Whether the cable is out at `t_s`."""
+        return self._cable.link_at(self._first_link, t_s) is None
+
+    def _plug_in(self, link: Path) -> None:
+        fd, slave_fd = pty.openpty()
+        self.link, self.slave_name = link, os.ttyname(slave_fd)
         tty.setraw(slave_fd)
-        fcntl.ioctl(self.fd, TIOCPKT, struct.pack("i", 1))
+        fcntl.ioctl(fd, TIOCPKT, struct.pack("i", 1))
         os.close(slave_fd)
-        os.set_blocking(self.fd, False)
+        os.set_blocking(fd, False)
         self._poller = select.poll()
-        self._poller.register(self.fd, select.POLLIN | select.POLLPRI)
+        self._poller.register(fd, select.POLLIN | select.POLLPRI)
         self._unsent = b""
         self._flushed = False
         self._opened_s: float | None = None
         try:
             _make_link(self.slave_name, link)
         except LinkInUseError:
-            os.close(self.fd)
+            os.close(fd)
             raise
+        self.fd = fd
 
     def has_reader(self) -> bool:
         """Whether somebody has the port open; takes and drops what the reader sends."""
+        if not self.is_plugged:
+            return False
         for _, events in self._poller.poll(0):
             if events & select.POLLHUP:
                 self._flushed = False
@@ -88,7 +134,7 @@ class PtyDevice:
         """Send all of it, or none where the reader is too slow or not there. A frame begun is ended later."""
         if not self.has_reader() or not self._finish():
             return False
-        self._unsent = content
+        self._unsent = self._carried(content)
         self._finish()
         return True
 
@@ -96,7 +142,7 @@ class PtyDevice:
         """Send all of it at the pace of the reader; False where there is none that is ready, or where it left."""
         if not self.is_ready():
             return False
-        self._unsent += content
+        self._unsent += self._carried(content)
         out = select.poll()
         out.register(self.fd, select.POLLOUT)
         while not is_over() and self.has_reader():
@@ -120,10 +166,16 @@ class PtyDevice:
 
     def close(self) -> None:
         """Hang up and take the name away."""
+        if not self.is_plugged:
+            return
         with suppress(OSError):
             if self.link.is_symlink() and str(self.link.readlink()) == self.slave_name:
                 self.link.unlink()
         os.close(self.fd)
+        self.fd = -1
+
+    def _carried(self, content: bytes) -> bytes:
+        return self._cable.carry(content, self._t_s, _line_rate(self.fd))
 
     def _finish(self) -> bool:
         """Whether nothing is left of what was to be sent."""
@@ -140,7 +192,7 @@ class PtyDevice:
             heard = os.read(self.fd, 4096)
             if heard and heard[0] & TIOCPKT_FLUSHREAD:
                 self._flushed = True
-                self._unsent = self.greeting + self._unsent  # a frame begun before reads as damaged
+                self._unsent = self._carried(self.greeting) + self._unsent  # a frame begun before reads as damaged
 
     def _reader_is_done(self) -> bool:
         try:
@@ -178,6 +230,12 @@ def play(
         if is_over():
             break
         if speed is None:
+            if device.is_pulled_at(frame.t_s):
+                device.drain()
+            device.live_until(frame.t_s)
+            if not device.is_plugged:
+                lost += frame.rows
+                continue
             while not (has_gone := device.send_all(frame.content, is_over)) and not is_over():
                 device.wait_for_reader(is_over)
             sent += frame.rows if has_gone else 0
@@ -185,6 +243,7 @@ def play(
         due_s = origin_s + frame.t_s / speed
         while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
             time.sleep(min(early_s, LONGEST_NAP_S))
+        device.live_until(frame.t_s)
         if device.send(frame.content):
             sent += frame.rows
         else:
@@ -203,6 +262,12 @@ def stopped_by_signals() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in zip(numbers, old, strict=True):
             signal.signal(number, handler)
+
+
+def _line_rate(fd: int) -> int:
+    """The line rate in baud that the reader has set, standard or not."""
+    termios2 = fcntl.ioctl(fd, TCGETS2, bytes(TERMIOS2.size))
+    return int(TERMIOS2.unpack(termios2)[-1])
 
 
 def _make_link(target: str, link: Path) -> None:

@@ -1,16 +1,16 @@
 """The rig as its file says it: what gyro, what encoder, what link; a value, like the profile it plays."""
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from firmware_sim.effects.catalogue import CATALOGUE, AnyEffect
 from firmware_sim.effects.effect import Effect
 from firmware_sim.motion import config_folder
-from firmware_sim.yaml_file import Checked, FileError, load, problems_of
+from firmware_sim.named import parse_named
+from firmware_sim.yaml_file import Checked, load
 
 ENCODER_CPR_MOST = 2**31 // 360
 """A count is a 32-bit number on the wire; this leaves room for 360 turns either way."""
@@ -68,24 +68,7 @@ def parse_effect(text: str) -> Effect:
     FileError
         Where there is no such effect or parameter, or a value is none or out of range.
     """
-    name, _, listed = text.partition(":")
-    if name not in CATALOGUE:
-        nearest = get_close_matches(name, CATALOGUE, n=1)
-        hint = f"did you mean {nearest[0]}?" if nearest else f"known are {', '.join(CATALOGUE)}"
-        raise FileError(f"--effect {text}: there is no effect {name!r}; {hint}")
-    kind = CATALOGUE[name]
-    values: dict[str, Any] = {} if listed else dict(kind.typical)
-    for pair in filter(None, listed.split(",")):
-        parameter, _, value = pair.partition("=")
-        try:
-            values[parameter] = int(value) if value.lstrip("+-").isdecimal() else float(value)
-        except ValueError:
-            raise FileError(f"--effect {text}: {parameter} is {value!r}; expected a number") from None
-    try:
-        return kind.model_validate(values)
-    except ValidationError as error:
-        known = ", ".join(field for field in kind.model_fields if field != "name")
-        raise FileError(f"--effect {text}: {'; '.join(problems_of(error))} (parameters: {known})") from error
+    return parse_named("effect", text, CATALOGUE, lambda kind: kind.typical)
 
 
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:

@@ -113,15 +113,16 @@ def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
 
 
 def native(blocks: Iterator[Block], base: Base) -> Iterator[Frame]:
-    """HELLO at power-on and once a second, SAMPLE for each measurement."""
+    """HELLO at power-on, once a second, and where the clock has begun anew; SAMPLE for each measurement."""
     hello = hello_frame(base)
-    next_hello_s = 0.0
+    next_hello_s = last_us = 0.0
     for block in blocks:
         always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
         for seq, t_us, t_host_s, rate_raw, is_clipped, temp_centi_c, counts in block.rows():
-            if t_us / 1e6 >= next_hello_s:
+            if t_us / 1e6 >= next_hello_s or t_us < last_us:
                 yield Frame(t_host_s, hello, 0)
                 next_hello_s = t_us // 1_000_000 + 1.0
+            last_us = t_us
             flags = always | (RATE_CLIPPED if is_clipped else 0)
             yield Frame(t_host_s, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1)
 

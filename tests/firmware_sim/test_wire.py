@@ -23,14 +23,17 @@ ENDLESS = st.integers(0, 2**50)
 
 
 def blocks_of(base: Base) -> Iterator[Block]:
-    return measure(Rig(base=base), load_profile("turntable"), 0, 512)
+    return measure(Rig(base=base), load_profile("turntable"), 0, block_samples=512)
 
 
-def block_at(seq: int, t_us: int, rate_raw: int = 0, encoder_counts: int = 0) -> Iterator[Block]:
+def block_at(
+    seq: int, t_us: int, rate_raw: int = 0, encoder_counts: int = 0, t_host_s: float = 0.1
+) -> Iterator[Block]:
     """A block of one measurement."""
     yield Block(
         seq=np.array([seq]),
         t_device_us=np.array([t_us]),
+        t_host_s=np.array([t_host_s]),
         rate_raw=np.array([rate_raw], dtype=np.int16),
         is_clipped=np.array([False]),
         temp_centi_c=np.array([2500], dtype=np.int16),
