@@ -1,0 +1,127 @@
+"""`gyrodrift simulate`: sessions without waiting, the same samples as the device plays, and twins of a table."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import Command
+
+from gyrodrift.cli import main
+from gyrodrift.session.session import load_session
+from gyrodrift.simulate import euler_error_deg
+
+BRIEF = ("--minutes", "0.2")
+
+
+def simulated(folder: Path, *options: str) -> Path:
+    assert main(["simulate", "--out", str(folder), *BRIEF, *options]) == 0
+    return folder
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(tmp_path: Path) -> None:
+    """And sessions of one seed differ from each other."""
+    one, two, other = (
+        simulated(tmp_path / str(n), "--seed", seed, "--sessions", "2") for n, seed in enumerate(["7", "7", "8"])
+    )
+    first = [(folder / "session-01.csv").read_bytes() for folder in (one, two, other)]
+    assert first[0] == first[1] != first[2]
+    assert (one / "session-02.csv").read_bytes() == (two / "session-02.csv").read_bytes() != first[0]
+
+
+def test_a_session_is_what_the_played_device_says_through_the_whole_serial_path(tmp_path: Path) -> None:
+    """Sample for sample, with effects on, over the native protocol into `serve`."""
+    effects = [
+        "--effect",
+        "scale_factor",
+        "--effect",
+        "bandwidth",
+        "--effect",
+        "sample_drop",
+        "--effect",
+        "clock_drift",
+    ]
+    session = load_session(simulated(tmp_path / "s", "--seed", "5", *effects) / "session-01.csv")
+    port = tmp_path / "gyro"
+    options = ["--seed", "5", "--speed", "max", "--duration", "30", *effects]
+    with Command("--link", port, *options, module="firmware_sim") as device:
+        device.until_log("native on")
+        with Command("serve", "--port", port) as serve:
+            lines = serve.take_lines(len(session.rate_dps))
+            serve.stop()
+    assert session.seq is not None
+    assert session.encoder_deg is not None
+    assert [line["seq"] for line in lines] == session.seq.tolist()
+    assert [line["t_s"] for line in lines] == session.t_device_s.tolist()
+    assert [line["rate_dps"] for line in lines] == session.rate_dps.tolist()
+    assert [line["encoder_deg"] for line in lines] == session.encoder_deg.tolist()
+
+
+def test_the_rig_beside_the_sessions_gives_them_again(tmp_path: Path) -> None:
+    """With the effects of the command line in it."""
+    first = simulated(tmp_path / "a", "--effect", "popcorn:step_dps=0.5,dwell_s=3", "--effect", "temp_bias")
+    second = simulated(tmp_path / "b", "--rig", str(first / "rig.yaml"))
+    assert (first / "session-01.csv").read_bytes() == (second / "session-01.csv").read_bytes()
+
+
+def test_the_length_is_the_one_asked_for(tmp_path: Path) -> None:
+    """To the sample."""
+    session = load_session(simulated(tmp_path) / "session-01.csv")
+    assert len(session.rate_dps) == 1200
+    assert session.t_device_s[-1] == 11.99
+
+
+def test_a_twin_drifts_as_far_as_its_row_says(tmp_path: Path) -> None:
+    """Split, length and E, for a still session and a moving one."""
+    table = tmp_path / "table.csv"
+    table.write_text("# mine\nsplit,session,minutes,e_euler_deg\ntrain,day 1 (still),1.5,4.5\ntest,day 2,2.25,3.1\n")
+    assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t")]) == 0
+    for path, minutes, e_deg in (("train/01-day-1-still.csv", 1.5, 4.5), ("test/02-day-2.csv", 2.25, 3.1)):
+        session = load_session(tmp_path / "t" / path)
+        assert len(session.rate_dps) == minutes * 6000
+        assert np.mean(np.abs(euler_error_deg(session))) == pytest.approx(e_deg, abs=5e-4)
+    still = load_session(tmp_path / "t" / "train/01-day-1-still.csv")
+    assert still.encoder_deg is not None
+    assert not still.encoder_deg.any()
+    assert (tmp_path / "t" / "twin.csv").read_text().count("\n") == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--effect", "popcron"], "--effect popcron: there is no effect 'popcron'; did you mean popcorn?"),
+        (
+            ["--effect", "popcorn:step_dps=wide"],
+            "--effect popcorn:step_dps=wide: step_dps is 'wide'; expected a number",
+        ),
+        (["--effect", "popcorn:step_dps=99"], "step_dps is 99; input should be less than or equal to 20"),
+        (["--minutes", "0"], "--minutes 0: expected a number above 0"),
+        (["--sessions", "0"], "--sessions 0: expected a number above 0"),
+        (["--seed", "-1"], "--seed -1: expected a whole number from 0"),
+        (["--profile", "nowhere"], "nowhere: there is no such profile; shipped are constant-spin, drive"),
+        (["--rig", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
+        (["--twin", "nowhere.csv"], "nowhere.csv: cannot be read"),
+        (["--out", "/dev/null/x"], "/dev/null/x: cannot be written: Not a directory"),
+    ],
+)
+def test_mistakes_are_told(
+    tmp_path: Path, options: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line, and the status of its kind."""
+    assert main(["simulate", "--out", str(tmp_path / "s"), *BRIEF, *options]) in (2, 4)
+    assert message in capsys.readouterr().err
+
+
+def test_a_rig_with_mistakes_is_told_line_by_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Unknown effects and parameters, values out of range."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text(
+        "base: {bias_dps: 1e-1}\neffects:\n  - {name: wobble}\n  - {name: latency, delay: 3}\n"
+        "  - {name: latency, delay_ms: -3}\n"
+    )
+    assert main(["simulate", "--out", str(tmp_path / "s"), "--rig", str(rig)]) == 2
+    told = capsys.readouterr().err
+    assert f"{rig}:3:5 effects.0: 'wobble' is not known; known are " in told
+    assert f"{rig}:4:21 effects.1.delay: is not known here" in told
+    assert f"{rig}:4:5 effects.1.delay_ms: is missing" in told
+    assert f"{rig}:5:21 effects.2.delay_ms: is -3; " in told
+    assert not (tmp_path / "s").exists()

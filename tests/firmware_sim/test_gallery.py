@@ -1,0 +1,24 @@
+"""The gallery: a picture of every effect."""
+
+from pathlib import Path
+
+import pytest
+from support import Command
+
+from firmware_sim.effects.catalogue import CATALOGUE
+
+gallery = pytest.importorskip("firmware_sim.gallery", reason="the pictures need matplotlib, of the workstation extra")
+
+
+def test_every_effect_has_a_scene() -> None:
+    """And there are no others."""
+    assert set(gallery.SCENES) == set(CATALOGUE)
+
+
+def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) -> None:
+    """One of them here; the README shows them all."""
+    with Command("--out", tmp_path, "vibration", module="firmware_sim.gallery") as run:
+        assert run.end() == 0, run.log
+    assert (tmp_path / "vibration.png").read_bytes().startswith(b"\x89PNG")
+    shipped = {path.stem for path in (Path(__file__).parents[2] / "docs" / "effects").glob("*.png")}
+    assert shipped == set(CATALOGUE)
