@@ -13,6 +13,7 @@ from pathlib import Path
 
 from firmware_sim.bench import measure
 from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
+from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
 from firmware_sim.motion import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
@@ -38,12 +39,17 @@ def main(argv: list[str] | None = None) -> int:
 def run(arguments: argparse.Namespace) -> int:
     """Play the rig on a pty until a signal comes or the time is over."""
     rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
+    faults = [parse_fault(text) for text in arguments.fault]
     profile = load_profile(arguments.profile)
-    frames = PROTOCOLS[arguments.protocol](measure(rig, profile, arguments.seed), rig.base)
+    blocks = faulty_blocks(measure(rig, profile, arguments.seed), faults)
+    frames = faulty_frames(PROTOCOLS[arguments.protocol](blocks, rig.base), faults, arguments.seed)
     greeting = hello_frame(rig.base) if arguments.protocol == "native" else b""
-    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, greeting)) as device:
+    cable = FaultyCable(faults)
+    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, greeting, cable)) as device:
         _tell(arguments, f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
         frames = _for(frames, arguments.duration)
+        if arguments.wait:
+            device.wait_for_reader(is_over)
         sent, lost = play(frames, device, arguments.speed, is_over)
         if not is_over():
             device.drain()
@@ -71,6 +77,14 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME[:param=value,...]",
         help="an effect more than the rig has, of typical size where nothing is said (may be given again)",
     )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help="something that goes wrong on the link, from from_s (2 s of device time where nothing is said) to to_s "
+        f"(may be given again): {', '.join(FAULTS)}",
+    )
     parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
     parser.add_argument("--protocol", default="native", choices=sorted(PROTOCOLS))
     parser.add_argument("--seed", type=_seed, default=0, help="of everything random (default 0)")
@@ -79,6 +93,11 @@ def _parser() -> argparse.ArgumentParser:
         type=_speed,
         default=1.0,
         help="device seconds in a second, or max for as fast as it is read",
+    )
+    parser.add_argument(
+        "--wait",
+        action="store_true",
+        help="power on when the first reader opens the port, as boards do that DTR resets",
     )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
     parser.add_argument(

@@ -23,6 +23,7 @@ from firmware_sim.rig import Rig
 
 BLOCK_SAMPLES = 4096
 COUNTS_MOST = 32767
+FINE_POINTS = 1 << 18
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,18 +95,19 @@ class _Bench:
     def __init__(self, rig: Rig, profile: Profile, seed: int, session: int) -> None:
         self._base, self._profile = rig.base, profile
         self._rate_hz = rig.base.sample_rate_hz
-        finest_s = min([effect.finest_step_s() for effect in rig.effects], default=float("inf"))
+        has_low_pass = any(effect.name == "bandwidth" for effect in rig.effects)
+        finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
-        sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine / 2.0)
-        noise = np.random.default_rng([seed, session])
+        sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
+        noise = _dice(seed, session)
         self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
         twins: dict[str, int] = {}
         for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
             twins[effect.name] = twins.get(effect.name, 0) + 1
-            rng = np.random.default_rng([seed, session, crc32(effect.name.encode()), twins[effect.name]])
             place = self._acts[effect.place]
-            act = effect.begin(rng, self._rate_hz)
+            dice = _dice(seed, session, crc32(effect.name.encode()), twins[effect.name])
+            act = effect.begin(dice, self._rate_hz)
             if effect.name == "vibration":
                 place.insert(0, act)  # before the low-pass, as the noise is
             else:
@@ -143,15 +145,28 @@ class _Bench:
         )
         return block if arrived.all() else block.only(arrived)
 
-    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
-        """What the device reads out, deg/s: seen on the fine grid, sampled at each last point of a sample's stretch."""
+    def _sampled(self, first: int, count: int) -> tuple[Floats, Floats]:
+        """Rate with all that acts in continuous time, and the motion in it: of the fine grid, each last point."""
         fine_rate_hz = self._rate_hz * self._fine
         points = np.arange(first * self._fine - self._fine + 1, (first + count - 1) * self._fine + 1)
-        fine = truth if self._fine == 1 else self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
+        fine = self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
         seen_s = self._through(Place.LAG, fine.t_s, fine)
         motion_dps = fine.rate_dps if seen_s is fine.t_s else self._profile.at(seen_s)[1]
-        rate_dps = self._through(Place.ANALOGUE, motion_dps, fine)[self._fine - 1 :: self._fine]
+        rate_dps = self._through(Place.ANALOGUE, motion_dps, replace(fine, rate_dps=motion_dps))
+        return rate_dps[self._fine - 1 :: self._fine], motion_dps[self._fine - 1 :: self._fine]
+
+    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
+        """What the device reads out, deg/s; the fine grid goes by in pieces, so that memory stays bounded."""
+        piece = max(1, FINE_POINTS // self._fine)
+        starts = range(first, first + count, piece)
+        parts = [self._sampled(start, min(piece, first + count - start)) for start in starts]
+        rate_dps, motion_dps = (np.concatenate(column) for column in zip(*parts, strict=True))
         # What depends on the rate depends on the one that is seen, not on the one that is.
-        seen = replace(truth, rate_dps=motion_dps[self._fine - 1 :: self._fine])
+        seen = replace(truth, rate_dps=motion_dps)
         rate_dps = self._through(Place.RATE, rate_dps, seen) + self._base.bias_dps
         return self._through(Place.HOLD, self._through(Place.OUTPUT, rate_dps, seen), seen)
+
+
+def _dice(seed: int, *branch: int) -> np.random.Generator:
+    """A generator for one purpose, independent of those for all others."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=branch))

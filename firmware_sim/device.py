@@ -25,7 +25,7 @@ TIOCPKT_FLUSHREAD = 0x01
 TCGETS2, TERMIOS2 = 0x802C542A, struct.Struct("4I20s2I")
 """The one call that tells line rates outside the list of POSIX; its last field is the rate in baud."""
 
-OPENING_S = 0.5
+OPENING_S = 1.0
 """A reader that has opened the port and not flushed it by then (cat, screen) is not going to."""
 
 LONGEST_NAP_S = 0.05
@@ -45,8 +45,8 @@ class Cable:
         _ = t_s
         return link
 
-    def carry(self, content: bytes, t_s: float, read_baud: int) -> bytes:
-        """What a reader whose line rate is `read_baud` gets of what is sent at `t_s`."""
+    def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
+        """What a reader whose line rate is `read_baud()` gets of what is sent at `t_s`."""
         _ = t_s, read_baud
         return content
 
@@ -175,7 +175,7 @@ class PtyDevice:
         self.fd = -1
 
     def _carried(self, content: bytes) -> bytes:
-        return self._cable.carry(content, self._t_s, _line_rate(self.fd))
+        return self._cable.carry(content, self._t_s, lambda: _line_rate(self.fd))
 
     def _finish(self) -> bool:
         """Whether nothing is left of what was to be sent."""

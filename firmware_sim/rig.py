@@ -24,8 +24,8 @@ class Base(Checked):
     dps_per_lsb
         One count of the 16-bit rate, deg/s.
     noise_dps_rthz
-        White noise of the rate, one-sided density, deg/s/√Hz; the standard deviation of a sample is
-        noise·√(sample_rate / 2).
+        White noise of the rate, deg/s/√Hz, as angle random walk is stated (IEEE Std 952): the Allan deviation is
+        noise/√τ, the standard deviation of a sample noise·√sample_rate.
     bias_dps
         Constant offset of the rate, deg/s.
     encoder_cpr
@@ -36,7 +36,7 @@ class Base(Checked):
 
     sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
     dps_per_lsb: Annotated[float, Field(gt=0.0, le=10.0)] = 0.00763
-    noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.005
+    noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0035
     bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
     encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MOST)] = 36000
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002

@@ -144,7 +144,7 @@ class _Lines(Checked):
 
 
 class Steps(_Lines):
-    """Each of `rates_dps` for `hold_seconds`, with ramps of `ramp_seconds` between them and back to 0 at the end."""
+    """Each of `rates_dps`, on top of the present rate, for `hold_seconds`, with ramps of `ramp_seconds`."""
 
     kind: Literal["steps"]
     rates_dps: Annotated[tuple[RateDps, ...], Field(min_length=1, strict=False)]

@@ -48,6 +48,9 @@ class Recording:
         self._is_looping = is_looping
         steps_s = np.diff(session.t_device_s)
         self.period_s = float(np.median(steps_s[steps_s > 0])) if np.any(steps_s > 0) else 0.01
+        # A device whose samples were lost would have counted them: holes in time are holes in the counter.
+        moved = np.maximum(1.0, np.rint(np.nan_to_num(steps_s) / self.period_s))
+        self._counter = np.concatenate([[0], np.cumsum(moved)]).astype(np.int64).tolist()
 
     def __iter__(self) -> Iterator[Spoken]:
         once_s = float(np.nanmax(self.session.t_device_s) - self.session.t_device_s[0]) + self.period_s
@@ -57,13 +60,13 @@ class Recording:
             if not self._is_looping:
                 return
             later_s += once_s
-            later_seq += len(self.session.t_device_s)
+            later_seq += self._counter[-1] + 1
 
     def _once(self, later_s: float, later_seq: int) -> Iterator[Spoken]:
         session = self.session
         count = len(session.t_device_s)
         missing: list[float | None] = [None] * count
-        seqs = range(count) if session.seq is None else session.seq.tolist()
+        seqs = self._counter if session.seq is None else session.seq.tolist()
         angles = missing if session.encoder_deg is None else session.encoder_deg.tolist()
         temps = missing if session.temp_c is None else session.temp_c.tolist()
         first_s, due_s = float(session.t_device_s[0]), 0.0

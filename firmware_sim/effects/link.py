@@ -52,10 +52,10 @@ class TimestampJitter(Effect):
 
 
 class UsbBatching(Effect):
-    """Samples wait for the next tick of an interval and arrive together. Typical: 1 to 16 ms (FTDI latency timer)."""
+    """Samples wait for the next tick of an interval and arrive together. Typical: 1 to 16 ms, 64 on slow hosts."""
 
     name: Literal["usb_batching"] = "usb_batching"
-    interval_ms: Annotated[float, Field(gt=0.0, le=5000.0)]
+    interval_ms: Annotated[float, Field(ge=0.01, le=5000.0)]
     stage: ClassVar[str] = "link"
     place: ClassVar[Place] = Place.ARRIVAL
     typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0}

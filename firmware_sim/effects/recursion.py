@@ -73,6 +73,7 @@ class Poisson:
         self._mean_s = mean_s
         self._times_s: Floats = np.zeros(0)
         self._reached_s = 0.0
+        self._forgotten = 0
 
     def count_until(self, t_s: Floats) -> Floats:
         """How many events have come until each time, of its shape."""
@@ -80,4 +81,7 @@ class Poisson:
             gaps_s = self._rng.exponential(self._mean_s, 64)
             self._times_s = np.concatenate([self._times_s, self._reached_s + np.cumsum(gaps_s)])
             self._reached_s = float(self._times_s[-1])
-        return np.searchsorted(self._times_s, t_s, side="right").astype(np.float64)
+        done = int(np.searchsorted(self._times_s, t_s[0], side="right"))
+        self._forgotten += done
+        self._times_s = self._times_s[done:]
+        return self._forgotten + np.searchsorted(self._times_s, t_s, side="right").astype(np.float64)

@@ -14,10 +14,10 @@ FLICKER_TAUS_S = tuple(0.3 * 3.0**power for power in range(10))
 
 
 class BiasInstability(Effect):
-    """1/f noise of one-sided density B²/(2πf), as a sum of first-order Markov processes.
+    """1/f noise of two-sided density B²/(2πf), as a sum of first-order Markov processes.
 
-    Their variance is B²·ln(ratio of time constants)/(2π) each. The Allan deviation is flat at 0.664·B (IEEE Std
-    952). Typical B: 4 to 40 deg/h.
+    Their variance is B²·ln(ratio of time constants)/π each. The Allan deviation is flat at √(2·ln 2/π)·B = 0.664·B
+    (IEEE Std 952). Typical B: 4 to 40 deg/h.
     """
 
     name: Literal["bias_instability"] = "bias_instability"
@@ -29,7 +29,7 @@ class BiasInstability(Effect):
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Slow track."""
-        sigma_dps = self.floor_dph / 3600.0 * sqrt(log(3.0) / (2.0 * pi))
+        sigma_dps = self.floor_dph / 3600.0 * sqrt(log(3.0) / pi)
         poles = [float(np.exp(-SLOW_STEP_S / tau_s)) for tau_s in FLICKER_TAUS_S]
         processes = [OnePole(pole, sigma_dps * rng.standard_normal()) for pole in poles]
         scales = [sigma_dps * sqrt(1.0 - pole**2) for pole in poles]

@@ -73,7 +73,7 @@ class Deadband(Effect):
 
 
 class Saturation(Effect):
-    """Output ends at ± a limit. Typical: the range that was chosen, 125 to 2000 deg/s."""
+    """Output ends at ± a limit, and the device does not say so. Typical: a range of 125 to 2000 deg/s."""
 
     name: Literal["saturation"] = "saturation"
     limit_dps: Annotated[float, Field(ge=1.0, le=4000.0)]
@@ -91,7 +91,7 @@ class Quantization(Effect):
     """Output comes in steps coarser than a count. Typical: 1/131 to 1/16 deg/s, × 16 on a 12-bit path."""
 
     name: Literal["quantization"] = "quantization"
-    step_dps: Annotated[float, Field(gt=0.0, le=20.0)]
+    step_dps: Annotated[float, Field(ge=1e-6, le=20.0)]
     stage: ClassVar[str] = "sensor"
     place: ClassVar[Place] = Place.OUTPUT
     typical: ClassVar[dict[str, float]] = {"step_dps": 0.25}

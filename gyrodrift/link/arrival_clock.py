@@ -11,7 +11,8 @@ from gyrodrift.sample import Reading, Sample
 HOLD_S = 0.3
 HOLD_SAMPLES = 8
 HOLD_LONGEST_S = 3.0
-"""Samples are held until they span HOLD_S and number HOLD_SAMPLES, or span HOLD_LONGEST_S."""
+HOLD_MOST_SAMPLES = 2000
+"""Samples are held until they span HOLD_S and number HOLD_SAMPLES, or span HOLD_LONGEST_S, or are very many."""
 
 LEAN = 0.02
 """Share of the distance to the line that time moves towards it with each sample."""
@@ -63,7 +64,8 @@ class ArrivalClock:
         self._held += [(reading, arrival_s) for reading in readings]
         self._fit.add(len(self._held) - 1, arrival_s)
         span_s = arrival_s - self._held[0][1]
-        if span_s < HOLD_S or (len(self._held) < HOLD_SAMPLES and span_s < HOLD_LONGEST_S):
+        is_brief = span_s < HOLD_S or (len(self._held) < HOLD_SAMPLES and span_s < HOLD_LONGEST_S)
+        if is_brief and len(self._held) < HOLD_MOST_SAMPLES:
             return []
         self.period_s = self._fit.slope
         if self.period_s <= 0.0:

@@ -13,8 +13,8 @@ from gyrodrift.link.decoder import DecoderCounters, DeviceFacts
 from gyrodrift.sample import Reading
 
 MAX_LINE_BYTES = 256
-MAX_RATE_DPS = 1e5
-"""Ten times what any gyro on the market measures; a larger number is a damaged line."""
+MAX_RATE_DPS = 2e4
+"""Several times what gyros on the market measure; a larger number is a damaged line."""
 
 COLUMN_CHANGE_LINES = 3
 JOIN_GAP_US = 1_000_000

@@ -10,7 +10,18 @@ CLOCK_WRAP_US = 1 << 32
 COUNTER_WRAP = 1 << 16
 
 STEP_US = 1_000_000
-"""A larger step of device time, either way, has to be explained before it is believed."""
+"""The longest step that is believed of a device whose period is not known yet."""
+
+ODD_US = 100_000
+"""How far clock and counter may part over one step (or a tenth of it) before they contradict each other."""
+
+REPEATED_PERIODS = 8.0
+"""A link may repeat the last few readings; what goes back further comes of a clock and a counter that began anew."""
+
+ODD_PERIODS = 4.0
+RETURN_PERIODS = 2.5
+"""Without a counter, a step of more than ODD_PERIODS waits for the reading after it; if that is within RETURN_PERIODS
+of the last one before, the odd one was a glitch."""
 
 WITNESS_SLACK_S = 0.5
 """How far host and device clock may part over one step before they contradict each other."""
@@ -31,11 +42,12 @@ FIT_EVERY_S = 0.02
 class DeviceClock:
     """Unwraps a microsecond clock and a 16-bit counter.
 
-    Small steps are believed. A large one is believed where the counter moved as far, or where the host clock,
-    if it has been running alongside, does not contradict it: a sample cannot arrive before it was taken.
-    Otherwise the reading waits for the next one. If that goes on from it, the clock has begun anew, and device
-    time goes on one period after the last sample; if not, it was a glitch. A reading that goes back by less
-    than a second, or stands still, is passed on as it is: the filter counts it and passes it by.
+    A step of about a period is believed, and so is a longer one that the counter bears out. Any other step waits for
+    the reading after it. If that goes on from it, the step was real: a hole, if it leads forward and the host clock,
+    where it has been running alongside, agrees (a sample cannot arrive before it was taken); else the clock has begun
+    anew, and device time goes on one period after the last sample. If the reading after goes on from before the step,
+    the step was a glitch of one reading. A reading that stands still, or repeats an older one with its counter, is
+    passed on as it is: the filter counts it and passes it by.
     """
 
     def __init__(self, epoch_s: float) -> None:
@@ -98,40 +110,63 @@ class DeviceClock:
 
     def _judge(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
         step_us = _clock_step(last, reading)
-        if self._is_believed(last, reading, step_us, arrival_s):
-            self.glitches += self._suspect is not None
-            self._suspect = None
-            if step_us > 0:
-                self._move(reading, step_us, self._counted(last, reading, step_us), arrival_s, samples)
-            else:
-                samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
-        elif self._suspect is not None and self._goes_on(self._suspect, reading):
-            first, self._suspect = self._suspect, None
-            self._begin_anew(last, first, arrival_s, samples)
-            self._judge(first, reading, arrival_s, samples)
+        suspect, self._suspect = self._suspect, None
+        is_usual = self._is_usual(last, reading, step_us)
+        if suspect is None and not is_usual:
+            self._suspect = reading
+        elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
+            self.glitches += suspect is not None
+            self._accept(last, reading, step_us, arrival_s, samples)
+        elif self._goes_on(suspect, reading):
+            self._settle(last, suspect, arrival_s, samples)
+            self._judge(suspect, reading, arrival_s, samples)
         else:
-            self.glitches += self._suspect is not None
+            self.glitches += 1
             self._suspect = reading
 
-    def _is_believed(self, last: Reading, reading: Reading, step_us: int, arrival_s: float) -> bool:
-        expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
-        if self._in_doubt and self._host_is_witness():
-            return abs(expected_s - arrival_s) < WITNESS_SLACK_S
-        if abs(step_us) <= STEP_US:
-            return True
-        if step_us < 0:
-            return False
-        return (
-            self._counter_agrees(last, reading, step_us)
-            or not self._host_is_witness()
-            or expected_s < arrival_s + WITNESS_SLACK_S
-        )
+    def _accept(self, last: Reading, reading: Reading, step_us: int, arrival_s: float, samples: list[Sample]) -> None:
+        if step_us > 0:
+            self._move(reading, step_us, self._counted(last, reading, step_us), arrival_s, samples)
+        else:
+            samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
 
-    def _counter_agrees(self, last: Reading, reading: Reading, step_us: int) -> bool:
-        if reading.seq is None or last.seq is None or not self.period_s:
+    def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
+        """A step that nothing speaks against: it needs no second reading to be believed."""
+        if self._in_doubt:
             return False
-        counted_us = _counter_step(last.seq, reading.seq) * self.period_s * 1e6
-        return abs(counted_us - step_us) < 0.1 * step_us
+        counted_us = self._counted_us(last, reading)
+        if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
+            return abs(counted_us - step_us) <= max(ODD_US, 0.1 * abs(step_us))
+        if not self.period_s:
+            return 0 <= step_us <= STEP_US
+        return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
+
+    def _counted_us(self, last: Reading, reading: Reading) -> float | None:
+        """How far time should have moved by the counter, forward or back, µs; None without counter or period."""
+        if reading.seq is None or last.seq is None or not self.period_s:
+            return None
+        half = COUNTER_WRAP // 2
+        counted = (reading.seq - last.seq + half) % COUNTER_WRAP - half
+        # A hole of more than half a wrap looks like a step back: the clock says how many wraps there were.
+        wraps = round((_clock_step(last, reading) / (self.period_s * 1e6) - counted) / COUNTER_WRAP)
+        return (counted + max(0, wraps) * COUNTER_WRAP) * self.period_s * 1e6
+
+    def _settle(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        """What an odd step was, now that the reading after it went on from it: a hole, or a new beginning."""
+        step_us = _clock_step(last, first)
+        if step_us > 0 and self._is_hole(last, first, step_us, arrival_s):
+            self._move(first, step_us, self._counted(last, first, step_us), arrival_s, samples)
+        else:
+            self._begin_anew(last, first, arrival_s, samples)
+
+    def _is_hole(self, last: Reading, first: Reading, step_us: int, arrival_s: float) -> bool:
+        expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
+        if self._host_is_witness():
+            if self._in_doubt:
+                return abs(expected_s - arrival_s) < WITNESS_SLACK_S
+            return expected_s < arrival_s + WITNESS_SLACK_S
+        counted_us = self._counted_us(last, first)
+        return counted_us is None or abs(counted_us - step_us) <= max(ODD_US, 0.1 * step_us)
 
     def _host_is_witness(self) -> bool:
         return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]

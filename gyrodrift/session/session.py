@@ -51,4 +51,8 @@ def load_session(path: Path) -> Session:
         from gyrodrift.session.csv import read_csv  # noqa: PLC0415 - each format costs only who reads it
 
         return read_csv(path)
-    raise DataError(f"{path}: sessions end in .csv, not {path.suffix or 'nothing'}")
+    if path.suffix == ".mcap":
+        from gyrodrift.session.mcap import read_mcap  # noqa: PLC0415
+
+        return read_mcap(path)
+    raise DataError(f"{path}: sessions end in .mcap or .csv, not {path.suffix or 'nothing'}")

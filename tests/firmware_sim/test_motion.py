@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_sim.motion import Floats, Profile, config_folder, load_profile
+from firmware_sim.effects.effect import Floats
+from firmware_sim.motion import Profile, config_folder, load_profile
 from firmware_sim.yaml_file import FileError
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "profiles").glob("*.yaml"))
@@ -29,12 +30,28 @@ segments = st.one_of(
             "frequency_hz": st.floats(0.01, 0.5),
         }
     ),
+    st.fixed_dictionaries(
+        {
+            "kind": st.just("steps"),
+            "rates_dps": st.lists(rates_dps, min_size=1, max_size=4),
+            "ramp_seconds": lengths_s,
+            "hold_seconds": lengths_s,
+        }
+    ),
 )
 KINDS: dict[str, list[dict[str, Any]]] = {
     "rest": [{"kind": "rest", "seconds": 2.0}],
     "ramp": [{"kind": "ramp", "seconds": 2.0, "to_dps": -90.0}],
     "hold": [{"kind": "ramp", "seconds": 1.0, "to_dps": 30.0}, {"kind": "hold", "seconds": 2.0}],
     "sine": [{"kind": "sine", "seconds": 2.5, "amplitude_dps": 60.0, "frequency_hz": 0.3}],
+    "steps": [{"kind": "steps", "rates_dps": [30.0, -90.0, 10.0], "ramp_seconds": 0.5, "hold_seconds": 2.0}],
+    "chirp": [{"kind": "chirp", "seconds": 8.0, "amplitude_dps": 30.0, "from_hz": 0.1, "to_hz": 1.0}],
+    "multisine": [
+        {"kind": "multisine", "seconds": 8.0, "rms_dps": 10.0, "from_hz": 0.2, "to_hz": 2.0, "tones": 8},
+    ],
+    "drive": [
+        {"kind": "drive", "minutes": 2.0, "rms_dps": 6.0, "curve_seconds": 6.0, "rest_share": 0.3, "seed": 1},
+    ],
 }
 
 
@@ -128,10 +145,78 @@ def test_a_rest_stops_at_once_and_a_hold_goes_on() -> None:
     assert rate_dps.tolist() == [30.0, 30.0, 0.0]
 
 
+def test_steps_hold_each_rate_and_come_back() -> None:
+    """Half a second to each rate, two seconds there, and standing still at the end."""
+    profile = profile_of(*KINDS["steps"])
+    angle_deg, rate_dps = profile.at(np.array([0.25, 0.5, 2.5, 3.0, 5.0, 5.5, 7.5, 7.75, 8.0 - 1e-9]))
+    np.testing.assert_allclose(rate_dps, [15.0, 30.0, 30.0, -90.0, -90.0, 10.0, 10.0, 5.0, 0.0], atol=1e-6)
+    assert (profile.seconds, angle_deg[2]) == (8.0, 0.25 * 30.0 + 2.0 * 30.0)
+
+
+def test_a_chirp_passes_every_frequency_in_its_time() -> None:
+    """Half way through, the sine has half of the frequencies behind it, and its full amplitude."""
+    chirp = {"kind": "chirp", "seconds": 100.0, "amplitude_dps": 30.0, "from_hz": 1.0, "to_hz": 3.0}
+    for middle_s, frequency_hz in ((10.0, 1.2), (50.0, 2.0), (90.0, 2.8)):
+        t_s = np.arange(middle_s - 2.0, middle_s + 2.0, 1e-4)
+        _, rate_dps = profile_of(chirp).at(t_s)
+        crossings = np.flatnonzero(np.diff(np.signbit(rate_dps)))
+        assert len(crossings) / 8.0 == pytest.approx(frequency_hz, abs=0.13)
+        assert rate_dps.max() == pytest.approx(30.0, rel=1e-3)
+
+
+def test_a_multisine_has_its_tones_and_its_size() -> None:
+    """Its spectrum stands at the tones, all of one height, which together have the rms that was asked for."""
+    segment = {"kind": "multisine", "seconds": 102.0, "rms_dps": 30.0, "from_hz": 0.5, "to_hz": 8.0, "tones": 5}
+    _, rate_dps = profile_of(segment).at(np.arange(1.0, 101.0, 0.01))
+    heights = 2.0 * np.abs(np.fft.rfft(rate_dps)) / rate_dps.size
+    assert sorted(np.argsort(heights)[-5:].tolist()) == [50, 100, 200, 400, 800]
+    np.testing.assert_allclose(heights[[50, 100, 200, 400, 800]], 30.0 * np.sqrt(2.0 / 5.0), rtol=1e-9)
+    assert np.abs(rate_dps).max() < 30.0 * np.sqrt(2.0 * 5.0)
+
+
+@pytest.mark.parametrize("kind", ["chirp", "multisine"])
+def test_a_wave_fades_in_and_out(kind: str) -> None:
+    """It starts and ends at the rate before it without a jump, and a ramp before it carries on underneath."""
+    profile = profile_of({"kind": "ramp", "seconds": 1.0, "to_dps": 50.0}, KINDS[kind][0])
+    _, rate_dps = profile.at(np.array([1.0, 1.001, 8.999, 9.0 - 1e-9]))
+    np.testing.assert_allclose(rate_dps, 50.0, atol=1e-3)
+
+
+def test_a_drive_is_the_same_for_the_same_seed_and_has_stops_and_curves() -> None:
+    """An hour of curves has the asked-for scatter, and its share of rests stands still."""
+    drive = {"kind": "drive", "minutes": 600.0, "rms_dps": 6.0, "curve_seconds": 12.0, "rest_share": 0.2}
+    t_s = np.arange(0.0, 36000.0, 0.5)
+    (one, again, other) = (profile_of(drive | {"seed": seed}).at(t_s)[1] for seed in (4, 4, 5))
+    assert one.tolist() == again.tolist() != other.tolist()
+    assert np.mean(one == 0.0) == pytest.approx(0.2 * 0.75, abs=0.03)
+    assert one[24::24][one[24::24] != 0.0].std() == pytest.approx(6.0, rel=0.1)
+
+
+def test_the_air_changes_on_straight_lines_and_starts_again_with_the_profile() -> None:
+    """Before the first point it is that of the first, after the last that of the last."""
+    fields = {"ambient": [{"at_s": 10.0, "temp_c": 20.0}, {"at_s": 30.0, "temp_c": 40.0}]}
+    profile = Profile.model_validate({"about": "a", "segments": [{"kind": "rest", "seconds": 50.0}], **fields})
+    temps_c = profile.ambient_at(np.array([-1.0, 0.0, 10.0, 20.0, 30.0, 49.0, 50.0, 70.0]))
+    assert temps_c.tolist() == [20.0, 20.0, 20.0, 30.0, 40.0, 40.0, 20.0, 30.0]
+
+
+def test_air_and_power_have_defaults() -> None:
+    """A profile that says nothing is a cold start in a room of 25 °C."""
+    profile = profile_of(*KINDS["rest"])
+    assert profile.powered_s == 0.0
+    assert profile.ambient_at(np.array([0.0, 1e5])).tolist() == [25.0, 25.0]
+
+
+def test_before_its_start_the_table_stands_still() -> None:
+    """What sees the motion late sees a table at rest first."""
+    angle_deg, rate_dps = profile_of(*KINDS["sine"]).at(np.array([-5.0, -1e-9]))
+    assert (angle_deg.tolist(), rate_dps.tolist()) == ([0.0, 0.0], [0.0, 0.0])
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_profile_says_what_it_is(name: str) -> None:
     """A shipped profile loads by its bare name and has a sentence about itself."""
-    assert load_profile(name).about.endswith(".")
+    assert load_profile(name).about.rstrip().endswith(".")
 
 
 def test_the_shipped_turntable_turns_both_ways_and_ends_standing_still() -> None:
@@ -189,6 +274,14 @@ def test_a_mistake_in_a_segment_is_told_with_its_place(tmp_path: Path, segment: 
     (line,) = mistakes(tmp_path, f"about: Wrong.\nsegments:\n  - {segment}\n  - {good}\n")
     assert line.startswith(f"profile.yaml:{place}: ")
     assert words in line
+
+
+@pytest.mark.parametrize("times_s", [(5, 5), (5, 4)])
+def test_the_times_of_the_air_have_to_rise(tmp_path: Path, times_s: tuple[int, int]) -> None:
+    """Two temperatures at one time, or going back, are a mistake of the profile."""
+    points = ", ".join(f"{{at_s: {at_s}, temp_c: 20}}" for at_s in times_s)
+    (line,) = mistakes(tmp_path, f"about: a\nsegments: [{{kind: rest, seconds: 9}}]\nambient: [{points}]\n")
+    assert "rise" in line
 
 
 def test_an_unknown_kind_is_answered_with_the_known_ones(tmp_path: Path) -> None:

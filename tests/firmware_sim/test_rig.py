@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from firmware_sim.motion import config_folder
-from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, load_rig
+from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, load_rig, parse_effect, with_effects
 from firmware_sim.yaml_file import FileError
 
 
@@ -75,6 +75,41 @@ def test_an_unknown_effect_is_refused(tmp_path: Path) -> None:
     """A rig with an effect that nobody has heard of does not run as if it had none."""
     with pytest.raises(FileError, match=r"rig\.yaml:1:\d+ effects"):
         load_rig(written(tmp_path, "effects: [{name: gremlins}]\n"))
+
+
+def test_a_file_lists_effects_and_one_of_them_may_stand_there_twice(tmp_path: Path) -> None:
+    """Two tones of vibration are two entries; what a file leaves out has its default."""
+    tones = "{name: vibration, amplitude_dps: 1, frequency_hz: 50}"
+    rig = load_rig(written(tmp_path, f"effects: [{tones}, {{name: spikes, height_dps: 9}}, {tones}]\n"))
+    assert [effect.name for effect in rig.effects] == ["vibration", "spikes", "vibration"]
+    assert rig.effects[1] == parse_effect("spikes:height_dps=9,share_percent=0.1")
+
+
+def test_an_effect_of_the_command_line_has_its_typical_size_or_the_one_given() -> None:
+    """A bare name is the usual effect, and parameters stand behind a colon."""
+    assert parse_effect("scale_factor") == parse_effect("scale_factor:error_percent=1.5")
+    assert parse_effect("encoder_quantization:cpr=720") == parse_effect("encoder_quantization")
+    rig = with_effects(with_effects(Rig(), [parse_effect("deadband")]), [parse_effect("latency:delay_ms=1e1")])
+    assert [effect.name for effect in rig.effects] == ["deadband", "latency"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("scale_facto", "did you mean scale_factor"),
+        ("gremlins", "known are scale_factor, "),
+        ("scale_factor:error_percent=99", "less than or equal to 20"),
+        ("scale_factor:error_percent=much", "expected a number"),
+        ("scale_factor:error=1", "parameters: error_percent"),
+        ("encoder_quantization:cpr=1.5", "cpr"),
+    ],
+)
+def test_a_mistake_in_an_effect_of_the_command_line_is_told(text: str, words: str) -> None:
+    """The message repeats what was given and says what there is."""
+    with pytest.raises(FileError) as caught:
+        parse_effect(text)
+    assert str(caught.value).startswith(f"--effect {text}: ")
+    assert words in str(caught.value)
 
 
 def test_the_finest_encoder_has_room_for_180_turns_either_way() -> None:

@@ -26,9 +26,7 @@ def blocks_of(base: Base) -> Iterator[Block]:
     return measure(Rig(base=base), load_profile("turntable"), 0, block_samples=512)
 
 
-def block_at(
-    seq: int, t_us: int, rate_raw: int = 0, encoder_counts: int = 0, t_host_s: float = 0.1
-) -> Iterator[Block]:
+def block_at(seq: int, t_us: int, rate_raw: int = 0, encoder_counts: int = 0, t_host_s: float = 0.1) -> Iterator[Block]:
     """A block of one measurement."""
     yield Block(
         seq=np.array([seq]),
@@ -131,20 +129,20 @@ def test_hello_comes_first_and_once_a_second(rate_hz: float) -> None:
 
 
 def test_native_frames_carry_the_measurements_in_order() -> None:
-    """Every measurement becomes one sample, at its own time, with nothing changed."""
+    """Every measurement becomes one sample, when the host has it, with nothing changed."""
     base = load_rig(None).base
     frames = (frame for frame in wire.native(blocks_of(base), base) if frame.rows)
     rows = (row for block in blocks_of(base) for row in block.rows())
-    for frame, (seq, t_us, raw, _, temp, counts) in islice(zip(frames, rows, strict=False), 1500):
+    for frame, (seq, t_us, t_host_s, raw, _, temp, counts) in islice(zip(frames, rows, strict=False), 1500):
         assert sample_of(frame.content) == (3, seq, t_us, raw, temp, counts)
-        assert frame.t_s == pytest.approx(t_us * 1e-6)
+        assert frame.t_s == t_host_s == pytest.approx(t_us * 1e-6 + base.host_delay_s)
 
 
 @pytest.mark.parametrize("speech", wire.PROTOCOLS.values(), ids=list(wire.PROTOCOLS))
 def test_the_time_of_a_frame_is_exact(speech: wire.Speech) -> None:
-    """A sample at 100 ms leaves at 0.1 s, and is not in the tenth of a second before."""
-    *_, frame = speech(block_at(10, 100_000), Base())
-    assert frame.t_s == 0.1
+    """A frame has the time at which the host has its measurement, to the last bit."""
+    *_, frame = speech(block_at(10, 100_000, t_host_s=0.1023), Base())
+    assert frame.t_s == 0.1023
 
 
 def test_the_flags_say_what_is_valid() -> None:
@@ -238,4 +236,4 @@ def test_witmotion_says_three_frames_for_each_measurement() -> None:
     for number, frame in enumerate(islice(wire.witmotion(blocks_of(base), base), 600)):
         assert [frame.content[at : at + 2] for at in (0, 11, 22)] == [b"\x55\x51", b"\x55\x52", b"\x55\x53"]
         assert (len(frame.content), frame.rows) == (33, 1)
-        assert frame.t_s == pytest.approx(number * 0.01)
+        assert frame.t_s == pytest.approx(number * 0.01 + base.host_delay_s)

@@ -58,7 +58,7 @@ def test_a_hole_is_measured_and_time_stays_true(has_counter: bool, missing: int,
     bench = Bench(has_counter=has_counter)
     bench.read(before)
     bench.skip(missing)
-    (sample,) = bench.read()
+    sample, *_ = bench.read(2)
     assert bench.events() == [Gap(missing, near((missing + 1) * 0.01))]
     assert sample.t_device_s == pytest.approx((before + missing) * 0.01)
     assert sample.seq == before + missing
@@ -79,7 +79,7 @@ def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
     for _ in range(300):
         bench.read(host_s=1e-5)
     bench.skip(1000, host_s=1e-5)
-    (sample,) = bench.read(host_s=1e-5)
+    sample, _ = bench.read(2, host_s=1e-5)
     assert sample.t_device_s == pytest.approx(13.0)
     assert len(bench.events()) == 1
 
@@ -140,9 +140,54 @@ def test_after_an_outage_a_clock_that_ran_on_keeps_its_true_time() -> None:
     bench.read(500)
     bench.clock.doubt()
     bench.skip(6000)
-    (sample,) = bench.read()
+    sample, _ = bench.read(2)
     assert sample.t_device_s == pytest.approx(65.0)
     assert bench.events() == [Gap(6000, near(60.01))]
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+@pytest.mark.parametrize("step_us", [-900_000, -300_000, 900_000])
+def test_a_step_of_less_than_a_second_is_told_from_time_that_passed(has_counter: bool, step_us: int) -> None:  # noqa: FBT001
+    """The counter, or the host clock, knows that there was no such time."""
+    bench = Bench(has_counter=has_counter)
+    last = bench.read(300)[-1]
+    bench.ticks_us += step_us
+    after = bench.read(20)
+    assert [s.t_device_s for s in after] == pytest.approx([last.t_device_s + 0.01 * (i + 1) for i in range(20)])
+    assert [type(event) for event in bench.events()] == [ClockRestart]
+
+
+def test_a_fast_replay_believes_the_counter_and_not_a_clock_that_jumped() -> None:
+    """Where the host clock is no witness."""
+    bench = Bench()
+    for _ in range(300):
+        bench.read(host_s=1e-5)
+    bench.ticks_us += 30_000_000
+    after = bench.read(5, host_s=1e-5)
+    assert after[-1].t_device_s == pytest.approx(3.04)
+    assert [type(event) for event in bench.events()] == [ClockRestart]
+
+
+@pytest.mark.parametrize("wild_us", [-500_000, 400_000, 40_000_000])
+def test_one_damaged_time_without_a_counter_is_a_glitch(wild_us: int) -> None:
+    """As when a digit of a csv line is lost."""
+    bench = Bench(has_counter=False)
+    bench.read(300)
+    assert bench.clock.stamp([Reading(bench.ticks_us + wild_us, None, 0.0)], bench.now_s) == []
+    bench.skip(1)
+    assert bench.read(5)[0].t_device_s == pytest.approx(3.01)
+    assert bench.clock.glitches == 1
+
+
+@given(st.lists(st.integers(2_000, 60_000), min_size=5, max_size=200))
+def test_irregular_times_lose_nothing_but_perhaps_the_last(steps_us: list[int]) -> None:
+    """Without a counter, and in a fast replay: every step is as it was."""
+    bench = Bench(has_counter=False)
+    samples = [sample for step_us in steps_us for sample in bench.read(step_us=step_us, host_s=1e-5)]
+    times_us = [sum(steps_us[:i]) for i in range(len(steps_us))]
+    got_us = [round(sample.t_device_s * 1e6) for sample in samples]
+    assert got_us == times_us[: len(got_us)]
+    assert len(got_us) >= len(times_us) - 1
 
 
 def test_after_an_outage_a_clock_that_began_anew_is_not_taken_for_a_hole() -> None:

@@ -1,0 +1,184 @@
+"""Faults of the device itself: measurements that are not taken, not true, or not at their time."""
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from firmware_sim.bench import COUNTS_MOST, Block
+from firmware_sim.faults.fault import Fault, Lasting
+
+
+class DoubleRate(Lasting):
+    """The device samples at twice the rate that HELLO tells: firmware and its configuration do not match.
+
+    Between each two measurements stands one more, on the straight line through them.
+    """
+
+    fault: ClassVar[str] = "double_rate"
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """One more before each; the counter counts it."""
+        last: Block | None = None
+        more = 0
+        for block in blocks:
+            if not len(block.seq):
+                continue
+            before = _joined(last if last is not None else _row(block, 0), block)
+            halfway = _halfway(before, block)
+            has_one = self.is_on_at(halfway) & (np.diff(before.seq) == 1)
+            counted = replace(block, seq=block.seq + more + np.cumsum(has_one))
+            between = replace(halfway.only(has_one), seq=counted.seq[has_one] - 1)
+            last, more = _row(block, -1), more + int(has_one.sum())
+            yield _inserted(counted, between, np.flatnonzero(has_one))
+
+
+class StuckValue(Lasting):
+    """The rate repeats, and all else goes on: the sensor hangs on its bus and the firmware does not look."""
+
+    fault: ClassVar[str] = "stuck_value"
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """The last rate before it began; the first one of all where it began with power-on."""
+        raw, is_clipped = np.int16(0), np.bool_(False)
+        is_fresh = True
+        for block in blocks:
+            if len(block.seq):
+                stuck = self.is_on_at(block)
+                free = np.flatnonzero(~stuck)
+                before = free[block.t_host_s[free] < self.from_s]
+                if len(before) or is_fresh:
+                    at = before[-1] if len(before) else 0
+                    raw, is_clipped = block.rate_raw[at], block.is_clipped[at]
+                is_fresh = False
+                yield replace(
+                    block,
+                    rate_raw=np.where(stuck, raw, block.rate_raw).astype(np.int16),
+                    is_clipped=np.where(stuck, is_clipped, block.is_clipped),
+                )
+
+
+class FullScale(Lasting):
+    """The rate stands at its rail and says so: a broken sensor element, or a turn far beyond the range.
+
+    sign
+        Which rail: 1 for counter-clockwise, -1 for clockwise.
+    """
+
+    fault: ClassVar[str] = "full_scale"
+    sign: Literal[1, -1] = 1
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """Full scale, flagged as clipped."""
+        for block in blocks:
+            on = self.is_on_at(block)
+            raw = np.where(on, self.sign * COUNTS_MOST, block.rate_raw).astype(np.int16)
+            yield replace(block, rate_raw=raw, is_clipped=block.is_clipped | on)
+
+
+class RateChange(Fault):
+    """Only every so many measurements are taken from a moment on: a firmware that saves power, or was set anew.
+
+    divide
+        One measurement in so many is taken; the counter has no holes.
+    """
+
+    fault: ClassVar[str] = "rate_change"
+    divide: Annotated[int, Field(ge=2, le=1000)] = 2
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """The first one of the new rate is the first one from then on."""
+        first: int | None = None
+        for block in blocks:
+            after = block.t_host_s >= self.from_s
+            if first is None and after.any():
+                first = int(block.seq[after][0])
+            if first is None:
+                yield block
+                continue
+            passed = block.seq - first
+            taken = block.only(~after | (passed % self.divide == 0))
+            passed = taken.seq - first
+            yield replace(taken, seq=np.where(passed > 0, first + passed // self.divide, taken.seq))
+
+
+class ClockStep(Fault):
+    """The device clock jumps: firmware that sets it by a host, or counts its overflows wrongly.
+
+    step_s
+        How far, s; backward where it is negative.
+    """
+
+    fault: ClassVar[str] = "clock_step"
+    step_s: Annotated[float, Field(ge=-1e6, le=1e6)] = 30.0
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """Time stamps moved."""
+        for block in blocks:
+            step_us = np.where(block.t_host_s >= self.from_s, round(self.step_s * 1e6), 0)
+            yield replace(block, t_device_us=block.t_device_us + step_us)
+
+
+class Reset(Fault):
+    """The device boots anew, as on a brown-out, a watchdog or a DTR line: silence, then all counts from 0.
+
+    silent_s
+        How long nothing is measured, s.
+    """
+
+    fault: ClassVar[str] = "reset"
+    silent_s: Annotated[float, Field(ge=0.0, le=1e6)] = 0.5
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """Counter, clock and encoder begin at the first measurement after the silence."""
+        back_s = self.from_s + self.silent_s
+        zero: Block | None = None
+        for block in blocks:
+            kept = block.only((block.t_host_s < self.from_s) | (block.t_host_s >= back_s))
+            after = kept.t_host_s >= back_s
+            if zero is None and after.any():
+                zero = _row(kept, int(np.flatnonzero(after)[0]))
+            if zero is None:
+                yield kept
+                continue
+            yield replace(
+                kept,
+                seq=kept.seq - after * zero.seq[0],
+                t_device_us=kept.t_device_us - after * zero.t_device_us[0],
+                encoder_counts=kept.encoder_counts - after * zero.encoder_counts[0],
+            )
+
+
+def _row(block: Block, at: int) -> Block:
+    """One measurement as a block of its own."""
+    return Block(*(getattr(block, field.name)[at:][:1] for field in fields(Block)))
+
+
+def _joined(first: Block, then: Block) -> Block:
+    names = [field.name for field in fields(Block)]
+    return Block(*(np.concatenate([getattr(first, name), getattr(then, name)]) for name in names))
+
+
+def _halfway(before: Block, block: Block) -> Block:
+    """Halfway from each of `before` to the next; whole numbers round down."""
+
+    def mean(name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        values = getattr(before, name).astype(np.float64)
+        middle: np.ndarray[tuple[int], np.dtype[np.float64]] = 0.5 * (values[1:] + values[:-1])
+        return middle
+
+    return replace(
+        block,
+        t_device_us=np.floor(mean("t_device_us")).astype(np.int64),
+        t_host_s=mean("t_host_s"),
+        rate_raw=np.floor(mean("rate_raw")).astype(np.int16),
+        temp_centi_c=np.floor(mean("temp_centi_c")).astype(np.int16),
+        encoder_counts=np.floor(mean("encoder_counts")).astype(np.int64),
+    )
+
+
+def _inserted(block: Block, more: Block, places: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Block:
+    names = [field.name for field in fields(Block)]
+    return Block(*(np.insert(getattr(block, name), places, getattr(more, name)) for name in names))

@@ -1,0 +1,79 @@
+"""Clock and link: what stamps, arrivals and the counter tell of ten minutes with the shipped noise."""
+
+import numpy as np
+import pytest
+from effects_bench import SHIPPED, Record, effect_of, fitted, put_in, record, rig_of, share_bound, sized
+
+from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.link import TimestampJitter
+from firmware_sim.motion import load_profile
+
+DELAY_S = SHIPPED.host_delay_s
+
+
+def identified(effect: Effect | None) -> Record:
+    return record(rig_of(effect), load_profile("identify"), 594.0)
+
+
+@sized("clock_drift")
+def test_the_drift_is_the_slope_of_the_device_clock_over_the_hosts(effect: Effect | None) -> None:
+    """To a hundredth of a part in a million."""
+    run = identified(effect)
+    _, slope = fitted(run.t_device_us - 1e6 * run.t_host_s, 1.0, run.t_host_s)
+    assert slope == pytest.approx(put_in(effect, "ppm"), abs=0.01)
+
+
+@sized("timestamp_jitter")
+def test_stamps_scatter_about_the_time_of_measurement(effect: Effect | None) -> None:
+    """Independently of each other, with their sigma to 2 %, not sooner or later on the whole; off is rounding."""
+    run = identified(effect)
+    off_ms = (run.t_device_us * 1e-3 - run.t_s * 1e3)[10:]
+    assert off_ms.std() == pytest.approx(put_in(effect, "sigma_ms"), rel=0.02, abs=5e-4)
+    assert abs(off_ms.mean()) < 5.0 * max(put_in(effect, "sigma_ms"), 5e-4) / np.sqrt(off_ms.size)
+    if effect is not None:
+        assert abs(np.corrcoef(off_ms[:-1], off_ms[1:])[0, 1]) < 5.0 / np.sqrt(off_ms.size)
+
+
+@pytest.mark.parametrize("sigma_ms", [5.0, 50.0])
+def test_stamps_that_scatter_over_several_samples_still_rise(sigma_ms: float) -> None:
+    """A device clock does not go back; it never stands still either."""
+    assert np.diff(identified(TimestampJitter(sigma_ms=sigma_ms)).t_device_us).min() >= 1
+
+
+@sized("usb_batching")
+def test_samples_arrive_in_bunches_at_the_ticks(effect: Effect | None) -> None:
+    """Arrivals that differ are an interval apart to a microsecond; off, one sample comes after the other."""
+    run = identified(effect)
+    gaps_s = np.diff(run.t_host_s)
+    interval_s = put_in(effect, "interval_ms") * 1e-3 or 0.01
+    assert np.abs(gaps_s[gaps_s > 1e-6] - interval_s).max() < 1e-6
+    assert np.mean(gaps_s > 1e-6) == pytest.approx(0.01 / interval_s, abs=0.001)
+
+
+@sized("usb_batching")
+def test_a_sample_waits_for_less_than_an_interval(effect: Effect | None) -> None:
+    """Anything from nothing to the whole interval, half of it on average; off, there is no wait."""
+    run = identified(effect)
+    waits_s = run.t_host_s - run.t_s - DELAY_S
+    interval_s = put_in(effect, "interval_ms") * 1e-3
+    assert waits_s.min() >= -1e-9
+    assert waits_s.max() < interval_s + 1e-9
+    assert waits_s.mean() == pytest.approx(interval_s / 2.0, abs=0.002 * bool(effect) + 1e-9)
+
+
+@sized("sample_drop")
+def test_lost_samples_are_holes_in_the_counter(effect: Effect | None) -> None:
+    """Their share within five standard errors, lone ones as independence has them; none without the effect."""
+    seq = identified(effect).seq
+    holes = np.diff(seq, prepend=-1) - 1
+    share = put_in(effect, "share_percent") / 100.0
+    assert abs(holes.sum() / 59_400 - share) <= share_bound(share, 59_400)
+    assert np.mean(holes[holes > 0] > 1 if effect else 0.0) < 0.1
+
+
+@pytest.mark.parametrize("name", ["clock_drift", "timestamp_jitter", "usb_batching", "sample_drop"])
+def test_what_arrives_was_measured_as_ever(name: str) -> None:
+    """Rate and encoder of a sample do not depend on clock and link."""
+    disturbed, usual = identified(effect_of(name)), identified(None)
+    assert disturbed.rate_dps.tolist() == usual.rate_dps[disturbed.seq].tolist()
+    assert disturbed.encoder_deg.tolist() == usual.encoder_deg[disturbed.seq].tolist()
