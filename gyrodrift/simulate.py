@@ -12,8 +12,8 @@ from firmware_sim.bench import Block, measure
 from firmware_sim.motion import Profile
 from firmware_sim.rig import Base, Rig
 from gyrodrift.files import write_whole
-from gyrodrift.session.csv import csv_pieces
 from gyrodrift.session.session import Floats, Session
+from gyrodrift.session.write import write_session
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,14 +63,15 @@ def as_recorded(block: Block, base: Base, name: str) -> Session:
 
 
 def write_sessions(
-    rig: Rig, profile: Profile, folder: Path, seed: int, sessions: int, minutes: float
+    rig: Rig, profile: Profile, folder: Path, seed: int, sessions: int, minutes: float, ending: str = "mcap"
 ) -> Iterator[Path]:
-    """Write `session-01.csv` and so on and the rig they come from, and tell each path when it is there."""
+    """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / "rig.yaml", [rig_yaml(rig)])
     for number in range(sessions):
-        path = folder / f"session-{number + 1:02d}.csv"
-        write_whole(path, csv_pieces(Simulation(rig, profile, seed, number, minutes).chunks()))
+        path = folder / f"session-{number + 1:02d}.{ending}"
+        about = {"simulation": {"rig": rig_yaml(rig), "seed": str(seed), "session": str(number)}}
+        write_session(path, Simulation(rig, profile, seed, number, minutes).chunks(), about)
         yield path
 
 

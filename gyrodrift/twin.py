@@ -18,8 +18,8 @@ from firmware_sim.motion import Profile, load_profile
 from firmware_sim.rig import Rig, with_effects
 from gyrodrift.errors import DataError
 from gyrodrift.files import write_whole
-from gyrodrift.session.csv import csv_pieces
 from gyrodrift.session.session import Session
+from gyrodrift.session.write import write_session
 from gyrodrift.simulate import Simulation, euler_error_deg, rig_yaml
 
 BIAS_DPS = 0.1
@@ -76,7 +76,7 @@ def read_rows(path: Path) -> list[Row]:
         ) from error
 
 
-def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int) -> Iterator[Twin]:
+def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str = "mcap") -> Iterator[Twin]:
     """Write each row's session and rig to `folder/SPLIT/`, and the table of what came out to `folder/twin.csv`."""
     twins: list[Twin] = []
     for number, row in enumerate(rows):
@@ -86,8 +86,9 @@ def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int) -> Iterator[
         place.mkdir(parents=True, exist_ok=True)
         name = f"{number + 1:02d}-{re.sub(r'[^0-9A-Za-z]+', '-', row.name).strip('-')}"
         write_whole(place / f"{name}.rig.yaml", [rig_yaml(drifting(rig, strength))])
-        write_whole(place / f"{name}.csv", csv_pieces([session]))
-        twins.append(Twin(row, place / f"{name}.csv", strength, _mean_abs(session)))
+        path = place / f"{name}.{ending}"
+        write_session(path, [session])
+        twins.append(Twin(row, path, strength, _mean_abs(session)))
         yield twins[-1]
     header = "split,session,minutes,e_euler_published_deg,e_euler_deg,strength\n"
     lines = [

@@ -14,6 +14,7 @@ COMMANDS = {
     "filter": "run the same filter over a recorded session",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "replay": "play a recorded session through a pty that looks like the device",
+    "convert": "a session from .mcap to .csv or back",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
 }
 

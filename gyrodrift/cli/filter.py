@@ -20,7 +20,7 @@ HEADER = "t_s,rate_dps,lpf_dps,i_dps,omega_dps,omega_d_dps,yaw_deg"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.csv)")
+    parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with hdr: parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
 

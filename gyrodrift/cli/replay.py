@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.csv)")
+    parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
     parser.add_argument("--protocol", default="csv", choices=("csv", "native", "witmotion"))
     parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")

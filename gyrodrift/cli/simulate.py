@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME[:param=value,...]",
         help="an effect more than the rig has, of typical size where nothing is said (may be given again)",
     )
-    parser.add_argument("--format", default="csv", choices=("csv",), help="of the sessions")
+    parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="of the sessions (default mcap)")
     parser.add_argument("--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched")
 
 
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
             from gyrodrift.simulate import write_sessions
 
             numbers = (arguments.seed, arguments.sessions, arguments.minutes)
-            for path in write_sessions(rig, profile, arguments.out, *numbers):
+            for path in write_sessions(rig, profile, arguments.out, *numbers, arguments.format):
                 print(path, file=sys.stderr)
     except OSError as error:
         raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
@@ -69,5 +69,5 @@ def run(arguments: argparse.Namespace) -> int:
 def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
     from gyrodrift.twin import read_rows, write_twins
 
-    for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed):
+    for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed, arguments.format):
         print(f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}", file=sys.stderr)

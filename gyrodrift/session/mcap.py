@@ -9,7 +9,6 @@ import mmap
 import struct
 import zlib
 from collections.abc import Iterator
-from math import isfinite
 from pathlib import Path
 from typing import BinaryIO
 
@@ -76,7 +75,6 @@ ROW = np.dtype(
 COLUMNS = ("t_host_s", "encoder_deg", "temp_c")
 """Columns that a session may lack: all NaN then."""
 
-NS_PER_S = 1_000_000_000
 LATEST_NS = 1 << 63
 
 
@@ -109,7 +107,7 @@ class McapWriter:
     def add(self, sample: Sample) -> None:
         """One sample, as it comes."""
         seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c = sample
-        log_ns = int(t_host_s * 1e9) if t_host_s >= 0.0 else 0
+        log_ns = _to_ns(t_host_s)
         self._write(
             MESSAGE.pack(
                 Opcode.MESSAGE,
@@ -117,7 +115,7 @@ class McapWriter:
                 CHANNEL_ID,
                 seq & 0xFFFFFFFF,
                 log_ns,
-                max(0, int(t_device_s * 1e9)) if isfinite(t_device_s) else 0,
+                _to_ns(t_device_s),
                 CDR_LITTLE_ENDIAN,
                 seq,
                 t_device_s,
@@ -265,5 +263,10 @@ def _encoded(record: McapRecord) -> bytes:
     return content
 
 
+def _to_ns(seconds: float) -> int:
+    return int(min(seconds * 1e9, LATEST_NS)) if 0.0 <= seconds < float("inf") else 0
+
+
 def _nanoseconds(seconds: Floats) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    return np.clip(np.nan_to_num(seconds) * NS_PER_S, 0, LATEST_NS).astype(np.uint64)
+    finite = np.where(np.isfinite(seconds), seconds, 0.0)
+    return np.clip(finite * 1e9, 0, LATEST_NS).astype(np.uint64)

@@ -10,7 +10,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.session import load_session
 from gyrodrift.simulate import euler_error_deg
 
-BRIEF = ("--minutes", "0.2")
+BRIEF = ("--minutes", "0.2", "--format", "csv")
 
 
 def simulated(folder: Path, *options: str) -> Path:
@@ -63,6 +63,15 @@ def test_the_rig_beside_the_sessions_gives_them_again(tmp_path: Path) -> None:
     assert (first / "session-01.csv").read_bytes() == (second / "session-01.csv").read_bytes()
 
 
+def test_both_formats_hold_the_same_samples(tmp_path: Path) -> None:
+    """MCAP is the one that is written where nothing is said."""
+    text = load_session(simulated(tmp_path / "a") / "session-01.csv")
+    assert main(["simulate", "--out", str(tmp_path / "b"), "--minutes", "0.2"]) == 0
+    binary = load_session(tmp_path / "b" / "session-01.mcap")
+    for name in ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c"):
+        assert np.array_equal(getattr(text, name), getattr(binary, name))
+
+
 def test_the_length_is_the_one_asked_for(tmp_path: Path) -> None:
     """To the sample."""
     session = load_session(simulated(tmp_path) / "session-01.csv")
@@ -74,7 +83,7 @@ def test_a_twin_drifts_as_far_as_its_row_says(tmp_path: Path) -> None:
     """Split, length and E, for a still session and a moving one."""
     table = tmp_path / "table.csv"
     table.write_text("# mine\nsplit,session,minutes,e_euler_deg\ntrain,day 1 (still),1.5,4.5\ntest,day 2,2.25,3.1\n")
-    assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t")]) == 0
+    assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t"), "--format", "csv"]) == 0
     for path, minutes, e_deg in (("train/01-day-1-still.csv", 1.5, 4.5), ("test/02-day-2.csv", 2.25, 3.1)):
         session = load_session(tmp_path / "t" / path)
         assert len(session.rate_dps) == minutes * 6000

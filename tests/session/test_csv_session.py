@@ -72,7 +72,12 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes,
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("none.csv", "there is no such session"), ("", "this is a folder"), ("s.txt", "not .txt")]
+    ("name", "message"),
+    [
+        ("none.csv", "there is no such session"),
+        ("", "this is a folder"),
+        ("s.txt", r"end in \.mcap or \.csv, not \.txt"),
+    ],
 )
 def test_what_is_no_session_is_named(tmp_path: Path, name: str, message: str) -> None:
     """Missing, a folder, another kind of file."""

@@ -1,0 +1,50 @@
+"""Writing a session by the ending of its path, whole or not at all."""
+
+import os
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from gyrodrift.errors import UsageError
+from gyrodrift.files import write_whole
+from gyrodrift.session.session import Session
+
+FORMATS = ("mcap", "csv")
+
+
+def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None = None) -> None:
+    """Write the consecutive chunks of a session; `metadata` goes along where the format has room for it.
+
+    Raises
+    ------
+    UsageError
+        Where the ending is unknown or the place cannot be written to; nothing is left behind then.
+    """
+    if path.suffix == ".csv":
+        from gyrodrift.session.csv import csv_pieces  # noqa: PLC0415 - each format costs only who writes it
+
+        write_whole(path, csv_pieces(chunks))
+    elif path.suffix == ".mcap":
+        _write_mcap(path, chunks, metadata)
+    else:
+        raise UsageError(f"{path}: sessions end in .mcap or .csv, not {path.suffix or 'nothing'}")
+
+
+def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None) -> None:
+    from gyrodrift.session.mcap import McapWriter  # noqa: PLC0415
+
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with fresh.open("wb") as file:
+            writer = McapWriter(file, metadata)
+            for chunk in chunks:
+                writer.add_chunk(chunk)
+            writer.finish()
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        with suppress(OSError):
+            fresh.unlink()
