@@ -59,8 +59,8 @@ def test_the_noise_falls_with_the_gain(effect: Effect | None) -> None:
     rate_dps = record(rig_of(effect, base=base), profile_of(*REST), 120.0).rate_dps
     low = density(rate_dps, 1000.0, 1.0, max(2.0, cutoff_hz / 10.0))
     high = density(rate_dps, 1000.0, 2.8 * cutoff_hz, 3.2 * cutoff_hz)
-    assert low == pytest.approx(0.005, rel=0.12)
-    assert high == pytest.approx(0.005 * np.sqrt(0.1 if effect else 1.0), rel=0.08)
+    assert low == pytest.approx(base.noise_dps_rthz, rel=0.12)
+    assert high == pytest.approx(base.noise_dps_rthz * np.sqrt(0.1 if effect else 1.0), rel=0.08)
 
 
 def test_a_low_pass_starts_where_the_table_is() -> None:
