@@ -1,15 +1,17 @@
 """Writing a file so that it is there whole or not at all."""
 
 import os
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
 
 
-def write_whole(path: Path, lines: Iterable[str]) -> None:
-    """Write lines to a file through a neighbour that takes its place when it is complete and on the disk.
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """A file to write bytes to, under another name until it is complete and on the disk.
 
     Raises
     ------
@@ -17,13 +19,13 @@ def write_whole(path: Path, lines: Iterable[str]) -> None:
         Where the place cannot be written to; nothing is left behind then.
     """
     if path.exists() and not path.is_file():  # a device or a pipe is written to, not replaced
-        with path.open("w", encoding="utf-8") as file:
-            file.writelines(lines)
+        with path.open("wb") as file:
+            yield file
         return
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with fresh.open("w", encoding="utf-8") as file:
-            file.writelines(lines)
+        with fresh.open("wb") as file:
+            yield file
             file.flush()
             os.fsync(file.fileno())
         fresh.replace(path)
@@ -32,6 +34,18 @@ def write_whole(path: Path, lines: Iterable[str]) -> None:
     finally:
         with suppress(OSError):
             fresh.unlink()
+
+
+def write_whole(path: Path, pieces: Iterable[str]) -> None:
+    """Write text to a file so that it is there whole or not at all.
+
+    Raises
+    ------
+    UsageError
+        Where the place cannot be written to; nothing is left behind then.
+    """
+    with whole_file(path) as file:
+        file.writelines(piece.encode() for piece in pieces)
 
 
 def shipped_config(name: str) -> Path:

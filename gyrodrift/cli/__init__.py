@@ -41,8 +41,17 @@ def main(argv: list[str] | None = None) -> int:
         print("gyrodrift: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads: nothing to flush at exit
+        _forget_stdout()  # nobody reads
         return 0
+    except OSError as error:  # what no command foresaw: a full disk, a device that fails
+        print(f"gyrodrift: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
+        _forget_stdout()
+        return UsageError.exit_status
+
+
+def _forget_stdout() -> None:
+    """Nothing is left to be flushed at exit, where it would fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(name: str, arguments: list[str]) -> int:

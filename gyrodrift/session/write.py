@@ -1,15 +1,11 @@
 """Writing a session by the ending of its path, whole or not at all."""
 
-import os
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 
 from gyrodrift.errors import UsageError
-from gyrodrift.files import write_whole
+from gyrodrift.files import whole_file, write_whole
 from gyrodrift.session.session import Session
-
-FORMATS = ("mcap", "csv")
 
 
 def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None = None) -> None:
@@ -33,18 +29,8 @@ def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dic
 def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None) -> None:
     from gyrodrift.session.mcap import McapWriter  # noqa: PLC0415
 
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with fresh.open("wb") as file:
-            writer = McapWriter(file, metadata)
-            for chunk in chunks:
-                writer.add_chunk(chunk)
-            writer.finish()
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be written: {error.strerror}") from error
-    finally:
-        with suppress(OSError):
-            fresh.unlink()
+    with whole_file(path) as file:
+        writer = McapWriter(file, metadata)
+        for chunk in chunks:
+            writer.add_chunk(chunk)
+        writer.finish()

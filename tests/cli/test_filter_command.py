@@ -1,6 +1,8 @@
 """`gyrodrift filter`: the recursion over a recording, column by column."""
 
 import csv
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -55,6 +57,17 @@ def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path:
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 2
     assert main(["filter", str(tmp_path / "s.csv"), "--out", str(tmp_path / "no" / "out.csv")]) == 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.yaml", "s.csv"]
+
+
+@pytest.mark.parametrize("options", ["--out /dev/full", "> /dev/full"])
+def test_a_full_disk_is_told_in_one_line(tmp_path: Path, options: str) -> None:
+    """Where the session goes to a file, and where it goes to stdout."""
+    (tmp_path / "s.csv").write_text(SESSION)
+    command = f"{sys.executable} -m gyrodrift filter {tmp_path}/s.csv {options}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.splitlines()[-1] == "gyrodrift: output: No space left on device"
+    assert "Traceback" not in done.stderr
 
 
 def test_output_may_go_to_a_device(tmp_path: Path) -> None:
