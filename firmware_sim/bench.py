@@ -95,23 +95,18 @@ class _Bench:
     def __init__(self, rig: Rig, profile: Profile, seed: int, session: int) -> None:
         self._base, self._profile = rig.base, profile
         self._rate_hz = rig.base.sample_rate_hz
-        has_low_pass = any(effect.name == "bandwidth" for effect in rig.effects)
+        self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
+        twins: dict[str, int] = {}
+        for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
+            twins[effect.name] = twins.get(effect.name, 0) + 1
+            dice = _dice(seed, session, crc32(effect.name.encode()), twins[effect.name])
+            self._acts[effect.place].append(effect.begin(dice, self._rate_hz))
+        has_low_pass = bool(self._acts[Place.LOW_PASS])
         finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
         sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
         noise = _dice(seed, session)
-        self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
-        twins: dict[str, int] = {}
-        for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
-            twins[effect.name] = twins.get(effect.name, 0) + 1
-            place = self._acts[effect.place]
-            dice = _dice(seed, session, crc32(effect.name.encode()), twins[effect.name])
-            act = effect.begin(dice, self._rate_hz)
-            if effect.name == "vibration":
-                place.insert(0, act)  # before the low-pass, as the noise is
-            else:
-                place.append(act)
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
         angle_deg, rate_dps = self._profile.at(t_s)
@@ -145,21 +140,27 @@ class _Bench:
         )
         return block if arrived.all() else block.only(arrived)
 
-    def _sampled(self, first: int, count: int) -> tuple[Floats, Floats]:
+    def _seen(self, fine: Moments) -> tuple[Floats, Floats]:
         """Rate with all that acts in continuous time, and the motion in it: of the fine grid, each last point."""
-        fine_rate_hz = self._rate_hz * self._fine
-        points = np.arange(first * self._fine - self._fine + 1, (first + count - 1) * self._fine + 1)
-        fine = self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
         seen_s = self._through(Place.LAG, fine.t_s, fine)
         motion_dps = fine.rate_dps if seen_s is fine.t_s else self._profile.at(seen_s)[1]
-        rate_dps = self._through(Place.ANALOGUE, motion_dps, replace(fine, rate_dps=motion_dps))
+        moments = replace(fine, rate_dps=motion_dps)
+        rate_dps = self._through(Place.LOW_PASS, self._through(Place.ANALOGUE, motion_dps, moments), moments)
         return rate_dps[self._fine - 1 :: self._fine], motion_dps[self._fine - 1 :: self._fine]
 
-    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
-        """What the device reads out, deg/s; the fine grid goes by in pieces, so that memory stays bounded."""
+    def _fine_moments(self, first: int, count: int) -> Iterator[Moments]:
+        """The truth on the fine grid of some samples, in pieces, so that memory stays bounded."""
+        fine_rate_hz = self._rate_hz * self._fine
         piece = max(1, FINE_POINTS // self._fine)
-        starts = range(first, first + count, piece)
-        parts = [self._sampled(start, min(piece, first + count - start)) for start in starts]
+        for start in range(first, first + count, piece):
+            end = min(start + piece, first + count)
+            points = np.arange((start - 1) * self._fine + 1, (end - 1) * self._fine + 1)
+            yield self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
+
+    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
+        """What the device reads out, deg/s."""
+        pieces = [truth] if self._fine == 1 else self._fine_moments(first, count)
+        parts = [self._seen(fine) for fine in pieces]
         rate_dps, motion_dps = (np.concatenate(column) for column in zip(*parts, strict=True))
         # What depends on the rate depends on the one that is seen, not on the one that is.
         seen = replace(truth, rate_dps=motion_dps)

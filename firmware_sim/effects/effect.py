@@ -24,6 +24,7 @@ class Place(IntEnum):
 
     LAG        delay of the motion that the gyro sees: times of seeing, s
     ANALOGUE   the rate before it is sampled, on the fine grid: deg/s
+    LOW_PASS   the same, with noise and all that was added to it: deg/s
     RATE       the sampled rate, its gain and its bias: deg/s
     OUTPUT     the rate as the sensor puts it out, before it is rounded to counts: deg/s
     HOLD       the rate as the device reads it out: deg/s
@@ -35,13 +36,14 @@ class Place(IntEnum):
 
     LAG = 0
     ANALOGUE = 1
-    RATE = 2
-    OUTPUT = 3
-    HOLD = 4
-    ENCODER = 5
-    COUNTS = 6
-    CLOCK = 7
-    ARRIVAL = 8
+    LOW_PASS = 2
+    RATE = 3
+    OUTPUT = 4
+    HOLD = 5
+    ENCODER = 6
+    COUNTS = 7
+    CLOCK = 8
+    ARRIVAL = 9
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,7 +64,7 @@ class Bandwidth(Effect):
     name: Literal["bandwidth"] = "bandwidth"
     cutoff_hz: Annotated[float, Field(ge=0.05, le=2000.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.ANALOGUE
+    place: ClassVar[Place] = Place.LOW_PASS
     typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0}
     small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0}
 

@@ -136,7 +136,7 @@ class DeviceClock:
             return False
         counted_us = self._counted_us(last, reading)
         if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
-            return abs(counted_us - step_us) <= max(ODD_US, 0.1 * abs(step_us))
+            return _agree(counted_us, step_us)
         if not self.period_s:
             return 0 <= step_us <= STEP_US
         return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
@@ -166,13 +166,13 @@ class DeviceClock:
                 return abs(expected_s - arrival_s) < WITNESS_SLACK_S
             return expected_s < arrival_s + WITNESS_SLACK_S
         counted_us = self._counted_us(last, first)
-        return counted_us is None or abs(counted_us - step_us) <= max(ODD_US, 0.1 * step_us)
+        return counted_us is None or _agree(counted_us, step_us)
 
     def _host_is_witness(self) -> bool:
         return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
 
     def _goes_on(self, suspect: Reading, reading: Reading) -> bool:
-        return 0 < _clock_step(suspect, reading) <= max(STEP_US, 4e6 * self.period_s)
+        return 0 < _clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
 
     def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
         """How far the counter moved over a believed step; reports a hole."""
@@ -215,6 +215,11 @@ class DeviceClock:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
         _, _, rate_dps, encoder_deg, temp_c = reading
         return Sample(seq, time_us / 1e6, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+
+
+def _agree(counted_us: float, step_us: int) -> bool:
+    """Whether counter and clock tell the same of one step."""
+    return abs(counted_us - step_us) <= max(ODD_US, 0.1 * abs(step_us))
 
 
 def _clock_step(last: Reading, reading: Reading) -> int:

@@ -2,7 +2,7 @@
 
 One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then `read()`. The link finds
 the baud rate and the protocol, reopens the port under its stable name when it was unplugged, and tells what
-happened through `LinkObserver` and `LinkCounters`; the samples are never mixed with news.
+happened through its `news` and `LinkCounters`; the samples are never mixed with news.
 """
 
 import time

@@ -47,6 +47,7 @@ class Port:
         if not self.is_pty:  # a pty would stay locked after a kill for as long as its other end lives
             with suppress(OSError):
                 fcntl.ioctl(self.fd, termios.TIOCEXCL)
+        # Best effort: drivers, ptys and other systems each refuse it in a way of their own.
         with suppress(OSError, ValueError, NotImplementedError, AttributeError):
             self._serial.set_low_latency_mode(True)
 
