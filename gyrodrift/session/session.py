@@ -1,6 +1,7 @@
 """A recorded session as arrays, and the one way to load it from a path."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,8 @@ class Session:
     t_host_s, seq, encoder_deg, temp_c
         Arrival time in s, counter, reference angle in degrees, temperature in °C; None where there is none.
         Single missing values are NaN (−1 in `seq`).
+    metadata
+        Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
     """
 
     name: str
@@ -33,6 +36,7 @@ class Session:
     seq: NDArray[np.int64] | None = None
     encoder_deg: Floats | None = None
     temp_c: Floats | None = None
+    metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 def load_session(path: Path) -> Session:
