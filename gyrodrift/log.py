@@ -1,7 +1,8 @@
 """The log: one line an event on stderr, for a person on a terminal and as key=value or JSON elsewhere."""
 
 import sys
-from typing import Any
+from io import TextIOBase
+from typing import Any, TextIO, cast
 
 import structlog
 
@@ -11,8 +12,16 @@ LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 FORMATS = ("auto", "text", "json")
 
 
-def open_log(level: str = "info", style: str = "auto") -> structlog.typing.FilteringBoundLogger:
-    """Set up the log of this process and give its logger; `level` is the least that is written."""
+def open_log(
+    level: str = "info", style: str = "auto", stream: TextIOBase | None = None
+) -> structlog.typing.FilteringBoundLogger:
+    """Set up the log of this process and give its logger; `level` is the least that is written, to stderr unless told.
+
+    Raises
+    ------
+    UsageError
+        Where there is no such level or format.
+    """
     if level not in LEVELS or style not in FORMATS:
         raise UsageError(f"no log of level {level!r} and format {style!r}")
     renderer: Any
@@ -22,6 +31,7 @@ def open_log(level: str = "info", style: str = "auto") -> structlog.typing.Filte
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
         renderer = structlog.dev.ConsoleRenderer()
+    log_to = sys.stderr if stream is None else cast("TextIO", stream)  # print() asks for no more than write and flush
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
@@ -29,7 +39,7 @@ def open_log(level: str = "info", style: str = "auto") -> structlog.typing.Filte
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
-        logger_factory=structlog.PrintLoggerFactory(sys.stderr),
+        logger_factory=structlog.PrintLoggerFactory(log_to),
         cache_logger_on_first_use=True,
     )
     logger: structlog.typing.FilteringBoundLogger = structlog.get_logger()

@@ -11,10 +11,12 @@ from gyrodrift.errors import GyrodriftError, UsageError
 
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
+    "record": "read a device and write what it sends into session files",
     "filter": "run the same filter over a recorded session",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "replay": "play a recorded session through a pty that looks like the device",
-    "convert": "a session from .mcap to .csv or back",
+    "convert": "a session from .mcap to .csv or back, or for other programs",
+    "repair": "close session files whose recording was cut off",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
 }
 

@@ -1,9 +1,13 @@
 """Options that several commands share, and how their values are read."""
 
 import argparse
+import re
 from pathlib import Path
 
 from gyrodrift.errors import UsageError
+
+SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
+TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 
 def add_link_options(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +32,29 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that logs."""
     parser.add_argument("--log-level", default="info", choices=("debug", "info", "warning", "error"))
     parser.add_argument("--log-format", default="auto", choices=("auto", "text", "json"))
+
+
+def add_recording_options(parser: argparse.ArgumentParser) -> None:
+    """The options of every command that records."""
+    parser.add_argument("--profile", default="", metavar="NAME", help="what is being done; goes into the file's name")
+    parser.add_argument("--note", default="", metavar="TEXT", help="a note that is kept in the file")
+    parser.add_argument(
+        "--rotate", metavar="SIZE|TIME", help="begin a new file at a size (100MB, 2GB) or after a time (90s, 30min, 1h)"
+    )
+    parser.add_argument("--raw", action="store_true", help="keep the bytes of the link too, each read with its time")
+
+
+def rotation(text: str | None) -> tuple[int | None, float | None]:
+    """Bytes and seconds at which a new file begins, from `--rotate`; None for never."""
+    if text is None:
+        return None, None
+    found = re.fullmatch(r"(\d+(?:\.\d+)?) ?([A-Za-z]+)", text)
+    number, unit = (float(found[1]), found[2].lower()) if found else (0.0, "")
+    if number > 0.0 and unit in SIZES:
+        return round(number * SIZES[unit]), None
+    if number > 0.0 and unit in TIMES_S:
+        return None, number * TIMES_S[unit]
+    raise UsageError(f"--rotate {text}: expected a size such as 100MB or 2GB, or a time such as 90s, 30min or 1h")
 
 
 def baud(text: str) -> int | None:

@@ -17,12 +17,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="FILE", help="YAML with hdr: parameters; followed while serve runs"
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
+    options.add_recording_options(parser)
     options.add_log_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes; 0 then."""
     rate_hz = options.positive("--rate", arguments.rate)
+    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
     watch = None
     if arguments.config is not None:
@@ -33,15 +36,28 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.filter import HdrParams
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
-    from gyrodrift.service.loop import Service
+    from gyrodrift.service.filtering import Filtering
+    from gyrodrift.service.loop import Service, Taker
     from gyrodrift.service.news import News
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.sinks.json_lines import JsonLines
 
     log = open_log(arguments.log_level, arguments.log_format)
     news = News(log)
-    params = watch.config.hdr if watch else HdrParams()
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
-        Service(link, JsonLines(1, rate_hz), log, news, stop, params, watch).run()
+        output = JsonLines(1, rate_hz)
+        filtering = Filtering(link, output, log, watch.config.hdr if watch else HdrParams(), watch)
+        takers: list[Taker] = [filtering]
+        if arguments.record is not None:
+            from gyrodrift.record.recorder import RecordOptions
+            from gyrodrift.service.recording import Recording, repair_interrupted
+
+            what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+            about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}
+            recording = Recording(RecordOptions(*what, about), link, log)
+            repair_interrupted(arguments.record, log)
+            news.listener = recording.on_event
+            takers = [recording, filtering]
+        Service(link, takers, log, news, stop, output).run()
     return 0

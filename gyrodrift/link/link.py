@@ -55,7 +55,7 @@ class LinkOptions:
 
 
 class Link:
-    """A device on a serial port, as samples.
+    """A device on a serial port, as samples; `tap`, where it is set, is handed each read with its Unix time.
 
     Raises
     ------
@@ -72,6 +72,7 @@ class Link:
         self.counters = LinkCounters()
         self.decoder: Decoder | None = None
         self.clock: Clock | None = None
+        self.tap: Callable[[bytes, float], Any] | None = None
         self._news = news
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
@@ -116,6 +117,8 @@ class Link:
             return []
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
+        if self.tap is not None:
+            self.tap(chunk, self._epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
         readings = self._decode(chunk)
         samples = self._stamp(readings, arrival_s) if readings else []

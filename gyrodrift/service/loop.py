@@ -1,41 +1,62 @@
-"""The loop of `serve`: wait, read, filter, emit, in one thread and with no hop between threads.
+"""The loop of `serve` and `record`: wait, read, hand on, in one thread and with no hop between threads.
 
-Config changes are applied between two samples, and a signal to stop is one of the things waited for.
+A signal to stop is one of the things waited for.
 """
 
 import gc
 import select
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from structlog.typing import FilteringBoundLogger
 
-from gyrodrift.errors import ConfigError
-from gyrodrift.filter import HdrCoefficients, HdrParams, HdrState, coefficients, step
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Corrected, Sample
+from gyrodrift.sample import Sample
 from gyrodrift.service.news import News
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sinks.json_lines import JsonLines, ReaderGoneError
-
-if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
-    from gyrodrift.config import Config
-    from gyrodrift.service.sinks.sink import Sink
-    from gyrodrift.watch import ConfigWatch
+from gyrodrift.service.sinks.sink import ReaderGoneError
 
 CHORES_S = 0.25
 STATS_S = 10.0
-REJECTED_S = 1.0
 SILENCE_S = 5.0
-
-RATE_TOLERANCE = 0.05
-"""Parameters belong to the sample rate they were tuned at; a stream that differs by more is warned of."""
 
 BUSY_LINE = 0.85
 BITS_PER_BYTE = 10
 """A byte on a serial line has a start and a stop bit; above BUSY_LINE of its capacity samples start to be lost."""
+
+
+class Taker(Protocol):
+    """What the loop hands samples on to: the filter with its sinks, a recorder, a live line; must never wait."""
+
+    def take(self, samples: list[Sample]) -> None:
+        """Take the samples that arrived together; none where something waits to be written."""
+        ...
+
+    def do_chores(self, now_s: float) -> None:
+        """Do what is due a few times a second."""
+        ...
+
+    def stats(self) -> dict[str, Any]:
+        """Fields for the log."""
+        ...
+
+    def close(self) -> None:
+        """No more will come."""
+        ...
+
+
+class Output(Protocol):
+    """A descriptor that somebody reads at his own pace."""
+
+    fd: int
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether something is left that the reader has not taken."""
+        ...
 
 
 @dataclass(slots=True)
@@ -46,27 +67,20 @@ class _Marks:
     stats_s: float = 0.0
     stats_bytes: int = 0
     stats_samples: int = 0
-    rejected: int = 0
-    rejected_s: float = 0.0
     is_silent: bool = False
-    rate_checked: bool = False
 
 
 @dataclass(slots=True)
 class Service:
-    """A link, the filter and the sinks, run until a signal or until nobody reads any more."""
+    """A link and who takes its samples, run until a signal or until nobody reads any more."""
 
     link: Link
-    output: JsonLines
+    takers: Sequence[Taker]
     log: FilteringBoundLogger
     news: News
     stop: StopSignal
-    params: HdrParams = field(default_factory=HdrParams)
-    watch: "ConfigWatch | None" = None
-    more_sinks: "Sequence[Sink]" = ()
-    state: HdrState = field(default_factory=HdrState)
+    output: Output | None = None
     _marks: _Marks = field(default_factory=_Marks)
-    _coefficients: HdrCoefficients = field(init=False)
     _poller: select.poll = field(init=False)
     _waited_for: dict[int | None, int] = field(default_factory=dict)
 
@@ -77,31 +91,31 @@ class Service:
         ------
         LinkError
             Where the device never says anything that can be decoded.
+        RecordingError
+            Where a recording that was asked for cannot go on.
         """
-        sinks: list[Sink] = [self.output, *self.more_sinks]
-        self._coefficients = coefficients(self.params)
         self._marks.stats_s = self._marks.chores_s = time.monotonic()
         gc.collect()
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
-            self._loop(sinks)
-            for sink in sinks:
-                sink.close()
+            with ExitStack() as closing:  # each is closed, whatever the others make of it
+                for taker in self.takers:
+                    closing.callback(taker.close)
+                self._loop()
         except ReaderGoneError:
             self.log.info("reader_gone")
         finally:
             self.link.close()
             self._log_stats("service_end", time.monotonic())
 
-    def _loop(self, sinks: "Sequence[Sink]") -> None:
+    def _loop(self) -> None:
+        output = self.output
         while not self.stop.is_set:
             self._wait()
             samples = self.link.read()
-            if samples:
-                self._filter(samples, sinks)
-            if samples or self.output.is_waiting:
-                for sink in sinks:
-                    sink.flush()
+            if samples or (output is not None and output.is_waiting):
+                for taker in self.takers:
+                    taker.take(samples)
             now_s = time.monotonic()
             if now_s - self._marks.chores_s >= CHORES_S:
                 self._marks.chores_s = now_s
@@ -109,7 +123,7 @@ class Service:
 
     def _wait(self) -> None:
         wanted = {self.stop.fd: select.POLLIN, self.link.fileno(): select.POLLIN}
-        if self.output.is_waiting:
+        if self.output is not None and self.output.is_waiting:
             wanted[self.output.fd] = select.POLLOUT
         if wanted != self._waited_for:
             self._poller = select.poll()
@@ -119,57 +133,13 @@ class Service:
             self._waited_for = wanted
         self._poller.poll(min(self.link.wake_s(), CHORES_S) * 1e3)
 
-    def _filter(self, samples: list[Sample], sinks: "Sequence[Sink]") -> None:
-        coefficients_now, state = self._coefficients, self.state
-        for sample in samples:
-            if step(coefficients_now, state, sample.t_device_s, sample.rate_dps):
-                bias_dps = 0.0 - state.i_dps
-                corrected = Corrected(sample, sample.rate_dps + state.i_dps, state.yaw_deg, bias_dps)
-                for sink in sinks:
-                    sink.on_sample(corrected)
-
     def _do_chores(self, now_s: float) -> None:
-        marks = self._marks
         self.news.report_gaps()
-        if self.watch is not None:
-            self._follow_config(self.watch)
-        if self.state.rejected > marks.rejected and now_s - marks.rejected_s >= REJECTED_S:
-            self.log.warning("samples_rejected", count=self.state.rejected - marks.rejected, total=self.state.rejected)
-            marks.rejected, marks.rejected_s = self.state.rejected, now_s
+        for taker in self.takers:
+            taker.do_chores(now_s)
         self._notice_silence()
-        if not marks.rate_checked and self.watch is not None:
-            self._compare_rate(self.watch.config)
-        if now_s - marks.stats_s >= STATS_S:
+        if now_s - self._marks.stats_s >= STATS_S:
             self._log_stats("link_stats", now_s)
-
-    def _follow_config(self, watch: "ConfigWatch") -> None:
-        old = watch.config
-        try:
-            new = watch.poll()
-        except ConfigError as error:
-            for problem in error.problems:
-                self.log.error("config_rejected", reason=problem)  # noqa: TRY400 - the reason is the message
-            return
-        if new is None:
-            return
-        self.params = new.hdr
-        self._coefficients = coefficients(new.hdr)
-        self._marks.rate_checked = False
-        self.log.info("config_applied", file=str(watch.path), changes=new.changes_from(old))
-
-    def _compare_rate(self, config: "Config") -> None:
-        period_s = self.link.clock.period_s if self.link.clock else 0.0
-        if not period_s:
-            return
-        self._marks.rate_checked = True
-        tuned_hz = config.sample_rate_hz
-        if tuned_hz is not None and abs(period_s * tuned_hz - 1.0) > RATE_TOLERANCE:
-            self.log.warning(
-                "sample_rate_differs",
-                tuned_at_hz=tuned_hz,
-                stream_hz=round(1.0 / period_s, 3),
-                hint="i_c_dps and the attenuator count samples: tune at the rate of this stream",
-            )
 
     def _notice_silence(self) -> None:
         silent_s = self.link.silent_s()
@@ -185,6 +155,9 @@ class Service:
         elapsed_s = max(now_s - marks.stats_s, 1e-9)
         byte_rate = (counters.bytes - marks.stats_bytes) / elapsed_s
         drift_ppm = self.link.clock.drift_ppm if self.link.clock else None
+        of_takers: dict[str, Any] = {}
+        for taker in self.takers:
+            of_takers |= taker.stats()
         self.log.info(
             event,
             protocol=decoder.name if decoder else "unknown",
@@ -196,15 +169,11 @@ class Service:
             clipped=decoder.counters.clipped if decoder else 0,
             gaps=counters.gaps,
             missing=counters.missing,
-            rejected=self.state.rejected,
             device_resets=counters.restarts,
             reconnects=counters.reconnects,
             gone_s=round(counters.gone_s, 3),
             clock_ppm=None if drift_ppm is None else round(drift_ppm, 1),
-            lines=self.output.lines,
-            lines_dropped=self.output.dropped,
-            yaw_deg=round(self.state.yaw_deg, 3),
-            bias_dps=round(0.0 - self.state.i_dps, 5),
+            **of_takers,
         )
         marks.stats_s, marks.stats_bytes, marks.stats_samples = now_s, counters.bytes, counters.samples
         port = self.link.port

@@ -1,4 +1,7 @@
-"""What the link reports, as log lines: never more than one a second for what may happen with every sample."""
+"""What the link reports, as log lines: never more than one a second for what may happen with every sample.
+
+A recording is told the same.
+"""
 
 import time
 from collections.abc import Callable
@@ -14,6 +17,7 @@ class News:
     """Passed to the link as its `news`; gaps that follow each other closely are added up to one line."""
 
     def __init__(self, log: FilteringBoundLogger, monotonic: Callable[[], float] = time.monotonic) -> None:
+        self.listener: Callable[[str, dict[str, Any]], Any] | None = None
         self._log = log
         self._monotonic = monotonic
         self._holes = 0
@@ -28,16 +32,22 @@ class News:
             self._missing += int(fields["missing"])
             self._longest_s = max(self._longest_s, float(fields["seconds"]))
             self.report_gaps()
-        elif event in WARNINGS:
-            self._log.warning(event, **fields)
         else:
-            self._log.info(event, **fields)
+            self._tell(event, fields)
 
     def report_gaps(self) -> None:
         """Log the gaps that have added up, if the last such line is old enough."""
         now_s = self._monotonic()
         if self._holes and now_s >= self._next_s:
-            self._log.warning("gap", holes=self._holes, missing=self._missing, longest_s=self._longest_s)
+            self._tell("gap", {"holes": self._holes, "missing": self._missing, "longest_s": self._longest_s})
             self._holes = self._missing = 0
             self._longest_s = 0.0
             self._next_s = now_s + GAP_EVERY_S
+
+    def _tell(self, event: str, fields: dict[str, Any]) -> None:
+        if event in WARNINGS:
+            self._log.warning(event, **fields)
+        else:
+            self._log.info(event, **fields)
+        if self.listener is not None:
+            self.listener(event, fields)

@@ -27,10 +27,11 @@ def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dic
 
 
 def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None) -> None:
-    from gyrodrift.session.mcap import McapWriter  # noqa: PLC0415
+    from gyrodrift.session.mcap import add_chunk  # noqa: PLC0415
+    from gyrodrift.session.writer import McapWriter  # noqa: PLC0415
 
     with whole_file(path) as file:
         writer = McapWriter(file, metadata)
         for chunk in chunks:
-            writer.add_chunk(chunk)
+            add_chunk(writer, chunk)
         writer.finish()

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.sinks import json_lines
-from gyrodrift.service.sinks.json_lines import JsonLines, ReaderGoneError, json_line
+from gyrodrift.service.sinks.json_lines import JsonLines, json_line
+from gyrodrift.service.sinks.sink import ReaderGoneError
 
 
 def corrected(seq: int, t_s: float = 0.0) -> Corrected:

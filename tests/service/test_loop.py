@@ -11,6 +11,7 @@ from support import never, speaking_on
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
+from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.loop import Service
 from gyrodrift.service.news import News
 from gyrodrift.service.signals import StopSignal
@@ -53,7 +54,9 @@ def test_link_stats_say_all_that_a_stranger_needs(
         sink = StopAfter(stop, 100)
         link = Link(LinkOptions(str(tmp_path / "gyro")), News(log))
         device.send_all(lines, never)
-        Service(link, JsonLines(null.fileno()), log, News(log), stop, more_sinks=[sink]).run()
+        output = JsonLines(null.fileno())
+        filtering = Filtering(link, output, log, more_sinks=[sink])
+        Service(link, [filtering], log, News(log), stop, output).run()
     stats = [event for event in logged if event["event"] == "link_stats"]
     assert stats
     assert set(stats[-1]) >= {

@@ -14,8 +14,11 @@ from mcap_ros2.decoder import DecoderFactory
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
-from gyrodrift.session.mcap import MESSAGE, ROW, McapWriter, read_mcap
+from gyrodrift.session.layout import MESSAGE
+from gyrodrift.session.mcap import add_chunk, read_mcap
 from gyrodrift.session.session import Session
+from gyrodrift.session.walk import ROW
+from gyrodrift.session.writer import McapWriter
 
 any_float = st.floats(width=64)
 samples = st.lists(
@@ -29,6 +32,7 @@ def recorded(values: list[Sample], *, is_finished: bool = True) -> bytes:
     writer = McapWriter(stream, METADATA)
     for sample in values:
         writer.add(sample)
+    writer.flush()
     if is_finished:
         writer.finish()
     return stream.getvalue()
@@ -73,7 +77,7 @@ def test_chunks_of_arrays_and_single_samples_make_the_same_file() -> None:
     for part in (slice(0, 200), slice(200, 500)):
         seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c = (column[part] for column in columns)
         chunk = Session("s", t_device_s, rate_dps, t_host_s, seq.astype(np.int64), encoder_deg, temp_c)
-        writer.add_chunk(chunk)
+        add_chunk(writer, chunk)
     writer.finish()
     assert stream.getvalue() == recorded(values)
 

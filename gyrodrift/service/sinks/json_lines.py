@@ -9,16 +9,13 @@ import select
 from collections import deque
 
 from gyrodrift.sample import Corrected
+from gyrodrift.service.sinks.sink import ReaderGoneError
 
 PIECE_BYTES = select.PIPE_BUF
 LONGEST_QUEUE_BYTES = 8 << 20
 LAST_WAIT_MS = 500
 SAME_TIME_S = 1e-6
 """Device clocks count microseconds; closer than this is the same time."""
-
-
-class ReaderGoneError(Exception):
-    """Nobody reads any more (the pipe is closed)."""
 
 
 class JsonLines:

@@ -5,6 +5,10 @@ from typing import Protocol
 from gyrodrift.sample import Corrected
 
 
+class ReaderGoneError(Exception):
+    """Nobody reads any more (the pipe is closed)."""
+
+
 class Sink(Protocol):
     """Takes every corrected sample; must never wait."""
 

@@ -1,0 +1,70 @@
+"""Read a gyro on a serial port and write what it sends into session files, until SIGINT or SIGTERM.
+
+A file is named by date (UTC), device and --profile. Nothing that is older than a second is lost by a kill, nothing
+older than five seconds by a power cut. Files that an earlier recording into the same folder left open are closed
+first. The paths that were written go to stdout, the log to stderr.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import options
+
+if TYPE_CHECKING:
+    from gyrodrift.link.link import Link
+    from gyrodrift.record.recorder import Recorder
+    from gyrodrift.service.loop import Taker
+    from gyrodrift.service.signals import StopSignal
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    options.add_link_options(parser)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
+    parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds of device time")
+    options.add_recording_options(parser)
+    options.add_log_options(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Record until a signal comes or the time is over; 0 then."""
+    options.positive("--duration", arguments.duration)
+    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    baud = options.baud(arguments.baud)
+
+    from gyrodrift.link.link import Link, LinkOptions
+    from gyrodrift.log import open_log
+    from gyrodrift.record.live_line import AboveLine
+    from gyrodrift.record.recorder import Recorder, RecordOptions
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.news import News
+    from gyrodrift.service.recording import repair_interrupted
+    from gyrodrift.service.signals import StopSignal
+
+    log_to = AboveLine(sys.stderr) if sys.stderr.isatty() else None
+    log = open_log(arguments.log_level, arguments.log_format, log_to)
+    news = News(log)
+    with StopSignal() as stop:
+        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
+        what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+        recorder = Recorder(RecordOptions(*what), link)
+        repair_interrupted(arguments.out, log)
+        news.listener = recorder.on_event
+        try:
+            Service(link, _takers(link, recorder, stop, arguments.duration), log, news, stop).run()
+        finally:
+            for path in recorder.paths:
+                print(path)
+    return 0
+
+
+def _takers(link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None) -> "list[Taker]":
+    from gyrodrift.record.duration import Duration
+    from gyrodrift.record.live_line import LiveLine
+
+    takers: list[Taker] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
+    if sys.stderr.isatty():
+        takers.append(LiveLine(link, recorder))
+    return takers

@@ -1,0 +1,47 @@
+"""Close session files (.mcap) whose recording was cut off, so that every program can open them.
+
+Recording into a folder does the same for the files in it. Samples are never touched; bytes at the end that are no
+whole record are cut off, and kept in a file ending in .tail where they are more than one torn record.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from gyrodrift.errors import DataError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session file, or folder of them")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Repair; 0 when every file is closed."""
+    from gyrodrift.session.repair import repair
+
+    status = 0
+    for path in _files(arguments.paths):
+        try:
+            repaired = repair(path)
+        except DataError as error:  # the others are repaired all the same
+            print(f"gyrodrift: {error}", file=sys.stderr)
+            status = DataError.exit_status
+            continue
+        if repaired is None:
+            print(f"{path}: is whole")
+        else:
+            saved = f", kept in {repaired.tail}" if repaired.tail else ""
+            print(f"{path}: closed, {repaired.samples} samples; {repaired.cut_bytes} torn bytes cut off{saved}")
+    return status
+
+
+def _files(paths: list[Path]) -> Iterator[Path]:
+    for path in paths:
+        if path.is_dir():
+            yield from sorted(path.glob("*.mcap"))
+        elif path.exists():
+            yield path
+        else:
+            raise DataError(f"{path}: there is no such file or folder")

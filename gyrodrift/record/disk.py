@@ -1,0 +1,135 @@
+"""A file written and synced by a thread of its own: a slow disk never keeps the reader of a serial port waiting."""
+
+import os
+import shutil
+import threading
+import time
+from pathlib import Path
+from queue import Empty, SimpleQueue
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.interrupted import lock
+
+SYNC_S = 3.0
+"""At least this often the file is on the disk itself and not only in the system's memory."""
+
+LOOK_S = 0.5
+"""How often the thread looks whether the file is still there, s."""
+
+MOST_WAITING_BYTES = 64 << 20
+
+
+class RecordingError(DataError):
+    """The recording cannot go on; what was written stays."""
+
+
+class DiskFile:
+    """A new file; what is written to it is handed to the system at once and synced every few seconds.
+
+    Raises
+    ------
+    OSError
+        From the constructor, where the file cannot be made.
+    RecordingError
+        From `write` and `join`, where the disk is full or gone, too slow, or the file was removed.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.failure: RecordingError | None = None
+        self._file = path.open("xb+", buffering=0)
+        lock(path, self._file)
+        _sync_folder(path.parent)
+        self._queue: SimpleQueue[bytes | None] = SimpleQueue()
+        self._handed_over = self._written = 0
+        self._synced_s = time.monotonic()
+        self._is_dirty = False
+        self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
+        self._thread.start()
+
+    def write(self, content: bytes) -> None:
+        """Hand over bytes; this never waits."""
+        if self.failure is not None:
+            raise self.failure
+        if self._handed_over - self._written > MOST_WAITING_BYTES:
+            raise RecordingError(f"{self.path}: recording stopped: the disk is too slow for this stream")
+        self._handed_over += len(content)
+        self._queue.put(content)
+
+    def finish(self) -> None:
+        """No more will come; everything is written, synced and closed in its own time."""
+        self._queue.put(None)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the thread has ended."""
+        return not self._thread.is_alive()
+
+    def join(self) -> None:
+        """Wait until everything is on the disk."""
+        self._thread.join()
+        if self.failure is not None:
+            raise self.failure
+
+    def _run(self) -> None:
+        try:
+            while self._take():
+                pass
+        except OSError as error:
+            self.failure = RecordingError(
+                f"{self.path}: recording stopped: {error.strerror}; {self._written} bytes of it are written and stay "
+                "readable"
+            )
+        except RecordingError as error:
+            self.failure = error
+        finally:
+            self._file.close()
+
+    def _take(self) -> bool:
+        """Write one piece if there is one; False when it was the last."""
+        try:
+            content = self._queue.get(timeout=LOOK_S)
+        except Empty:
+            content = b""
+        if content:
+            self._write(content)
+        now_s = time.monotonic()
+        if self._is_dirty and (content is None or now_s - self._synced_s >= SYNC_S):
+            os.fsync(self._file.fileno())
+            self._synced_s, self._is_dirty = now_s, False
+        if os.fstat(self._file.fileno()).st_nlink == 0:
+            self._save_again()
+        return content is not None
+
+    def _write(self, content: bytes) -> None:
+        rest = memoryview(content)
+        while rest:
+            count = self._file.write(rest) or 0
+            self._written += count
+            rest = rest[count:]
+        self._is_dirty = True
+
+    def _save_again(self) -> None:
+        """The file was removed while it is open: its bytes are still here, and are put back."""
+        why = f"{self.path}: recording stopped: the file was removed while it was being written"
+        while not self._queue.empty():
+            self._write(self._queue.get() or b"")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("xb") as copy:
+                self._file.seek(0)
+                shutil.copyfileobj(self._file, copy)
+                copy.flush()
+                os.fsync(copy.fileno())
+        except OSError as error:
+            raise RecordingError(f"{why}, and could not be put back: {error.strerror}") from error
+        raise RecordingError(f"{why}; it was put back with all that was recorded")
+
+
+def _sync_folder(folder: Path) -> None:
+    """So that the name of a new file survives a power cut too."""
+    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)

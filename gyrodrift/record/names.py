@@ -1,0 +1,21 @@
+"""Names of recordings: when, which device, which motion, as far as known."""
+
+import re
+from datetime import datetime
+from pathlib import Path
+
+
+def recording_path(folder: Path, begun: datetime, device: str, profile: str) -> Path:
+    """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC."""
+    words = [f"{begun:%Y-%m-%dT%H-%M-%SZ}", _plain(device), _plain(profile)]
+    stem = "_".join(word for word in words if word)
+    path, number = folder / f"{stem}.mcap", 1
+    while path.exists():
+        number += 1
+        path = folder / f"{stem}_{number}.mcap"
+    return path
+
+
+def _plain(text: str) -> str:
+    """What any file system takes."""
+    return re.sub(r"[^A-Za-z0-9.-]+", "-", text).strip("-.")

@@ -1,0 +1,111 @@
+"""What `serve` does with samples: the filter, then the sinks; its config is followed between two samples."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.errors import ConfigError
+from gyrodrift.filter import HdrCoefficients, HdrParams, HdrState, coefficients, step
+from gyrodrift.link.link import Link
+from gyrodrift.sample import Corrected, Sample
+from gyrodrift.service.sinks.json_lines import JsonLines
+
+if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
+    from gyrodrift.config import Config
+    from gyrodrift.service.sinks.sink import Sink
+    from gyrodrift.watch import ConfigWatch
+
+REJECTED_S = 1.0
+
+RATE_TOLERANCE = 0.05
+"""Parameters belong to the sample rate they were tuned at; a stream that differs by more is warned of."""
+
+
+@dataclass(slots=True)
+class Filtering:
+    """Takes samples, hands corrected ones to the output and to more sinks."""
+
+    link: Link
+    output: JsonLines
+    log: FilteringBoundLogger
+    params: HdrParams = field(default_factory=HdrParams)
+    watch: "ConfigWatch | None" = None
+    more_sinks: "Sequence[Sink]" = ()
+    state: HdrState = field(default_factory=HdrState)
+    _sinks: "list[Sink]" = field(init=False)
+    _coefficients: HdrCoefficients = field(init=False)
+    _rejected: int = 0
+    _rejected_s: float = 0.0
+    _is_rate_checked: bool = False
+
+    def __post_init__(self) -> None:
+        self._sinks = [self.output, *self.more_sinks]
+        self._coefficients = coefficients(self.params)
+
+    def take(self, samples: list[Sample]) -> None:
+        """Filter samples and hand them on."""
+        coefficients_now, state, sinks = self._coefficients, self.state, self._sinks
+        for sample in samples:
+            if step(coefficients_now, state, sample.t_device_s, sample.rate_dps):
+                bias_dps = 0.0 - state.i_dps
+                corrected = Corrected(sample, sample.rate_dps + state.i_dps, state.yaw_deg, bias_dps)
+                for sink in sinks:
+                    sink.on_sample(corrected)
+        for sink in sinks:
+            sink.flush()
+
+    def do_chores(self, now_s: float) -> None:
+        """Follow the config, tell what was rejected."""
+        if self.watch is not None:
+            self._follow_config(self.watch)
+        if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
+            self.log.warning("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
+            self._rejected, self._rejected_s = self.state.rejected, now_s
+        if not self._is_rate_checked and self.watch is not None:
+            self._compare_rate(self.watch.config)
+
+    def stats(self) -> dict[str, Any]:
+        """For the log."""
+        return {
+            "rejected": self.state.rejected,
+            "lines": self.output.lines,
+            "lines_dropped": self.output.dropped,
+            "yaw_deg": round(self.state.yaw_deg, 3),
+            "bias_dps": round(0.0 - self.state.i_dps, 5),
+        }
+
+    def close(self) -> None:
+        """Let the sinks finish."""
+        for sink in self._sinks:
+            sink.close()
+
+    def _follow_config(self, watch: "ConfigWatch") -> None:
+        old = watch.config
+        try:
+            new = watch.poll()
+        except ConfigError as error:
+            for problem in error.problems:
+                self.log.error("config_rejected", reason=problem)  # noqa: TRY400 - the reason is the message
+            return
+        if new is None:
+            return
+        self.params = new.hdr
+        self._coefficients = coefficients(new.hdr)
+        self._is_rate_checked = False
+        self.log.info("config_applied", file=str(watch.path), changes=new.changes_from(old))
+
+    def _compare_rate(self, config: "Config") -> None:
+        period_s = self.link.clock.period_s if self.link.clock else 0.0
+        if not period_s:
+            return
+        self._is_rate_checked = True
+        tuned_hz = config.sample_rate_hz
+        if tuned_hz is not None and abs(period_s * tuned_hz - 1.0) > RATE_TOLERANCE:
+            self.log.warning(
+                "sample_rate_differs",
+                tuned_at_hz=tuned_hz,
+                stream_hz=round(1.0 / period_s, 3),
+                hint="i_c_dps and the attenuator count samples: tune at the rate of this stream",
+            )

@@ -1,0 +1,52 @@
+"""Telling session files that were never closed from others, by their last bytes; and who is writing one.
+
+Light, since every recording begins with a look at its folder.
+"""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
+
+
+def is_closed(file: IO[bytes]) -> bool:
+    """Whether it ends as a finished MCAP file does."""
+    size = os.fstat(file.fileno()).st_size
+    tail = os.pread(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
+    return tail.startswith(CLOSED_TAIL) and tail.endswith(MAGIC)
+
+
+def lock(path: Path, file: IO[bytes]) -> None:
+    """Make this process the only one that writes or repairs the file, for as long as it is open.
+
+    Raises
+    ------
+    DataError
+        Where another process does.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise DataError(f"{path}: is being written by another process") from None
+
+
+def interrupted(folder: Path) -> Iterator[Path]:
+    """The `.mcap` files of a folder that were never closed and that nobody is writing."""
+    for path in sorted(folder.glob("*.mcap")):
+        if not path.is_file():
+            continue
+        with path.open("rb") as file:
+            if not is_closed(file) and not _is_locked(path, file):
+                yield path
+
+
+def _is_locked(path: Path, file: IO[bytes]) -> bool:
+    try:
+        lock(path, file)
+    except DataError:
+        return True
+    return False
