@@ -3,7 +3,7 @@
 This is the one room of the host that borrows the simulator's voice.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite, isnan
 
@@ -20,6 +20,7 @@ from firmware_sim.wire import (
     sample_frame,
     wt901_sample,
 )
+from gyrodrift.session.raw import Read
 from gyrodrift.session.session import Session
 
 ENCODER_CPR = 3_600_000
@@ -120,3 +121,11 @@ def witmotion_frames(recording: Recording) -> Iterator[Frame]:
         if isfinite(s.rate_dps):
             temp_c = s.temp_c if s.temp_c is not None and not isnan(s.temp_c) else 0.0
             yield Frame(s.at_s, wt901_sample(s.rate_dps, round(temp_c * 100.0)), 1)
+
+
+def raw_frames(reads: Iterable[Read]) -> Iterator[Frame]:
+    """The bytes of a link as they came, damage and all."""
+    first_s: float | None = None
+    for t_host_s, content in reads:
+        first_s = t_host_s if first_s is None else first_s
+        yield Frame(t_host_s - first_s, content, 1)

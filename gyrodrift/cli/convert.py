@@ -1,19 +1,70 @@
-"""Convert a recorded session between .mcap and .csv, by the endings of the two paths; every digit is kept."""
+"""Convert a recorded session between .mcap and .csv, by the endings of the two paths; every digit is kept.
+
+An .mcap IN may be anybody's: samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with
+t_device_s and rate_dps, chunked, compressed or cut off.
+"""
 
 import argparse
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.errors import UsageError
+
+if TYPE_CHECKING:
+    from gyrodrift.session.session import Session
+
+FORMS = ("sample", "imu", "json")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("source", type=Path, metavar="IN", help="recorded session (.mcap or .csv)")
     parser.add_argument("target", type=Path, metavar="OUT", help="where to write it (.mcap or .csv)")
+    parser.add_argument(
+        "--topic",
+        metavar="NAME",
+        help="channel of an .mcap IN that holds the samples (default: /gyro, or the only one that can)",
+    )
+    parser.add_argument(
+        "--as",
+        dest="form",
+        choices=FORMS,
+        help="messages in an .mcap OUT: sample (default; this program's own), imu (sensor_msgs/msg/Imu, rad/s), json",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Convert; 0 when it is written."""
+    source, target, topic, form = arguments.source, arguments.target, arguments.topic, arguments.form
+    if form is not None and target.suffix != ".mcap":
+        raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
+    if topic is not None and source.suffix != ".mcap":
+        raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
+    _write(target, form, _loaded(source, topic))
+    return 0
+
+
+def _loaded(source: Path, topic: str | None) -> "Session":
     from gyrodrift.session.session import load_session
+
+    if topic is None:
+        return load_session(source)
+    from gyrodrift.session.foreign import read_foreign
+
+    return read_foreign(source, topic)
+
+
+def _write(target: Path, form: str | None, session: "Session") -> None:
+    from gyrodrift.session.export import write_imu, write_json
     from gyrodrift.session.write import write_session
 
-    write_session(arguments.target, [load_session(arguments.source)])
-    return 0
+    if form == "imu":
+        write_imu(target, [session])
+        left_out = "encoder angle, temperature and counter do not go along"
+        print(f"gyrodrift: {target}: sensor_msgs/msg/Imu has its rate in rad/s; {left_out}", file=sys.stderr)
+    elif form == "json":
+        write_json(target, [session])
+    else:
+        metadata = {name: dict(table) for name, table in session.metadata.items()}
+        write_session(target, [session], metadata)

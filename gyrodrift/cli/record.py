@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from gyrodrift.service.loop import Taker
     from gyrodrift.service.signals import StopSignal
 
+REST_S = 0.002
+"""Nobody waits for a recording: fast streams are taken in handfuls."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
@@ -53,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         repair_interrupted(arguments.out, log)
         news.listener = recorder.on_event
         try:
-            Service(link, _takers(link, recorder, stop, arguments.duration), log, news, stop).run()
+            Service(link, _takers(link, recorder, stop, arguments.duration), log, news, stop, rest_s=REST_S).run()
         finally:
             for path in recorder.paths:
                 print(path)

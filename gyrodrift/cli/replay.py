@@ -1,8 +1,11 @@
 """Play a recorded session through a pty that looks like the device, so that a recording takes the whole serial path.
 
-The csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb, witmotion
-to the steps of a WT901, without a clock. Playing starts when a reader has opened the port. At --speed max the
-reader sets the pace and nothing is lost; at any other speed what finds no reader is lost, as from a real device.
+--raw plays the very bytes of the link, where the recording kept them, damage and all. Otherwise the samples are
+spoken: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
+witmotion to the steps of a WT901, without a clock.
+
+Playing starts when a reader has opened the port. At --speed max the reader sets the pace and nothing is lost; at any
+other speed what finds no reader is lost, as from a real device.
 """
 
 import argparse
@@ -16,7 +19,6 @@ from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
     from firmware_sim.wire import Frame
-    from gyrodrift.session.session import Session
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
     parser.add_argument("--protocol", default="csv", choices=("csv", "native", "witmotion"))
+    parser.add_argument("--raw", action="store_true", help="the bytes as they came, from a recording made with --raw")
     parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")
     parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")
     parser.add_argument("--lsb", type=float, default=0.01, metavar="DPS", help="native: deg/s per count (default 0.01)")
@@ -32,17 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Play until the end, or until a signal."""
     from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
-    from gyrodrift.session.session import load_session
 
     speed = _speed(arguments.speed)
-    session = load_session(arguments.session)
-    frames, hello = _speech(session, arguments)
+    frames, hello = _raw_speech(arguments) if arguments.raw else _speech(arguments)
     try:
         device = PtyDevice(arguments.link, hello)
     except LinkInUseError as error:
         raise LinkError(str(error)) from error
     try:
-        print(f"gyrodrift: {session.name} on {arguments.link}, waiting for a reader", file=sys.stderr)
+        print(f"gyrodrift: {arguments.session.stem} on {arguments.link}, waiting for a reader", file=sys.stderr)
         with stopped_by_signals() as is_over:
             device.wait_for_reader(is_over)
             sent, lost = play(frames, device, speed, is_over)
@@ -51,16 +52,33 @@ def run(arguments: argparse.Namespace) -> int:
             was_stopped = is_over()
     finally:
         device.close()
-    print(f"gyrodrift: {sent} samples sent, {lost} without a reader", file=sys.stderr)
+    what = "reads" if arguments.raw else "samples"
+    print(f"gyrodrift: {sent} {what} sent, {lost} without a reader", file=sys.stderr)
     return INTERRUPTED if was_stopped else 0
 
 
-def _speech(session: "Session", arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+    """The bytes as they came; what is wrong with the file is found before anybody waits for it."""
+    from itertools import chain
+
+    from gyrodrift.replay import raw_frames
+    from gyrodrift.session.raw import read_raw
+
+    if arguments.loop:
+        raise UsageError("--raw --loop: raw bytes are played once; their clock cannot go on")
+    reads = read_raw(arguments.session)
+    first = next(reads, None)
+    return raw_frames(reads if first is None else chain([first], reads)), b""
+
+
+def _speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The frames of the session in the protocol asked for, and what greets a reader."""
     from gyrodrift.replay import Recording, csv_frames, native_frames, native_hello, witmotion_frames
+    from gyrodrift.session.session import load_session
 
     if not 0.0 < arguments.lsb <= 10.0:
         raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")
+    session = load_session(arguments.session)
     recording = Recording(session, is_looping=arguments.loop)
     match arguments.protocol:
         case "native":

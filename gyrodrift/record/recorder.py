@@ -86,9 +86,7 @@ class Recorder:
     def take(self, samples: list[Sample]) -> None:
         """Record samples."""
         if samples:
-            add = self._begun().add
-            for sample in samples:
-                add(sample)
+            self._begun().add_all(samples)
             self.samples += len(samples)
 
     def take_raw(self, content: bytes, t_host_s: float) -> None:

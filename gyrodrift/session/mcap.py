@@ -64,7 +64,7 @@ def read_mcap(path: Path) -> Session:
 
 
 def _read_ours(path: Path, file: BinaryIO) -> Session | None:
-    """The session, or None where the samples are not laid out as ours."""
+    """The session, or None where no samples are laid out as ours."""
     walk = Walk(file)
     columns = _Columns(walk.size // ROW.itemsize)
     declared = _Declared()
@@ -81,11 +81,7 @@ def _read_ours(path: Path, file: BinaryIO) -> Session | None:
                     declared.take(step, walk)
                 except BrokenRecordError as error:
                     raise DataError(f"{path}: {error}; the file was changed since it was written") from error
-    if columns.count:
-        return columns.session(path.stem, declared.metadata)
-    if declared.has_others and not declared.is_ours:
-        return None
-    raise DataError(f"{path}: has no samples")
+    return columns.session(path.stem, declared.metadata) if columns.count else None
 
 
 class _Columns:
@@ -124,7 +120,6 @@ class _Declared:
 
     def __init__(self) -> None:
         self.metadata: dict[str, dict[str, str]] = {}
-        self.has_others = False
         self._has_schema = self._has_channel = False
 
     @property
@@ -149,8 +144,6 @@ class _Declared:
             case Opcode.METADATA:
                 table = metadata_of(walk.body(record))
                 self.metadata[table.name] = table.metadata
-            case Opcode.MESSAGE:
-                self.has_others = True
 
 
 def add_chunk(writer: McapWriter, session: Session) -> None:

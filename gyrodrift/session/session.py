@@ -1,6 +1,6 @@
 """A recorded session as arrays, and the one way to load it from a path."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from gyrodrift.errors import DataError
 
 Floats = NDArray[np.float64]
+
+ENDINGS = (".mcap", ".csv")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +62,27 @@ def load_session(path: Path) -> Session:
 
         return read_mcap(path)
     raise DataError(f"{path}: sessions end in .mcap or .csv, not {path.suffix or 'nothing'}")
+
+
+def session_paths(paths: Iterable[Path]) -> list[Path]:
+    """The sessions that paths stand for: a file is itself, a folder the sessions in it by name.
+
+    Other files in a folder, and hidden ones, are passed over.
+
+    Raises
+    ------
+    DataError
+        Where a path does not exist, or a folder holds no session.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir():
+            if not path.exists():
+                raise DataError(f"{path}: there is no such session or folder")
+            found.append(path)
+            continue
+        inside = sorted(p for p in path.iterdir() if p.suffix in ENDINGS and not p.name.startswith("."))
+        if not inside:
+            raise DataError(f"{path}: there are no sessions in this folder; they end in {' or '.join(ENDINGS)}")
+        found += inside
+    return list(dict.fromkeys(found))

@@ -10,14 +10,12 @@ from typing import IO, TypeVar
 import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.opcode import Opcode
 from mcap.records import Channel, Header, McapRecord, Metadata, Schema
 from numpy.typing import NDArray
 
 from gyrodrift.session.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
 
 BLOCK_BYTES = 1 << 22
-KNOWN_OPCODES = frozenset(Opcode)
 
 ROW = np.dtype(
     [
@@ -101,7 +99,7 @@ class Walk:
             self.end += run * ROW.itemsize
             return Table(place, rows[:run])
         opcode, length = HEAD.unpack_from(block, at)
-        if opcode not in KNOWN_OPCODES or place + HEAD.size + length > self.size:
+        if not opcode or place + HEAD.size + length > self.size:
             return None
         self.end += HEAD.size + length
         return Record(place, opcode, length)

@@ -6,6 +6,8 @@ Records other than messages are the `mcap` package's.
 import json
 import struct
 import zlib
+from collections.abc import Iterable
+from math import nan
 from typing import Any, Protocol
 
 from mcap.data_stream import RecordBuilder
@@ -42,6 +44,8 @@ from gyrodrift.session.layout import (
 )
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+CHANNEL = SAMPLES.channel_id
+LATEST_S = LATEST_NS * 1e-9
 
 
 class Stream(Protocol):
@@ -136,7 +140,7 @@ class McapWriter:
     @property
     def count(self) -> int:
         """Samples so far."""
-        return self._contents.counts.get(SAMPLES.channel_id, 0)
+        return self._contents.counts.get(CHANNEL, 0)
 
     @property
     def size(self) -> int:
@@ -144,30 +148,40 @@ class McapWriter:
         return self._contents.size + len(self._rows) + len(self._others)
 
     def add(self, sample: Sample) -> None:
-        """One sample, as it comes."""
-        seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c = sample
-        log_ns = to_ns(t_host_s)
-        self._rows += MESSAGE.pack(
-            MESSAGE_OPCODE,
-            MESSAGE_LENGTH,
-            SAMPLES.channel_id,
-            seq & 0xFFFFFFFF,
-            log_ns,
-            to_ns(t_device_s),
-            CDR_LITTLE_ENDIAN,
-            seq,
-            t_device_s,
-            t_host_s,
-            rate_dps,
-            encoder_deg,
-            temp_c,
-        )
-        self._contents.add_messages(SAMPLES.channel_id, 1, log_ns, log_ns)
+        """One sample."""
+        self.add_all((sample,))
+
+    def add_all(self, samples: Iterable[Sample]) -> None:
+        """Samples as they come."""
+        pack, rows = MESSAGE.pack, self._rows
+        last_host_s, log_ns, count = nan, 0, 0
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c in samples:
+            if t_host_s != last_host_s:  # what arrived together has one time
+                last_host_s, log_ns = t_host_s, to_ns(t_host_s)
+                self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
+            device_ns = int(t_device_s * 1e9) if 0.0 <= t_device_s < LATEST_S else to_ns(t_device_s)
+            rows += pack(
+                MESSAGE_OPCODE,
+                MESSAGE_LENGTH,
+                CHANNEL,
+                seq & 0xFFFFFFFF,
+                log_ns,
+                device_ns,
+                CDR_LITTLE_ENDIAN,
+                seq,
+                t_device_s,
+                t_host_s,
+                rate_dps,
+                encoder_deg,
+                temp_c,
+            )
+            count += 1
+        self._contents.counts[CHANNEL] = self.count + count
 
     def add_rows(self, rows: bytes, first_ns: int, last_ns: int) -> None:
         """Many samples, packed as `MESSAGE`, with the earliest and the latest of their log times."""
         self._rows += rows
-        self._contents.add_messages(SAMPLES.channel_id, len(rows) // MESSAGE.size, first_ns, last_ns)
+        self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
         self.flush()
 
     def add_read(self, content: bytes, t_host_s: float) -> None:

@@ -1,11 +1,15 @@
 """`gyrodrift replay`: a recording that looks like the device, so that it takes the whole serial path."""
 
+import io
 import signal
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
 from support import Command
+
+from gyrodrift.session.writer import McapWriter
 
 SAMPLES = 400
 
@@ -95,6 +99,29 @@ def test_a_signal_interrupts_it(session: Path) -> None:
         assert replay.stop(signal.SIGINT) == 130
 
 
+def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
+    """Damage included: what was recorded of a bad link is a bad link again."""
+    random = Random(4)
+    reads = [b"%d,0.5\n%d,0.25\n" % (20_000 * i, 20_000 * i + 10_000) for i in range(200)]
+    reads[100] = random.randbytes(300) + b"\n"
+    stream = io.BytesIO()
+    writer = McapWriter(stream)
+    for number, content in enumerate(reads):
+        writer.add_read(content, 1.7e9 + number * 0.02)
+    writer.finish()
+    session, link = tmp_path / "raw.mcap", tmp_path / "gyro"
+    session.write_bytes(stream.getvalue())
+    with Command("replay", session, "--raw", "--link", link, "--speed", "max") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link, "--log-format", "json") as serve:
+            lines = serve.take_lines(398)
+            assert replay.end() == 0
+            serve.stop()
+    assert "200 reads sent, 0 without a reader" in replay.log
+    assert lines[-1]["t_s"] == pytest.approx(3.99)
+    assert '"damaged": 0' not in serve.log.splitlines()[-1]
+
+
 @pytest.mark.parametrize(
     ("options", "status", "message"),
     [
@@ -102,6 +129,8 @@ def test_a_signal_interrupts_it(session: Path) -> None:
         (["--speed", "fast"], 2, "--speed fast: expected a number above 0, or max"),
         (["--lsb", "0"], 2, "--lsb 0: expected deg/s per count"),
         (["--link", "{session}"], 3, "exists and is not a link"),
+        (["--raw"], 4, "is no MCAP file; only those keep raw bytes"),
+        (["--raw", "--loop"], 2, "raw bytes are played once"),
     ],
 )
 def test_mistakes_are_one_line(session: Path, options: list[str], status: int, message: str) -> None:

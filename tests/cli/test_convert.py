@@ -1,0 +1,132 @@
+"""`gyrodrift convert`: between files of ours, of other people, and for other tools."""
+
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+from mcap_ros2.decoder import DecoderFactory
+from support import Command
+
+from gyrodrift.cli import main
+from gyrodrift.session.session import load_session
+
+CSV = """\
+t_device_s,t_host_s,seq,rate_dps,encoder_deg,temp_c
+0.000000,1700000000.250000,7,0.1,0.0,25.0
+0.010000,1700000000.260000,8,-0.2,,25.125
+0.020000,1700000000.270000,,1e-09,0.30000000000000004,
+"""
+
+
+def session(folder: Path) -> Path:
+    path = folder / "s.csv"
+    path.write_text(CSV)
+    return path
+
+
+def others(folder: Path, *topics: str) -> Path:
+    """A chunked file with JSON samples on each topic, a different rate on each."""
+    stream = io.BytesIO()
+    writer = Writer(stream, compression=CompressionType.LZ4)
+    writer.start()
+    writer.add_metadata("robot", {"name": "bench"})
+    for rate_dps, topic in enumerate(topics):
+        channel_id = writer.register_channel(topic, "json", 0)
+        for i in range(20):
+            payload = json.dumps({"t_device_s": i / 10, "rate_dps": rate_dps}).encode()
+            writer.add_message(channel_id, i * 100_000_000, payload, 0)
+    writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
+    path = folder / "others.mcap"
+    path.write_bytes(stream.getvalue())
+    return path
+
+
+def test_json_and_back_keeps_every_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """.csv → JSON in .mcap → .csv, byte for byte."""
+    assert main(["convert", str(session(tmp_path)), str(tmp_path / "j.mcap"), "--as", "json"]) == 0
+    assert main(["convert", str(tmp_path / "j.mcap"), str(tmp_path / "b.csv"), "--topic", "/gyro"]) == 0
+    assert (tmp_path / "b.csv").read_text() == CSV
+    assert capsys.readouterr() == ("", "")
+
+
+def test_imu_is_written_for_ros_and_says_what_it_lacks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """On stderr; the rate is in rad/s."""
+    out = tmp_path / "i.mcap"
+    assert main(["convert", str(session(tmp_path)), str(out), "--as", "imu"]) == 0
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == (
+        f"gyrodrift: {out}: sensor_msgs/msg/Imu has its rate in rad/s; "
+        "encoder angle, temperature and counter do not go along\n"
+    )
+    reader = make_reader(io.BytesIO(out.read_bytes()), validate_crcs=True, decoder_factories=[DecoderFactory()])
+    rates = [imu.angular_velocity.z for _, _, _, imu in reader.iter_decoded_messages()]
+    assert rates == [math.radians(rate_dps) for rate_dps in (0.1, -0.2, 1e-9)]
+    assert main(["convert", str(out), str(tmp_path / "b.csv"), "--topic", "/imu"]) == 0
+    assert load_session(tmp_path / "b.csv").rate_dps == pytest.approx(np.array([0.1, -0.2, 1e-9]))
+
+
+@pytest.mark.parametrize("options", [[], ["--as", "sample"]])
+def test_own_samples_are_what_an_mcap_file_gets(tmp_path: Path, options: list[str]) -> None:
+    """Whether they are asked for or not."""
+    assert main(["convert", str(session(tmp_path)), str(tmp_path / "o.mcap"), *options]) == 0
+    reader = make_reader(io.BytesIO((tmp_path / "o.mcap").read_bytes()), validate_crcs=True)
+    assert {schema.name for schema, _, _ in reader.iter_messages() if schema} == {"gyrodrift/Sample"}
+
+
+def test_a_topic_of_another_file_becomes_a_session_of_ours(tmp_path: Path) -> None:
+    """With what stands beside the samples."""
+    path = others(tmp_path, "/a", "/b")
+    assert main(["convert", str(path), str(tmp_path / "o.mcap"), "--topic", "/b"]) == 0
+    got = load_session(tmp_path / "o.mcap")
+    assert got.rate_dps.tolist() == [1.0] * 20
+    assert got.metadata["robot"] == {"name": "bench"}
+
+
+def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
+    """It is read like anybody's."""
+    assert main(["convert", str(session(tmp_path)), str(tmp_path / "o.mcap")]) == 0
+    assert main(["convert", str(tmp_path / "o.mcap"), str(tmp_path / "b.csv"), "--topic", "/gyro"]) == 0
+    assert (tmp_path / "b.csv").read_text() == CSV
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (["others.mcap", "o.csv", "--topic", "/c"], 4, "has no messages on /c; there are /a (no schema, json), /b"),
+        (["none.mcap", "o.csv", "--topic", "/c"], 4, "none.mcap: cannot be read: No such file or directory"),
+        (["others.mcap", "o.csv"], 4, "samples may be on /a, /b; choose one with gyrodrift convert --topic"),
+        (["none.mcap", "o.csv"], 4, "none.mcap: there is no such session"),
+        (["torn.mcap", "o.csv", "--topic", "/a"], 4, "torn.mcap: is damaged: a chunk cannot be opened"),
+        (["s.csv", "o.mcap", "--topic", "/a"], 2, "--topic /a: is about the channels of an .mcap file, and s.csv is"),
+        (["s.csv", "o.csv", "--as", "json"], 2, "--as json: is about the messages of an .mcap file, and o.csv is to"),
+        (["s.csv", "o.csv", "--as", "sample"], 2, "--as sample: is about the messages of an .mcap file"),
+        (["s.csv", "o.bag", "--as", "imu"], 2, "--as imu: is about the messages of an .mcap file"),
+        (["s.csv", "o.mcap", "--as", "bag"], 2, "argument --as: invalid choice: 'bag'"),
+        (["late.csv", "o.mcap", "--as", "imu"], 4, "o.mcap: sample 1 has 10000000000.0 as t_device_s, which no header"),
+        (["s.csv", "none/o.mcap", "--as", "json"], 2, "none/o.mcap: cannot be written: No such file or directory"),
+    ],
+)
+def test_mistakes_are_one_line_and_leave_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], status: int, message: str
+) -> None:
+    """And a status."""
+    monkeypatch.chdir(tmp_path)
+    session(tmp_path)
+    content = bytearray(others(tmp_path, "/a", "/b").read_bytes())
+    at = content.index(b"\x04\x22\x4d\x18")  # how a frame of lz4 begins
+    content[at : at + 4] = b"\0\0\0\0"
+    (tmp_path / "torn.mcap").write_bytes(content)
+    (tmp_path / "late.csv").write_text("t_device_s,rate_dps\n1e10,0\n")
+    before = sorted(tmp_path.iterdir())
+    with Command("convert", *arguments) as run:
+        assert run.end() == status
+    assert message in run.log
+    assert run.log.startswith(("gyrodrift: ", "usage: "))
+    assert "Traceback" not in run.log
+    assert sorted(tmp_path.iterdir()) == before

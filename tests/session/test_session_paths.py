@@ -1,0 +1,33 @@
+"""Paths that stand for sessions: files, and folders of them."""
+
+from pathlib import Path
+
+import pytest
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.session import session_paths
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("b.mcap", "a.csv", "rig.yaml", ".hidden.mcap", "c.mcap.tail"):
+        (tmp_path / name).touch()
+    (tmp_path / "empty").mkdir()
+    return tmp_path
+
+
+def test_a_folder_is_the_sessions_in_it_by_name(folder: Path) -> None:
+    """And nothing else that lies there."""
+    assert [path.name for path in session_paths([folder])] == ["a.csv", "b.mcap"]
+
+
+def test_files_and_folders_mix_and_nothing_comes_twice(folder: Path) -> None:
+    """In the order given."""
+    assert session_paths([folder / "b.mcap", folder]) == [folder / "b.mcap", folder / "a.csv"]
+
+
+@pytest.mark.parametrize(("name", "message"), [("empty", "there are no sessions in this folder"), ("x", "is no such")])
+def test_nothing_there_is_told(folder: Path, name: str, message: str) -> None:
+    """By its path."""
+    with pytest.raises(DataError, match=message):
+        session_paths([folder / name])
