@@ -1,0 +1,1 @@
+"""Finding the filter's parameters from recorded sessions."""
