@@ -13,6 +13,7 @@ COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
     "record": "read a device and write what it sends into session files",
     "filter": "run the same filter over a recorded session",
+    "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "replay": "play a recorded session through a pty that looks like the device",
     "convert": "a session from .mcap to .csv or back, or for other programs",

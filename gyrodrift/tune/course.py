@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.session import Floats, Session
@@ -70,12 +71,12 @@ def course_of(session: Session, *, is_still: bool = False) -> Course:
     return Course(session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0)
 
 
-def accepted(t_s: Floats, rate_dps: Floats) -> Floats:
+def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
     """Which samples `filter.step` takes: finite, and later than all taken before; booleans of shape (n,)."""
     finite = np.isfinite(t_s) & np.isfinite(rate_dps)
     latest_s = np.maximum.accumulate(np.where(finite, t_s, -np.inf))
     before_s = np.concatenate([[-np.inf], latest_s[:-1]])
-    kept: Floats = finite & (t_s > before_s)
+    kept: NDArray[np.bool_] = finite & (t_s > before_s)
     return kept
 
 

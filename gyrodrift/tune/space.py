@@ -1,0 +1,97 @@
+"""The ranges that parameters are searched in, and the unit cube in which every search method works."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import get_type_hints
+
+import numpy as np
+from annotated_types import Ge, Le
+
+from gyrodrift.errors import UsageError
+from gyrodrift.filter import HdrParams
+from gyrodrift.session.session import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One parameter: its range, and whether factors or differences count in it."""
+
+    name: str
+    low: float
+    high: float
+    is_log: bool = False
+
+    def values(self, u: Floats) -> Floats:
+        """From the unit interval to the parameter's own unit."""
+        inside = np.clip(u, 0.0, 1.0)
+        if self.is_log:
+            found: Floats = np.clip(self.low * (self.high / self.low) ** inside, self.low, self.high)
+        else:
+            found = self.low + (self.high - self.low) * inside
+        return found
+
+    def unit(self, value: float) -> float:
+        """From the parameter's own unit to the unit interval; what lies outside goes to the nearer end."""
+        inside = min(max(value, self.low), self.high)
+        if self.is_log:
+            return float(np.log(inside / self.low) / np.log(self.high / self.low))
+        return (inside - self.low) / (self.high - self.low)
+
+
+AXES = (
+    Axis("i_c_dps", 1e-6, 0.1, is_log=True),
+    Axis("tau_s", 1e-3, 30.0, is_log=True),
+    Axis("theta_w_dps", 0.02, 20.0, is_log=True),
+    Axis("c1", 0.0, 3.0),
+    Axis("c2", 0.0, 3.0),
+)
+"""Wide enough for sensors of 0.01 to 10 deg/s of bias at 2 Hz to 10 kHz; narrower on request."""
+
+
+def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
+    """The same ranges with differences counting everywhere."""
+    return tuple(replace(axis, is_log=False) for axis in axes)
+
+
+def params_of(axes: Sequence[Axis], cube: Floats) -> Floats:
+    """Parameter vectors, shape (c, 5), from points of the unit cube of the same shape."""
+    return np.column_stack([axis.values(cube[:, number]) for number, axis in enumerate(axes)])
+
+
+def with_ranges(texts: Sequence[str]) -> tuple[Axis, ...]:
+    """The axes with some ranges replaced: `tau_s=0.01:2`.
+
+    Raises
+    ------
+    UsageError
+        Where a name is unknown, a range is upside down, or the filter does not take its values.
+    """
+    axes = {axis.name: axis for axis in AXES}
+    for text in texts:
+        name, low, high = _parsed(text)
+        if name not in axes:
+            raise UsageError(f"--range {text}: unknown parameter {name}; there are {', '.join(axes)}")
+        if not low < high:
+            raise UsageError(f"--range {text}: the range is upside down or empty")
+        axes[name] = _checked(text, replace(axes[name], low=low, high=high))
+    return tuple(axes.values())
+
+
+def _parsed(text: str) -> tuple[str, float, float]:
+    name, _, ends = text.partition("=")
+    low, _, high = ends.partition(":")
+    try:
+        return name.strip(), float(low), float(high)
+    except ValueError:
+        raise UsageError(f"--range {text}: expected NAME=LOW:HIGH, such as tau_s=0.01:2") from None
+
+
+def _checked(text: str, axis: Axis) -> Axis:
+    for bound in get_type_hints(HdrParams, include_extras=True)[axis.name].__metadata__:
+        if isinstance(bound, Le) and axis.high > bound.le:  # type: ignore[operator]  # a bound of a float is a float
+            raise UsageError(f"--range {text}: {axis.name} goes up to {bound.le:g}")  # type: ignore[str-format]
+        if isinstance(bound, Ge) and axis.low < bound.ge:  # type: ignore[operator]
+            raise UsageError(f"--range {text}: {axis.name} begins at {bound.ge:g}")  # type: ignore[str-format]
+    if axis.is_log and axis.low <= 0.0:
+        raise UsageError(f"--range {text}: {axis.name} is searched by factors; its range begins above 0")
+    return axis

@@ -1,0 +1,249 @@
+"""`gyrodrift info`: the table, the JSON and the picture of what sessions hold."""
+
+import json
+import sys
+from io import BytesIO
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support import Recordings
+
+from gyrodrift.cli import main
+from gyrodrift.session.session import Session
+from gyrodrift.session.write import write_session
+
+ABOUT = {
+    "device": {"id": "bench-7", "note": "left on the table\x1b[31m over night"},
+    "simulation": {"rig": "base:\n  sample_rate_hz: 100\n  bias_dps: 0.35\n", "long": "x" * 300},
+    "empty": {},
+}
+
+
+def written(folder: Path, name: str = "s.mcap") -> Path:
+    """Forty seconds of rest with a bias, and three gaps."""
+    seq = np.setdiff1d(np.arange(4000), [500, *range(900, 910), 2000])
+    t_s = seq / 100.0
+    rng = np.random.default_rng(1)
+    session = Session(
+        name="s",
+        t_device_s=t_s,
+        rate_dps=0.35 + 0.05 * rng.standard_normal(len(seq)),
+        t_host_s=1.7e9 + t_s * (1.0 - 200e-6) + rng.exponential(0.002, len(seq)),
+        seq=seq,
+        encoder_deg=np.full(len(seq), 12.5),
+        temp_c=np.linspace(20.0, 23.0, len(seq)),
+    )
+    write_session(folder / name, [session], ABOUT)
+    return folder / name
+
+
+def told(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> list[str]:
+    assert main(["info", *map(str, arguments)]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    return shown.out.splitlines()
+
+
+def line_of(lines: list[str], name: str) -> str:
+    (found,) = [line for line in lines if line[2:].startswith(f"{name} ")]
+    return found
+
+
+def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With a mark at what is worth a look."""
+    lines = told(capsys, path := written(tmp_path))
+    assert lines[0] == str(path)
+    assert line_of(lines, "samples").split() == ["samples", "3988"]
+    assert line_of(lines, "duration").endswith("  39.99 s")
+    assert any(line.startswith("  rate ") and line.endswith("  100 Hz") for line in lines)
+    assert line_of(lines, "gaps").startswith("! gaps")
+    assert line_of(lines, "gaps").endswith("  3, 12 samples missing, longest 0.11 s")
+    assert " ppm, device against host" in line_of(lines, "drift")
+    assert line_of(lines, "encoder").endswith("  12.5 deg, never moves")
+    assert line_of(lines, "temperature").endswith("20.00 … 23.00 °C, 20.00 → 23.00 °C from start to end")
+    assert line_of(lines, "stretches").split()[1:3] == ["1,", "39.9"]
+    assert "still, by the encoder" in lines
+    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert [line for line in lines if line.startswith("!")] == [line_of(lines, "gaps")]
+
+
+def test_values_stand_in_one_column(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Under their headings."""
+    lines = told(capsys, written(tmp_path))
+    column = line_of(lines, "samples").index("3988")
+    assert all(
+        line[column - 2 : column] == "  " and line[column] != " "
+        for line in lines
+        if line.startswith("  ") and line.strip() != "empty"
+    )
+
+
+def test_what_was_kept_beside_the_samples_is_shown_in_brief(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The first line of a long text, and nothing that a terminal would obey."""
+    lines = told(capsys, written(tmp_path))
+    assert {"kept: device", "kept: simulation", "kept: empty"} <= set(lines)
+    assert line_of(lines, "id").endswith("  bench-7")
+    assert line_of(lines, "note").endswith("  left on the table?[31m over night")
+    assert line_of(lines, "rig").endswith("  base:  (3 lines)")
+    assert line_of(lines, "long").endswith("x…")
+    assert max(map(len, lines)) < 130
+
+
+def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """None for the others, and all of the metadata."""
+    (line,) = told(capsys, "--json", path := written(tmp_path))
+    about: dict[str, Any] = json.loads(line, parse_constant=pytest.fail)
+    assert about["session"] == str(path)
+    assert about["samples"] == 3988
+    assert about["gaps"] == {"count": 3, "missing": 12, "longest_s": pytest.approx(0.11)}
+    assert about["host"]["drift_ppm"] == pytest.approx(200.0, abs=4.0 * about["host"]["drift_sd_ppm"])
+    assert about["still_by"] == "encoder"
+    assert about["stretches"][0]["mean_dps"] == pytest.approx(0.35, abs=0.005)
+    assert about["allan"]["angle_random_walk_deg_rts"] == pytest.approx(0.005, rel=0.1)
+    assert len(about["allan"]["taus_s"]) == len(about["allan"]["deviations_dps"]) > 5
+    assert about["metadata"] == ABOUT
+    (tmp_path / "odd.csv").write_text("t_device_s,rate_dps\n-1e308,1\n1e308,nan\n1.1e308,1e308\n1.2e308,1e308\n")
+    (line,) = told(capsys, "--json", tmp_path / "odd.csv")
+    assert json.loads(line, parse_constant=pytest.fail)["rates_not_finite"] == 1
+
+
+def test_several_sessions_come_one_after_another(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With an empty line between tables, and a line of JSON for each."""
+    paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.csv")]
+    lines = told(capsys, *paths)
+    assert lines[lines.index(str(paths[1])) - 1] == ""
+    assert lines[0] == str(paths[0])
+    assert [json.loads(line)["session"] for line in told(capsys, "--json", *paths)] == [str(path) for path in paths]
+
+
+@pytest.mark.parametrize(
+    ("rows", "odd"),
+    [
+        ("0,1\n", "unknown: device time never goes forward"),
+        ("1,1\n1,2\n1,3\n", "2 steps do not go forward; the filter passes them by"),
+        ("0,nan\n1,nan\n", "2 are no number; the filter passes them by"),
+        ("0,nan\n1,nan\n", "not one that is a number"),
+        ("0,3\n1,3\n2,3\n", "3 … 3 deg/s, mean 3 deg/s: never changes"),
+        ("0,1\n1,2\n1.2,3\n2.2,1\n3.4,1\n", "ms, scatter of the time steps"),
+        ("0,1\n1,2\n", "none: the bias cannot be told"),
+    ],
+)
+def test_what_is_odd_is_marked(rows: str, odd: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Sessions too small to say much are told all the same."""
+    (tmp_path / "s.csv").write_text(f"t_device_s,rate_dps\n{rows}")
+    assert any(line.startswith("!") and line.endswith(odd) for line in told(capsys, tmp_path / "s.csv"))
+
+
+def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In order of time, and the range of all."""
+    lengths_s = [4, 9, 5, 8, 6, 7, 10, 3]
+    rest_and_turn = ([np.repeat(50.0 * i, 100 * s), 50.0 * i + np.arange(100) / 2.0] for i, s in enumerate(lengths_s))
+    angle_deg = np.concatenate(list(chain.from_iterable(rest_and_turn)))
+    rate_dps = np.random.default_rng(1).standard_normal(len(angle_deg))
+    session = Session("s", np.arange(len(angle_deg)) / 100.0, rate_dps, encoder_deg=angle_deg)
+    write_session(tmp_path / "s.csv", [session])
+    lines = told(capsys, tmp_path / "s.csv")
+    starts_s = [float(line.split()[0]) for line in lines if " – " in line]
+    assert starts_s == pytest.approx([5.0, 15.0, 21.0, 30.0, 37.0, 45.0], abs=0.6)
+    assert line_of(lines, "all 8").endswith(" deg/s; each is in --json")
+
+
+@pytest.fixture(scope="module")
+def has_fonts() -> None:
+    """The fonts of a picture are opened once in a process and stay open."""
+    pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+    from gyrodrift.facts.describe import describe  # noqa: PLC0415 - after the question whether it can be
+    from gyrodrift.facts.picture import draw  # noqa: PLC0415
+
+    noise = np.random.default_rng(1).standard_normal(4000)
+    session = Session("s", np.arange(4000) / 100.0, noise, encoder_deg=np.zeros(4000))
+    for ending in ("png", "svg", "pdf"):
+        draw(session, describe(session), BytesIO(), ending)
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    (tmp_path / "small.csv").write_text("t_device_s,rate_dps\n0,1\n0.01,2\n")
+    return tmp_path / "small.csv"
+
+
+@pytest.mark.parametrize(("ending", "magic"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_picture_is_drawn_beside_the_table(
+    ending: str, magic: bytes, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In three formats."""
+    picture = tmp_path / f"s.{ending}"
+    assert len(told(capsys, written(tmp_path), "--picture", picture)) > 20
+    assert picture.read_bytes().startswith(magic)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "t_device_s,rate_dps\n0,1\n",
+        "t_device_s,rate_dps,t_host_s,encoder_deg\n1,1,nan,nan\n1,nan,nan,nan\n",
+        "t_device_s,rate_dps,t_host_s,temp_c\nnan,1,5,20\nnan,2,5,21\n",
+        "t_device_s,rate_dps\n" + "".join(f"{i / 10},0\n" for i in range(600)),
+        "t_device_s,rate_dps,t_host_s,temp_c\n" + "".join(f"{i},{i % 7},{i},\n" for i in range(5000)),
+    ],
+)
+def test_a_picture_of_next_to_nothing_is_drawn(
+    table: str, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One sample, no numbers, a rate that never changes, columns that are empty."""
+    (tmp_path / "s.csv").write_text(table)
+    told(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png")
+    assert (tmp_path / "s.png").stat().st_size > 10_000
+
+
+def test_thinning_keeps_spikes() -> None:
+    """Of a hundred thousand points one is high, and one low."""
+    picture = pytest.importorskip("gyrodrift.facts.picture", reason="pictures need the workstation extra")
+    y = np.zeros(100_001)
+    y[[12_345, 100_000]] = 7.0, -5.0
+    y[50_000] = np.nan
+    x, low, mean, high = picture.thinned(np.arange(100_001.0), y)
+    assert len(x) <= picture.POINTS
+    assert (np.max(high), np.min(low)) == (7.0, -5.0)
+    assert abs(x[int(np.argmax(high))] - 12_345) <= 51
+    assert np.isfinite(mean).all()
+
+
+def test_without_matplotlib_the_extra_is_named(
+    small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And nothing is read or written."""
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert main(["info", str(small), "--picture", str(tmp_path / "s.png")]) == 2
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", "gyrodrift: --picture needs matplotlib: pip install 'gyrodrift[lab]'\n")
+
+
+def test_mistakes_end_with_their_status(
+    small: Path, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """4 for the session, 2 for the picture, each in one line."""
+    other = tmp_path / "other.csv"
+    other.write_bytes(small.read_bytes())
+    for arguments, status in (
+        ((tmp_path / "none.csv",), 4),
+        ((small, "--picture", tmp_path / "s.gif"), 2),
+        ((small, other, "--picture", tmp_path / "s.png"), 2),
+        ((small, "--picture", tmp_path / "no" / "s.png"), 2),
+    ):
+        assert main(["info", *map(str, arguments)]) == status
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"small.csv", "other.csv"}
+
+
+@pytest.mark.parametrize("name", ["broad_01", "mpu6050_still", "temperature_sweep"])
+def test_real_recordings_are_told_and_drawn(
+    name: str, recordings: Recordings, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All three have half a minute of rest, and noise."""
+    lines = told(capsys, recordings.data / f"{name}.csv", "--picture", tmp_path / "s.png")
+    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert (tmp_path / "s.png").stat().st_size > 10_000
