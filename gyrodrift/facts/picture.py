@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from gyrodrift.facts.allan import FLICKER_FLOOR, allan_errors
 from gyrodrift.facts.describe import GAP_PERIODS
@@ -197,4 +197,5 @@ def _label_plainly(axis: Axis, values: Floats) -> None:
     """Decades as 0.01 and 10, and what is between them where there is less than one."""
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     is_wide = values.max() > 10.0 * values.min()
+    axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     axis.set_minor_formatter(NullFormatter() if is_wide else StrMethodFormatter("{x:g}"))

@@ -39,14 +39,16 @@ def interrupted(folder: Path) -> Iterator[Path]:
     for path in sorted(folder.glob("*.mcap")):
         if not path.is_file():
             continue
-        with path.open("rb") as file:
-            if not is_closed(file) and not _is_locked(path, file):
-                yield path
+        if _is_left_open(path):
+            yield path
 
 
-def _is_locked(path: Path, file: IO[bytes]) -> bool:
-    try:
-        lock(path, file)
-    except DataError:
+def _is_left_open(path: Path) -> bool:
+    with path.open("rb") as file:
+        if is_closed(file):
+            return False
+        try:
+            lock(path, file)
+        except DataError:
+            return False
         return True
-    return False
