@@ -89,9 +89,9 @@ def _parsed(text: str) -> tuple[str, float, float]:
 def _checked(text: str, axis: Axis) -> Axis:
     for bound in get_type_hints(HdrParams, include_extras=True)[axis.name].__metadata__:
         if isinstance(bound, Le) and axis.high > bound.le:  # type: ignore[operator]  # a bound of a float is a float
-            raise UsageError(f"--range {text}: {axis.name} goes up to {bound.le:g}")  # type: ignore[str-format]
+            raise UsageError(f"--range {text}: {axis.name} goes up to {bound.le:g}")
         if isinstance(bound, Ge) and axis.low < bound.ge:  # type: ignore[operator]
-            raise UsageError(f"--range {text}: {axis.name} begins at {bound.ge:g}")  # type: ignore[str-format]
+            raise UsageError(f"--range {text}: {axis.name} begins at {bound.ge:g}")
     if axis.is_log and axis.low <= 0.0:
         raise UsageError(f"--range {text}: {axis.name} is searched by factors; its range begins above 0")
     return axis
