@@ -47,7 +47,7 @@ def run_demo(
     error = YawError()
     with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
         port = Path(folder) / "gyro"
-        device = ["-m", "firmware_sim", "--quiet", "--link", str(port), "--profile", profile]
+        device = ["-m", "firmware_sim", "--quiet", "--wait", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
         _wait_for(port, stack.enter_context(_process(device, None)))
         config_path = config or shipped_config("gyrodrift.yaml")
