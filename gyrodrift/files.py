@@ -48,6 +48,23 @@ def write_whole(path: Path, pieces: Iterable[str]) -> None:
         file.writelines(piece.encode() for piece in pieces)
 
 
+def check_writable(folder: Path) -> None:
+    """See that files can be made in a folder, by making one; the folder is made where it is not there.
+
+    Raises
+    ------
+    UsageError
+        Where they cannot.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        trial = folder / f".gyrodrift.{os.getpid()}"
+        trial.touch()
+        trial.unlink()
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be written to: {error.strerror}") from error
+
+
 def shipped_config(name: str) -> Path:
     """A file of `config/`: beside the package in a checkout, inside it when installed from a wheel."""
     installed = Path(__file__).parent / "config"

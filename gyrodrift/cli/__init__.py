@@ -12,6 +12,7 @@ from gyrodrift.errors import GyrodriftError, UsageError
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
     "record": "read a device and write what it sends into session files",
+    "tune": "find the filter's parameters from recorded sessions",
     "filter": "run the same filter over a recorded session",
     "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
@@ -66,7 +67,9 @@ def _run(name: str, arguments: list[str]) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_arguments(parser)
-    status: int = command.run(parser.parse_args(arguments))
+    parsed = parser.parse_args(arguments)
+    parsed.command_line = ["gyrodrift", name, *arguments]
+    status: int = command.run(parsed)
     return status
 
 

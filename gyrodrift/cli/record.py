@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             Service(link, _takers(link, recorder, stop, arguments.duration), log, news, stop, rest_s=REST_S).run()
         finally:
-            for path in recorder.paths:
+            for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
                 print(path)
     return 0
 

@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _files(paths: list[Path]) -> Iterator[Path]:
     for path in paths:
         if path.is_dir():
-            yield from sorted(path.glob("*.mcap"))
+            yield from sorted(inside for inside in path.glob("*.mcap") if inside.is_file())
         elif path.exists():
             yield path
         else:

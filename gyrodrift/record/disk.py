@@ -1,14 +1,15 @@
 """A file written and synced by a thread of its own: a slow disk never keeps the reader of a serial port waiting."""
 
+import fcntl
 import os
 import shutil
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.interrupted import lock
 
 SYNC_S = 3.0
 """At least this often the file is on the disk itself and not only in the system's memory."""
@@ -26,20 +27,21 @@ class RecordingError(DataError):
 class DiskFile:
     """A new file; what is written to it is handed to the system at once and synced every few seconds.
 
+    A file into which not a byte could be written is taken away again: a full disk is tried again and again.
+
     Raises
     ------
     OSError
         From the constructor, where the file cannot be made.
     RecordingError
-        From `write` and `join`, where the disk is full or gone, too slow, or the file was removed.
+        From `write`, `check` and `join`, where the disk is full or gone, too slow, or the file was removed.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.failure: RecordingError | None = None
         self._file = path.open("xb+", buffering=0)
-        lock(path, self._file)
-        _sync_folder(path.parent)
+        fcntl.flock(self._file, fcntl.LOCK_EX)  # who looks for interrupted files holds it for a moment
         self._queue: SimpleQueue[bytes | None] = SimpleQueue()
         self._handed_over = self._written = 0
         self._synced_s = time.monotonic()
@@ -49,12 +51,16 @@ class DiskFile:
 
     def write(self, content: bytes) -> None:
         """Hand over bytes; this never waits."""
-        if self.failure is not None:
-            raise self.failure
+        self.check()
         if self._handed_over - self._written > MOST_WAITING_BYTES:
             raise RecordingError(f"{self.path}: recording stopped: the disk is too slow for this stream")
         self._handed_over += len(content)
         self._queue.put(content)
+
+    def check(self) -> None:
+        """Learn of a failure where nothing is there to be written."""
+        if self.failure is not None:
+            raise self.failure
 
     def finish(self) -> None:
         """No more will come; everything is written, synced and closed in its own time."""
@@ -68,18 +74,19 @@ class DiskFile:
     def join(self) -> None:
         """Wait until everything is on the disk."""
         self._thread.join()
-        if self.failure is not None:
-            raise self.failure
+        self.check()
 
     def _run(self) -> None:
         try:
+            _sync_folder(self.path.parent)
             while self._take():
                 pass
         except OSError as error:
-            self.failure = RecordingError(
-                f"{self.path}: recording stopped: {error.strerror}; {self._written} bytes of it are written and stay "
-                "readable"
-            )
+            kept = f"; {self._written} bytes of it are written and stay readable" if self._written else ""
+            if not self._written:
+                with suppress(OSError):
+                    self.path.unlink()
+            self.failure = RecordingError(f"{self.path}: recording stopped: {error.strerror}{kept}")
         except RecordingError as error:
             self.failure = error
         finally:

@@ -29,12 +29,13 @@ class Duration:
         self._seconds = seconds
         self._stop = stop
         self._monotonic = monotonic
+        self._is_over = False
         self._first_s: float | None = None
         self._first_host_s = self._last_host_s = 0.0
 
     def take(self, samples: list[Sample]) -> None:
         """Record what lies inside the time."""
-        if not samples or self._stop.is_set:
+        if not samples or self._is_over:
             return
         self._last_host_s = self._monotonic()
         if self._first_s is None:
@@ -42,11 +43,17 @@ class Duration:
         until_s = self._first_s + self._seconds
         inside = [sample for sample in samples if sample.t_device_s < until_s]
         self._recorder.take(inside)
-        self._stop.is_set = len(inside) < len(samples)
+        if len(inside) < len(samples):
+            self._end()
 
     def do_chores(self, now_s: float) -> Any:
         """Look at the clock of the host too, for devices that fell silent."""
         self._recorder.do_chores(now_s)
         if self._first_s is None or now_s - self._last_host_s < GRACE_S:
             return
-        self._stop.is_set = self._stop.is_set or now_s - self._first_host_s >= self._seconds
+        if now_s - self._first_host_s >= self._seconds:
+            self._end()
+
+    def _end(self) -> None:
+        """Never set back: a signal sets the same, and what came with it is still recorded."""
+        self._is_over = self._stop.is_set = True

@@ -1,7 +1,9 @@
 """One line on the terminal that says how a recording goes."""
 
 import io
+import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -30,8 +32,7 @@ class LiveLine:
         self._marks = [*self._marks[-8:], (now_s, self._recorder.samples, self._recorder.size_bytes)]
         if self._recorder.samples and self._first_s is None:
             self._first_s = now_s
-        self._stream.write(CLEAR + self.text(now_s))
-        self._stream.flush()
+        self._show(self.text(now_s))
 
     def text(self, now_s: float) -> str:
         """What the line says."""
@@ -57,8 +58,22 @@ class LiveLine:
 
     def close(self) -> None:
         """Leave the terminal as it was."""
-        self._stream.write(CLEAR)
-        self._stream.flush()
+        self._show("")
+
+    def _show(self, text: str) -> None:
+        """As much as fits: a line that wraps is not cleared."""
+        with suppress(OSError):  # a terminal that is gone does not end a recording
+            self._stream.write(CLEAR + text[: _columns(self._stream)])
+            self._stream.flush()
+
+
+def _columns(stream: TextIO) -> int | None:
+    """How much a line of the terminal takes without wrapping; None where it does not say."""
+    try:
+        columns = os.get_terminal_size(stream.fileno()).columns
+    except OSError:
+        return None
+    return columns - 1 if columns else None
 
 
 def _clock(seconds: float) -> str:
@@ -86,9 +101,11 @@ class AboveLine(io.TextIOBase):
 
     def write(self, text: str) -> int:
         """Write over the live line; it comes back with the next chore."""
-        self._stream.write(text if text == "\n" else CLEAR + text)
+        with suppress(OSError):  # likewise
+            self._stream.write(text if text == "\n" else CLEAR + text)
         return len(text)
 
     def flush(self) -> None:
         """Hand on what has been written."""
-        self._stream.flush()
+        with suppress(OSError):
+            self._stream.flush()

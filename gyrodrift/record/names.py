@@ -1,5 +1,6 @@
 """Names of recordings: when, which device, which motion, as far as known."""
 
+import os
 import re
 from datetime import datetime
 from pathlib import Path
@@ -10,7 +11,7 @@ def recording_path(folder: Path, begun: datetime, device: str, profile: str) -> 
     words = [f"{begun:%Y-%m-%dT%H-%M-%SZ}", _plain(device), _plain(profile)]
     stem = "_".join(word for word in words if word)
     path, number = folder / f"{stem}.mcap", 1
-    while path.exists():
+    while os.path.lexists(path):  # a link to nowhere takes a name too
         number += 1
         path = folder / f"{stem}_{number}.mcap"
     return path

@@ -8,13 +8,14 @@ import platform
 import sys
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable
 from gyrodrift.link.decoder import DeviceFacts
 from gyrodrift.link.link import Link
 from gyrodrift.record.disk import DiskFile, RecordingError
@@ -74,7 +75,7 @@ class Recorder:
         self._begun_s = 0.0
         self._waiting: list[tuple[bytes, float]] = []
         self._events: list[tuple[str, float, dict[str, Any]]] = []
-        _prepare(options.folder)
+        check_writable(options.folder)
         if options.keeps_raw:
             link.tap = self.take_raw
 
@@ -110,6 +111,8 @@ class Recorder:
             if self._waiting and time.time() - self._waiting[0][1] >= NAMELESS_S:
                 self._begun()
             return
+        if self._disk is not None:
+            self._disk.check()
         self._keep_facts(self._writer)
         self._writer.flush()
         if self._is_full(self._writer):
@@ -129,8 +132,9 @@ class Recorder:
             self._end()
         finally:
             self.abandon()
-            for disk in self._finishing:
-                disk.join()
+            with ExitStack() as waiting:  # for each, whatever became of the others
+                for disk in self._finishing:
+                    waiting.callback(disk.join)
 
     def abandon(self) -> None:
         """Let go of the file as it is."""
@@ -145,14 +149,10 @@ class Recorder:
         if self._writer is not None:
             return self._writer
         facts = self._facts = self._link.decoder.facts if self._link.decoder else DeviceFacts()
-        path = recording_path(self.options.folder, datetime.now(UTC), facts.device_id or "", self.options.profile)
-        try:
-            self._disk = DiskFile(path)
-        except OSError as error:
-            raise RecordingError(f"{path}: recording stopped: {error.strerror}") from error
+        self._disk = self._new_file(facts.device_id or "")
         self._begun_s = self._monotonic()
         self._writer = McapWriter(self._disk, {"recording": self._about(), **self.options.about, **_device(facts)})
-        self.paths.append(path)
+        self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:
             self._writer.add_read(content, t_host_s)
         for event, t_host_s, fields in self._events:
@@ -160,6 +160,16 @@ class Recorder:
         self._waiting.clear()
         self._events.clear()
         return self._writer
+
+    def _new_file(self, device: str) -> DiskFile:
+        while True:
+            path = recording_path(self.options.folder, datetime.now(UTC), device, self.options.profile)
+            try:
+                return DiskFile(path)
+            except FileExistsError:
+                continue  # another recording has just taken the name
+            except OSError as error:
+                raise RecordingError(f"{path}: recording stopped: {error.strerror}") from error
 
     def _about(self) -> dict[str, str]:
         """What is known of this recording when a file begins."""
@@ -224,16 +234,6 @@ def disk_left_bytes(folder: Path) -> int | None:
     except OSError:
         return None
     return status.f_bavail * status.f_frsize
-
-
-def _prepare(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        trial = folder / f".gyrodrift.{os.getpid()}"
-        trial.touch()
-        trial.unlink()
-    except OSError as error:
-        raise UsageError(f"{folder}: cannot be recorded into: {error.strerror}") from error
 
 
 def _is_over(disk: DiskFile) -> bool:

@@ -6,6 +6,7 @@ Light, since every recording begins with a look at its folder.
 import fcntl
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
@@ -35,11 +36,15 @@ def lock(path: Path, file: IO[bytes]) -> None:
 
 
 def interrupted(folder: Path) -> Iterator[Path]:
-    """The `.mcap` files of a folder that were never closed and that nobody is writing."""
+    """The `.mcap` files of a folder that were never closed and that nobody is writing.
+
+    What cannot be looked into, or is gone in the meantime, is passed over.
+    """
     for path in sorted(folder.glob("*.mcap")):
-        if not path.is_file():
-            continue
-        if _is_left_open(path):
+        is_left_open = False
+        with suppress(OSError):
+            is_left_open = path.is_file() and _is_left_open(path)
+        if is_left_open:
             yield path
 
 

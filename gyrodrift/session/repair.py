@@ -30,6 +30,7 @@ from gyrodrift.session.walk import (
 from gyrodrift.session.writer import Contents
 
 BLOCK_BYTES = 1 << 22
+MESSAGE_START = struct.Struct("<HIQ")
 LONGEST_RECORD_BYTES = 1 << 20
 """No record of ours is longer; bytes at the end that cannot be one torn record are kept in a file of their own."""
 
@@ -75,11 +76,12 @@ def _close(path: Path, file: IO[bytes]) -> Repaired:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
     walk = Walk(file)
     contents, end = _contents(path, walk)
-    tail = _keep_tail(path, file, end, walk)
     contents.size, contents.crc = end, _crc(file, end)
+    closing = contents.end()
+    tail = _keep_tail(path, file, end, walk, closing)
     file.truncate(end)
     file.seek(end)
-    file.write(contents.end())
+    file.write(closing)
     file.flush()
     os.fsync(file.fileno())
     return Repaired(path, contents.counts.get(SAMPLES.channel_id, 0), walk.size - end, tail)
@@ -88,7 +90,9 @@ def _close(path: Path, file: IO[bytes]) -> Repaired:
 def _contents(path: Path, walk: Walk) -> tuple[Contents, int]:
     """What the whole records hold, and where the data ends."""
     contents = Contents()
-    for step in walk:
+    steps = iter(walk)
+    _check_writer(next(steps, None), walk, path)
+    for step in steps:
         match step:
             case Table(rows=rows):
                 times = rows["log_time"]
@@ -96,15 +100,22 @@ def _contents(path: Path, walk: Walk) -> tuple[Contents, int]:
             case Record(opcode=Opcode.DATA_END):
                 return contents, step.at
             case Record():
-                _add(contents, step, walk, path)
+                _add(contents, step, walk)
     return contents, walk.end
 
 
-def _add(contents: Contents, record: Record, walk: Walk, path: Path) -> None:
-    match record.opcode:
-        case Opcode.HEADER:
-            if not header_of(walk.body(record)).library.startswith("gyrodrift"):
+def _check_writer(first: Table | Record | None, walk: Walk, path: Path) -> None:
+    """Files of others are laid out in ways that are not known here."""
+    match first:
+        case Record(opcode=Opcode.HEADER):
+            if not header_of(walk.body(first)).library.startswith("gyrodrift"):
                 raise DataError(f"{path}: cannot be repaired: it was written by another program")
+        case _:
+            raise DataError(f"{path}: cannot be repaired: it ends before it says which program wrote it")
+
+
+def _add(contents: Contents, record: Record, walk: Walk) -> None:
+    match record.opcode:
         case Opcode.SCHEMA:
             contents.schemas.append(schema_of(walk.body(record)))
         case Opcode.CHANNEL:
@@ -113,14 +124,17 @@ def _add(contents: Contents, record: Record, walk: Walk, path: Path) -> None:
             name = metadata_of(walk.body(record)).name
             contents.metadata.append(MetadataIndex(record.at, HEAD.size + record.length, name))
         case Opcode.MESSAGE:
-            channel_id, _sequence, log_ns = struct.unpack_from("<HIQ", walk.body(record))
+            if record.length < MESSAGE_START.size:
+                raise BrokenRecordError("a message is too short")
+            channel_id, _sequence, log_ns = MESSAGE_START.unpack_from(walk.body(record))
             contents.add_messages(channel_id, 1, log_ns, log_ns)
 
 
-def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk) -> Path | None:
-    """Save what stands behind the last whole record, unless it is one torn record, zeros, or a torn end."""
-    tail = os.pread(file.fileno(), LONGEST_RECORD_BYTES + 1, end)
-    if not tail.strip(b"\0") or _is_torn_record(tail):
+def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes) -> Path | None:
+    """Save what stands behind the last whole record, unless it is one torn record or a torn end, zeros behind it."""
+    length = min(LONGEST_RECORD_BYTES + HEAD.size + 1, max(0, walk.zeros_at - end))
+    tail = os.pread(file.fileno(), length, end)
+    if closing.startswith(tail) or _is_torn_record(tail):
         return None
     saved = path.with_name(f"{path.name}.tail")
     with saved.open("wb") as copy:
@@ -135,8 +149,6 @@ def _is_torn_record(tail: bytes) -> bool:
     if len(tail) < HEAD.size:
         return True
     opcode, length = HEAD.unpack_from(tail)
-    if opcode == Opcode.DATA_END:
-        return True
     return opcode in frozenset(Opcode) and len(tail) - HEAD.size < length <= LONGEST_RECORD_BYTES
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gyrodrift.session.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
 
 BLOCK_BYTES = 1 << 22
+ZEROS_BLOCK_BYTES = 1 << 16
 
 ROW = np.dtype(
     [
@@ -61,12 +62,14 @@ class Record:
 class Walk:
     """Iterates over tables of samples and other records, from the beginning to the first thing that is not whole.
 
-    `end` is then the place behind the last whole record.
+    `end` is then the place behind the last whole record. After a power cut a file may have its length, and zeros
+    where its last bytes should be: from `zeros_at` on there is nothing else, and what reaches into them is not whole.
     """
 
     def __init__(self, file: IO[bytes]) -> None:
         self.size = os.fstat(file.fileno()).st_size
         self.end = len(MAGIC)
+        self.zeros_at = _zeros_at(file, self.size)
         self._file = file
 
     def __iter__(self) -> Iterator[Table | Record]:
@@ -94,15 +97,32 @@ class Walk:
         if block.startswith(ROW_START, at):
             rows = np.frombuffer(block, ROW, (len(block) - at) // ROW.itemsize, at)
             run = _run_length(rows)
+            if run and not self._is_whole(place + run * ROW.itemsize):
+                run -= 1
             if not run:
                 return None
             self.end += run * ROW.itemsize
             return Table(place, rows[:run])
         opcode, length = HEAD.unpack_from(block, at)
-        if not opcode or place + HEAD.size + length > self.size:
+        if not opcode or not self._is_whole(place + HEAD.size + length):
             return None
         self.end += HEAD.size + length
         return Record(place, opcode, length)
+
+    def _is_whole(self, end: int) -> bool:
+        """Whether a record that ends there was written to its end."""
+        return end <= self.zeros_at or end == self.size
+
+
+def _zeros_at(file: IO[bytes], size: int) -> int:
+    """Where the zeros begin that the file ends with; its size where there are none."""
+    end = size
+    while end > 0:
+        start = max(0, end - ZEROS_BLOCK_BYTES)
+        if rest := os.pread(file.fileno(), end - start, start).rstrip(b"\0"):
+            return start + len(rest)
+        end = start
+    return 0
 
 
 def _run_length(rows: Rows) -> int:

@@ -35,16 +35,18 @@ class Automaton:
 
     density: Floats = field(default_factory=lambda: np.ones(GRID))
 
-    def select(self, z: float) -> float:
-        """The action x with CDF(x) = z."""
-        steps = 0.5 * (self.density[1:] + self.density[:-1]) / (GRID - 1)
+    def select(self, z: Floats) -> Floats:
+        """The actions x with CDF(x) = z, of the shape of z."""
+        steps = 0.5 * (self.density[1:] + self.density[:-1])
         cdf = np.concatenate([[0.0], np.cumsum(steps)])
-        return float(np.interp(z * cdf[-1], cdf, POINTS))
+        actions: Floats = np.interp(z * cdf[-1], cdf, POINTS)
+        return actions
 
-    def reinforce(self, action: float, beta: float, width: float = WIDTH, height: float = HEIGHT) -> None:
-        """Raise the density around an action by its reward, and bring its integral back to 1."""
-        if beta > 0.0:
-            self.density = self.density + beta * height * np.exp(-0.5 * ((POINTS - action) / width) ** 2)
+    def reinforce(self, actions: Floats, betas: Floats, width: float = WIDTH, height: float = HEIGHT) -> None:
+        """Raise the density around actions by their rewards, shapes (k,), and bring its integral back to 1."""
+        if betas.any():
+            bells = np.exp(-0.5 * ((POINTS - actions[:, np.newaxis]) / width) ** 2)
+            self.density = self.density + height * (betas @ bells)
             self.density /= np.trapezoid(self.density, POINTS)
 
     @property
@@ -86,12 +88,12 @@ class Carla:
         self._rng = rng
 
     def ask(self) -> Floats:
-        """A point of the unit cube, shape (dimensions,)."""
-        draws = self._rng.random(len(self.automata))
-        return np.array([automaton.select(z) for automaton, z in zip(self.automata, draws, strict=True)])
+        """A point of the unit cube, shape (1, dimensions)."""
+        draws = self._rng.random((1, len(self.automata)))
+        return np.column_stack([automaton.select(z) for automaton, z in zip(self.automata, draws.T, strict=True)])
 
-    def tell(self, actions: Floats, cost: float) -> None:
-        """What the chosen point cost."""
-        beta = self._memory.judge(cost)
-        for automaton, action in zip(self.automata, actions, strict=True):
-            automaton.reinforce(float(action), beta)
+    def tell(self, point: Floats, costs: Floats) -> None:
+        """What the chosen point cost, shape (1,)."""
+        betas = np.array([self._memory.judge(float(costs[0]))])
+        for automaton, actions in zip(self.automata, point.T, strict=True):
+            automaton.reinforce(actions, betas)

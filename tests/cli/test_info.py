@@ -2,7 +2,6 @@
 
 import json
 import sys
-from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -151,19 +150,6 @@ def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.
     assert line_of(lines, "all 8").endswith(" deg/s; each is in --json")
 
 
-@pytest.fixture(scope="module")
-def has_fonts() -> None:
-    """The fonts of a picture are opened once in a process and stay open."""
-    pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
-    from gyrodrift.facts.describe import describe  # noqa: PLC0415 - after the question whether it can be
-    from gyrodrift.facts.picture import draw  # noqa: PLC0415
-
-    noise = np.random.default_rng(1).standard_normal(4000)
-    session = Session("s", np.arange(4000) / 100.0, noise, encoder_deg=np.zeros(4000))
-    for ending in ("png", "svg", "pdf"):
-        draw(session, describe(session), BytesIO(), ending)
-
-
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
     (tmp_path / "small.csv").write_text("t_device_s,rate_dps\n0,1\n0.01,2\n")
@@ -172,7 +158,7 @@ def small(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(("ending", "magic"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_a_picture_is_drawn_beside_the_table(
-    ending: str, magic: bytes, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ending: str, magic: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """In three formats."""
     picture = tmp_path / f"s.{ending}"
@@ -190,9 +176,7 @@ def test_a_picture_is_drawn_beside_the_table(
         "t_device_s,rate_dps,t_host_s,temp_c\n" + "".join(f"{i},{i % 7},{i},\n" for i in range(5000)),
     ],
 )
-def test_a_picture_of_next_to_nothing_is_drawn(
-    table: str, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """One sample, no numbers, a rate that never changes, columns that are empty."""
     (tmp_path / "s.csv").write_text(table)
     told(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png")
@@ -222,9 +206,7 @@ def test_without_matplotlib_the_extra_is_named(
     assert (shown.out, shown.err) == ("", "gyrodrift: --picture needs matplotlib: pip install 'gyrodrift[lab]'\n")
 
 
-def test_mistakes_end_with_their_status(
-    small: Path, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """4 for the session, 2 for the picture, each in one line."""
     other = tmp_path / "other.csv"
     other.write_bytes(small.read_bytes())
@@ -241,7 +223,7 @@ def test_mistakes_end_with_their_status(
 
 @pytest.mark.parametrize("name", ["broad_01", "mpu6050_still", "temperature_sweep"])
 def test_real_recordings_are_told_and_drawn(
-    name: str, recordings: Recordings, has_fonts: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, recordings: Recordings, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All three have half a minute of rest, and noise."""
     lines = told(capsys, recordings.data / f"{name}.csv", "--picture", tmp_path / "s.png")

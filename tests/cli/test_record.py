@@ -245,7 +245,7 @@ def test_a_folder_that_vanishes_is_told_and_the_file_is_put_back(port: Path, out
     [
         (["--rotate", "often"], 2, "--rotate often: expected a size such as 100MB or 2GB, or a time such as"),
         (["--duration", "-1"], 2, "--duration -1: expected a number above 0"),
-        (["--out", "{file}/x"], 2, "/x: cannot be recorded into: Not a directory"),
+        (["--out", "{file}/x"], 2, "/x: cannot be written to: Not a directory"),
         (["--port", "/dev/ttyNONE"], 3, "/dev/ttyNONE: there is no such port"),
         (["--timeout", "0.3"], 3, "the device said nothing within 0.3 s"),
     ],

@@ -1,5 +1,6 @@
 """The file that is written by a thread: whoever hands it bytes never waits, and learns what went wrong."""
 
+import fcntl
 import os
 import threading
 from collections.abc import Callable
@@ -132,3 +133,97 @@ def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
         file.join()
     assert path.read_bytes() == b"all of it"
+
+
+def test_who_makes_a_file_does_not_wait_for_the_folder_to_be_synced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That can take seconds on a card, and samples keep coming."""
+    go_on, synced = threading.Event(), threading.Event()
+
+    def slow(fd: int) -> None:
+        go_on.wait(PATIENCE_S)
+        synced.set()
+
+    monkeypatch.setattr(os, "fsync", slow)
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    assert not synced.is_set()
+    go_on.set()
+    file.finish()
+    file.join()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+
+
+def test_the_name_of_a_new_file_is_synced_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file without a name is lost in a power cut, however well its bytes were synced."""
+    synced: list[str] = []
+    monkeypatch.setattr(os, "fsync", lambda fd: synced.append(str(Path(f"/proc/self/fd/{fd}").readlink())))
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    file.finish()
+    file.join()
+    assert synced == [str(tmp_path), str(tmp_path / "f")]
+
+
+def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking for interrupted files locks each for a moment, also one that is just being made."""
+    real, looks = fcntl.flock, []
+
+    def looked_at(file: Any, how: int) -> None:
+        other = (tmp_path / "f").open("rb")
+        real(other, fcntl.LOCK_EX)
+        looks.append(threading.Timer(0.05, other.close))
+        looks[0].start()
+        real(file, how)
+
+    monkeypatch.setattr(fcntl, "flock", looked_at)
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    file.finish()
+    file.join()
+    looks[0].join()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+
+
+def test_a_failure_is_told_to_who_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With nothing to write; before it, asking is silent."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    file.check()
+    (tmp_path / "f").unlink()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="was removed"):
+        file.check()
+
+
+def test_a_removed_file_is_put_back_with_what_was_still_waiting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All that was handed over until then."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    go_on = threading.Event()
+    file = DiskFile(tmp_path / "f")
+    file._file = SlowFile(file._file, go_on)  # type: ignore[assignment]  # as far as it is used
+    for _ in range(5):
+        file.write(b"0123456789")
+    (tmp_path / "f").unlink()
+    go_on.set()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="it was put back"):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"0123456789" * 5
+
+
+def test_a_file_whose_name_was_taken_meanwhile_is_told_and_nothing_is_written_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody else's file stands there now."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    (tmp_path / "g").write_bytes(b"another's")
+    (tmp_path / "g").replace(tmp_path / "f")
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="was removed while it was being written, and could not be put back: File"):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"another's"

@@ -6,7 +6,8 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from mcap.reader import make_reader
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.stream_reader import StreamReader
 from support import Command, never, speaking_on
 
 from firmware_sim.device import PtyDevice
@@ -80,7 +81,7 @@ def test_what_is_older_than_a_second_survives_a_kill(
 ) -> None:
     """At many random moments; what is there is gap-free, and closed files are accepted by the public reader."""
     random = Random(len(options))
-    kept_in_all = 0
+    kept_in_all = in_time_in_all = 0
     for batch in range(KILLS // AT_ONCE // 2):
         folder = tmp_path / str(batch)
         folder.mkdir()
@@ -91,10 +92,12 @@ def test_what_is_older_than_a_second_survives_a_kill(
                 kept = samples_in(path) if path.stat().st_size else 0
                 assert in_time <= kept <= said
                 kept_in_all += kept
+                in_time_in_all += in_time
                 if kept:
                     check_mended(path, kept)
+    assert in_time_in_all > 0
     with capsys.disabled():
-        print(f" [{KILLS // 2} kills, {kept_in_all} samples kept]", end="")
+        print(f" [{KILLS // 2} kills, {kept_in_all} samples kept, {in_time_in_all} had to be]", end="")
 
 
 def samples_in(path: Path) -> int:
@@ -109,11 +112,30 @@ def samples_in(path: Path) -> int:
 def check_mended(path: Path, count: int) -> None:
     """After a repair the public reader finds the same, with its checksums."""
     assert repair(path) is not None
-    with path.open("rb") as file:
-        reader = make_reader(file, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages(["/gyro"])) == count
+    check_closed(path, count)
     assert samples_in(path) == count
     assert repair(path) is None
+
+
+def check_closed(path: Path, count: int) -> None:
+    """What the public readers find is what was kept, statistics and metadata included."""
+    with path.open("rb") as file:
+        assert type(list(StreamReader(file, validate_crcs=True).records)[-1]).__name__ == "Footer"
+    with path.open("rb") as file:
+        streamed = NonSeekingReader(file, True)
+        assert sum(1 for _ in streamed.iter_messages(["/gyro"])) == count
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        times = [message.log_time for _, _, message in reader.iter_messages()]
+        assert sum(1 for _ in reader.iter_messages(["/gyro"])) == count
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        assert summary.statistics.message_count == len(times)
+        assert (summary.statistics.message_start_time, summary.statistics.message_end_time) == (min(times), max(times))
+        assert {channel.topic for channel in summary.channels.values()} <= {"/gyro", "/link", "/raw"}
+        tables = {table.name: table.metadata for table in reader.iter_metadata()}
+    assert tables["recording"]["protocol"] == "csv"
 
 
 def test_the_next_recording_into_the_folder_closes_what_was_killed(tmp_path: Path) -> None:
@@ -128,8 +150,8 @@ def test_the_next_recording_into_the_folder_closes_what_was_killed(tmp_path: Pat
         assert record.end() == 0
     assert "event=repaired" in record.log
     assert f"samples={count}" in record.log
-    with first.open("rb") as file:
-        assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(["/gyro"])) == count
+    check_closed(first, count)
+    assert samples_in(first) == count
     assert len(list(out.glob("*.mcap"))) == 2
     assert main(["repair", str(out)]) == 0
 
@@ -148,4 +170,8 @@ def test_raw_bytes_of_a_killed_recording_are_what_was_said(tmp_path: Path) -> No
         record.until(lambda _: any(p.stat().st_size > len(lines) for p in tmp_path.glob("out/*.mcap")), "bytes on disk")
         record.process.kill()
     (path,) = (tmp_path / "out").glob("*.mcap")
-    assert lines.startswith(b"".join(read.content for read in read_raw(path)))
+    kept = b"".join(read.content for read in read_raw(path))
+    assert kept
+    assert lines.startswith(kept)
+    assert repair(path) is not None
+    assert b"".join(read.content for read in read_raw(path)) == kept

@@ -33,3 +33,10 @@ def test_a_name_that_is_taken_gets_a_number(tmp_path: Path) -> None:
         path = recording_path(tmp_path, BEGUN, "a", "")
         assert path.name == f"2026-05-01T12-30-00Z_a{number}.mcap"
         path.touch()
+
+
+def test_a_link_to_nowhere_takes_a_name_too(tmp_path: Path) -> None:
+    """A new file cannot be made under it."""
+    path = recording_path(tmp_path, BEGUN, "a", "")
+    path.symlink_to(tmp_path / "nowhere")
+    assert recording_path(tmp_path, BEGUN, "a", "").name == "2026-05-01T12-30-00Z_a_2.mcap"

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 import structlog
+from disk_support import wait_for_disks
 from support import speaking_on
 
 from gyrodrift.link.link import Link, LinkOptions
@@ -16,6 +17,12 @@ from gyrodrift.service import recording
 from gyrodrift.service.news import News
 from gyrodrift.service.recording import Recording
 from gyrodrift.session.mcap import read_mcap
+
+
+@pytest.fixture(autouse=True)
+def disks_at_rest() -> Iterator[None]:
+    yield
+    wait_for_disks()
 
 
 @pytest.fixture
@@ -77,7 +84,7 @@ def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logge
     beside.take(samples(0))
     assert logged[-1]["event"] == "recording_failed"
     beside.do_chores(beside._failed_s + recording.RETRY_S)
-    assert "cannot be recorded into: File exists" in logged[-1]["reason"]
+    assert "cannot be written to: File exists" in logged[-1]["reason"]
     out.unlink()
     beside.do_chores(beside._failed_s + recording.RETRY_S)
     assert logged[-1]["event"] == "recording_resumed"

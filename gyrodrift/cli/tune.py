@@ -1,0 +1,136 @@
+"""Find the filter's parameters from recorded sessions with an encoder, and write the config that serve hot-loads.
+
+Some sessions are kept apart and show what the parameters are worth; of five or fewer none is, and each is tested with
+parameters tuned on the others. An iteration is one evaluation of the cost over all training sessions. Ctrl-C ends the
+search and writes the best so far; the same command with --resume goes on.
+"""
+
+import argparse
+import shlex
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import INTERRUPTED, options
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable
+
+if TYPE_CHECKING:
+    from gyrodrift.tune.result import Tuning
+    from gyrodrift.tune.sources import Source
+    from gyrodrift.tune.work import Plan
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="folder for report.html and tune.json")
+    parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="kept apart, by hand")
+    parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of split and search (default 0)")
+    parser.add_argument("--seeds", type=int, default=1, metavar="K", help="search K times, keep the best (default 1)")
+    parser.add_argument("--iterations", type=int, default=3000, metavar="N", help="evaluations (default 3000)")
+    parser.add_argument(
+        "--method",
+        default="race",
+        choices=("race", "carla", "cma", "de", "random"),
+        help="race (default; automata and local searches), carla (as published), or others to compare with",
+    )
+    parser.add_argument(
+        "--range", action="append", default=[], metavar="NAME=LOW:HIGH", help="search a parameter there"
+    )
+    parser.add_argument("--threads", type=int, metavar="N", help="default: as many as there are processors")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="evaluate on a Dask cluster, such as tcp://host:8786")
+    parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Tune; 0 when everything is written."""
+    for name in ("iterations", "seeds", "threads"):
+        options.positive(f"--{name}", getattr(arguments, name))
+    if arguments.seed < 0:
+        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    _check_place(arguments.out, arguments.report)
+    try:
+        import cma  # noqa: F401
+        import numba  # noqa: F401
+    except ImportError as error:
+        raise UsageError(f"tune needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
+    tuning, was_interrupted = _tuned(arguments)
+    _write(arguments, tuning)
+    return INTERRUPTED if was_interrupted else 0
+
+
+def _check_place(out: Path, report: Path | None) -> None:
+    """Before an hour of work, not after."""
+    if out.suffix not in (".yaml", ".yml"):
+        raise UsageError(f"--out {out}: a config ends in .yaml")
+    if not out.parent.is_dir():
+        raise UsageError(f"--out {out}: there is no folder {out.parent}")
+    check_writable(out.parent)
+    if report is not None:
+        check_writable(report)
+
+
+def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
+    from gyrodrift.tune.journal import Journal
+    from gyrodrift.tune.prepare import Prepared, identity
+    from gyrodrift.tune.progress import Progress
+    from gyrodrift.tune.work import Work
+
+    plan = _plan(arguments)
+    with (
+        Progress(sys.stderr) as progress,
+        Prepared(_sources(arguments), arguments.seed, arguments.threads, arguments.cluster, progress) as prepared,
+    ):
+        path = arguments.out.with_suffix(".progress.npz")
+        journal = Journal(path, identity(plan, prepared), is_resumed=arguments.resume)
+        work = Work(
+            plan, prepared.costs, prepared.abouts, prepared.splits, prepared.course, journal, progress.evaluated
+        )
+        tuning = work.run()
+    if work.was_interrupted:
+        journal.save()
+    else:
+        journal.discard()
+    return tuning, work.was_interrupted
+
+
+def _plan(arguments: argparse.Namespace) -> "Plan":
+    from gyrodrift.tune.space import with_ranges
+    from gyrodrift.tune.work import Plan
+
+    seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
+    return Plan(arguments.iterations, seeds, arguments.method, with_ranges(arguments.range))
+
+
+def _sources(arguments: argparse.Namespace) -> "list[Source]":
+    from gyrodrift.session.session import session_paths
+    from gyrodrift.tune.result import Split
+    from gyrodrift.tune.sources import Source
+
+    tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
+    paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
+    return [Source(path, path in stills, Split.TEST if path in tests else None) for path in paths]
+
+
+def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
+    from gyrodrift.tune.write import summary, write_config, write_json
+
+    words = [word for word in arguments.command_line if word != "--resume"]
+    command = shlex.join(words)
+    write_config(arguments.out, tuning, command)
+    if arguments.report is not None:
+        from gyrodrift.files import write_whole
+        from gyrodrift.tune.report import report_html
+
+        write_json(arguments.report / "tune.json", tuning)
+        write_whole(arguments.report / "report.html", [report_html(tuning, command)])
+    for warning in tuning.warnings:
+        print(f"gyrodrift: warning: {warning}", file=sys.stderr)
+    for line in summary(tuning):
+        print(line)

@@ -1,0 +1,193 @@
+"""Vectors as values in compiled functions: one operation works on all lanes, each with the bits of the plain one.
+
+The compiler's own vectoriser leaves the recursion alone, since it cannot know that the table of steps and the state
+do not overlap; written with these values the loop has no choice. LLVM cuts up what is wider than the processor's
+registers. numba's cache does not see a change of this file: it takes a touch of those that use it.
+"""
+
+# mypy: disable-error-code="no-untyped-call, untyped-decorator"
+# (numba has types for its users, not for its extensions)
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]  # ships no type information
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+
+ELEMENTS: dict[Any, Any] = {types.float64: ir.DoubleType(), types.int64: ir.IntType(64), types.boolean: ir.IntType(1)}
+
+
+_operation: Callable[[Callable[..., Any]], Callable[..., Any]] = intrinsic(prefer_literal=True)
+
+
+class Lanes(types.Type):
+    """The type of `count` values of one element: float64, int64 or boolean."""
+
+    def __init__(self, element: Any, count: int) -> None:
+        self.element, self.count = element, count
+        super().__init__(name=f"Lanes({element}, {count})")
+
+    def of(self, element: Any) -> "Lanes":
+        """As many values of another element."""
+        return Lanes(element, self.count)
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, models_known: Any, lanes: Lanes) -> None:
+        vector = ir.VectorType(ELEMENTS[lanes.element], lanes.count)
+        super().__init__(models_known, lanes, vector)
+
+
+def _offer(operation: Any, floats: str, integers: str) -> None:
+    """Teach the compiler an arithmetic operation between lanes of one type, by the names of LLVM's instructions."""
+
+    @type_callable(operation)
+    def typer(_context: Any) -> Callable[[Any, Any], Any]:
+        return lambda a, b: a if isinstance(a, Lanes) and a == b else None
+
+    @lower_builtin(operation, Lanes, Lanes)
+    def emit(_context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        name = floats if signature.return_type.element == types.float64 else integers
+        return getattr(builder, name)(*values)
+
+
+def _offer_comparison(operation: Any, symbol: str) -> None:
+    """Teach the compiler a comparison between lanes; with NaN it is false."""
+
+    @type_callable(operation)
+    def typer(_context: Any) -> Callable[[Any, Any], Any]:
+        return lambda a, b: a.of(types.boolean) if isinstance(a, Lanes) and a == b else None
+
+    @lower_builtin(operation, Lanes, Lanes)
+    def emit(_context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        is_float = signature.args[0].element == types.float64
+        return (builder.fcmp_ordered if is_float else builder.icmp_signed)(symbol, *values)
+
+
+_offer(operator.add, "fadd", "add")
+_offer(operator.sub, "fsub", "sub")
+_offer(operator.mul, "fmul", "mul")
+_offer(operator.truediv, "fdiv", "sdiv")
+_offer(operator.and_, "", "and_")
+_offer_comparison(operator.lt, "<")
+_offer_comparison(operator.gt, ">")
+_offer_comparison(operator.eq, "==")
+
+
+@_operation
+def splat(_typing: Any, value: Any, count: Any) -> Any:
+    """The same number in every lane; `count` has to be a constant."""
+    lanes = Lanes(types.unliteral(value), count.literal_value)
+
+    def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        nothing = ir.VectorType(values[0].type, lanes.count)(ir.Undefined)
+        first = builder.insert_element(nothing, values[0], _at(0))
+        return builder.shuffle_vector(first, nothing, ir.VectorType(ir.IntType(32), lanes.count)([0] * lanes.count))
+
+    return lanes(value, count), emit
+
+
+@_operation
+def load(_typing: Any, row: Any, count: Any) -> Any:
+    """Lanes from the first values of an array that is contiguous."""
+    lanes = Lanes(row.dtype, count.literal_value)
+
+    def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        place = _data(context, builder, row, values[0])
+        return builder.load(builder.bitcast(place, context.get_value_type(lanes).as_pointer()), align=8)
+
+    return lanes(row, count), emit
+
+
+@_operation
+def store(_typing: Any, row: Any, lanes: Any) -> Any:
+    """Lanes into the first places of an array that is contiguous."""
+
+    def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        place = _data(context, builder, row, values[0])
+        builder.store(values[1], builder.bitcast(place, values[1].type.as_pointer()), align=8)
+        return context.get_dummy_value()
+
+    return types.void(row, lanes), emit
+
+
+@_operation
+def look_up(_typing: Any, table: Any, columns: Any) -> Any:
+    """In row k of a contiguous table the value of lane k's column, which has to be there."""
+    lanes = columns.of(table.dtype)
+
+    def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        width = cgutils.unpack_tuple(builder, context.make_array(table)(context, builder, values[0]).shape)[1]
+        row, found = _data(context, builder, table, values[0]), context.get_value_type(lanes)(ir.Undefined)
+        for k in range(lanes.count):
+            place = builder.gep(row, [builder.extract_element(values[1], _at(k))])
+            found = builder.insert_element(found, builder.load(place), _at(k))
+            row = builder.gep(row, [width])
+        return found
+
+    return lanes(table, columns), emit
+
+
+@_operation
+def select(_typing: Any, mask: Any, a: Any, b: Any) -> Any:
+    """`a` where the mask is true, `b` elsewhere."""
+    return a(mask, a, b), lambda _context, builder, _signature, values: builder.select(*values)
+
+
+@_operation
+def magnitude(_typing: Any, a: Any) -> Any:
+    """Absolute values of floats."""
+    return a(a), _named(f"llvm.fabs.v{a.count}f64")
+
+
+@_operation
+def with_sign(_typing: Any, a: Any, b: Any) -> Any:
+    """The magnitude of `a` with the sign of `b`, floats; a zero has a sign too."""
+    return a(a, b), _named(f"llvm.copysign.v{a.count}f64")
+
+
+@_operation
+def signs(_typing: Any, a: Any) -> Any:
+    """−1, 0 or 1, the sign of floats, as int64; 0 for NaN."""
+    lanes = a.of(types.int64)
+
+    def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        zeros, whole = values[0].type([0.0] * a.count), context.get_value_type(lanes)
+        below, above = (builder.fcmp_ordered(symbol, values[0], zeros) for symbol in "<>")
+        return builder.sub(builder.sext(below, whole), builder.sext(above, whole))
+
+    return lanes(a), emit
+
+
+@_operation
+def is_any(_typing: Any, mask: Any) -> Any:
+    """Whether the mask is true in some lane."""
+
+    def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        bits = ir.IntType(mask.count)
+        return builder.icmp_unsigned("!=", builder.bitcast(values[0], bits), bits(0))
+
+    return types.boolean(mask), emit
+
+
+def _at(lane: int) -> Any:
+    return ir.IntType(32)(lane)
+
+
+def _data(context: Any, builder: Any, array: Any, value: Any) -> Any:
+    """Where an array's values begin."""
+    return context.make_array(array)(context, builder, value).data
+
+
+def _named(name: str) -> Callable[[Any, Any, Any, Any], Any]:
+    """A function of LLVM between vectors of one type."""
+
+    def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        kind = ir.FunctionType(values[0].type, [value.type for value in values])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), values)
+
+    return emit

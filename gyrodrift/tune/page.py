@@ -1,0 +1,93 @@
+"""A page for a person: HTML in one file, with its style sheet, that asks the network for nothing and runs nothing."""
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from unicodedata import category
+
+STYLE_SHEET = Path(__file__).with_name("page.css")
+
+FORBIDDEN = ("Cc", "Cs", "Cn")
+"""Control characters, halves of characters, and what is no character."""
+
+
+def text(value: str) -> str:
+    """Text as HTML; characters that no page may hold, such as escape codes in a name, are replaced."""
+    return escape("".join("\ufffd" if category(one) in FORBIDDEN and one not in "\n\t" else one for one in value))
+
+
+def page(title: str, body: Sequence[str]) -> str:
+    """The file, of a title and the HTML of its parts."""
+    style, parts = STYLE_SHEET.read_text(encoding="utf-8"), "\n".join(body)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8"/>
+<meta name="viewport" content="width=device-width, initial-scale=1"/>
+<title>{text(title)}</title>
+<style>
+{style}</style>
+</head>
+<body>
+<main>
+{parts}
+</main>
+</body>
+</html>
+"""
+
+
+def section(heading: str, *parts: str) -> str:
+    """A chapter."""
+    inside = "\n".join(part for part in parts if part)
+    return f"<section>\n<h2>{text(heading)}</h2>\n{inside}\n</section>"
+
+
+def paragraph(html: str, kind: str = "") -> str:
+    """A paragraph of HTML, with a class of the style sheet."""
+    return f'<p class="{kind}">{html}</p>' if kind else f"<p>{html}</p>"
+
+
+def table(caption: str, head: str, rows: Sequence[Sequence[str]], foot: Sequence[str] = (), words: int = 0) -> str:
+    """A table of cells, which are HTML, with its rows of headings; the first cell of a row names it.
+
+    The last `words` columns hold words, all others numbers.
+    """
+    body = "\n".join(_row(row, words) for row in rows)
+    last = f"<tfoot>\n{_row(foot, words)}\n</tfoot>\n" if foot else ""
+    return (
+        f'<div class="table">\n<table>\n<caption>{caption}</caption>\n<thead>\n{head}\n</thead>\n'
+        f"<tbody>\n{body}\n</tbody>\n{last}</table>\n</div>"
+    )
+
+
+def headings(cells: Sequence[str], words: int = 0) -> str:
+    """A row of headings, the first one over names and the last `words` over words."""
+    kinds = _kinds(len(cells), words)
+    inside = "".join(f'<th scope="col"{kind}>{cell}</th>' for cell, kind in zip(cells, kinds, strict=True))
+    return f"<tr>{inside}</tr>"
+
+
+def _row(cells: Sequence[str], words: int) -> str:
+    first, *others = cells
+    kinds = _kinds(len(cells), words)[1:]
+    inside = "".join(f"<td{kind}>{cell}</td>" for cell, kind in zip(others, kinds, strict=True))
+    return f'<tr><th scope="row">{first}</th>{inside}</tr>'
+
+
+def _kinds(cells: int, words: int) -> list[str]:
+    return ["", *[' class="number"'] * (cells - 1 - words), *[""] * words]
+
+
+def figure(caption: str, inside: str) -> str:
+    """A figure with its caption, which are HTML."""
+    return f"<figure>\n<figcaption>{caption}</figcaption>\n{inside}\n</figure>"
+
+
+def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:
+    """Small multiples side by side, as many in a row as there is room for."""
+    inside = "\n".join(
+        f'<div class="panel"><div class="name">{caption}</div>\n{svg}</div>'
+        for caption, svg in zip(captions, svgs, strict=True)
+    )
+    return f'<div class="panels">\n{inside}\n</div>'

@@ -1,0 +1,120 @@
+"""What a tuning found and how good it is, as values: what the files and the report are made of."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from gyrodrift.filter import HdrParams
+from gyrodrift.session.session import Floats
+from gyrodrift.tune.space import Axis
+
+
+class Split(Enum):
+    """What a session was used for."""
+
+    TRAIN = "train"
+    TEST = "test"
+
+
+@dataclass(frozen=True, slots=True)
+class SessionScore:
+    """One session under the filter: E in deg (equation 10) and NE, E over the true duration, in deg/min (11).
+
+    euler, hdr, two
+        Plain integration; the tuned filter; the tuned filter with two parameters.
+    digest
+        SHA-256 of the session's content.
+    """
+
+    name: str
+    split: Split
+    minutes: float
+    e_euler_deg: float
+    e_hdr_deg: float
+    e_two_deg: float
+    digest: str = ""
+
+    @property
+    def ne_euler(self) -> float:
+        """Of plain integration, deg/min."""
+        return self.e_euler_deg / self.minutes
+
+    @property
+    def ne_hdr(self) -> float:
+        """Of the tuned filter, deg/min."""
+        return self.e_hdr_deg / self.minutes
+
+
+@dataclass(frozen=True, slots=True)
+class Pi:
+    """Equation 9 in deg² on the training and the test sessions; None where none were kept apart."""
+
+    train: float
+    test: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One search: its seed, every cost in deg², shape (n,), the points asked, shape (n, 5), and what it found.
+
+    densities
+        Of the automata over their axes at the end, shape (5, GRID); None for methods without automata.
+    """
+
+    seed: int
+    history: Floats
+    cube: Floats
+    params: HdrParams
+    pi: Pi
+    densities: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Yaw error of a session over time, thinned for a picture: minutes, and degrees for plain integration and HDR."""
+
+    name: str
+    split: Split
+    minutes: Floats
+    euler_deg: Floats
+    hdr_deg: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """All of it.
+
+    run
+        The search whose parameters were chosen: the one that is best on the training sessions.
+    others
+        The searches of the other seeds.
+    euler, two
+        PI of plain integration, and of the two-parameter filter (no low-pass, no attenuator), which was tuned too.
+    left_out
+        E in deg of each session under parameters tuned on all others, by name; empty where sessions were kept apart.
+    warnings : tuple of str
+        What should be known before believing it, a sentence each.
+    """
+
+    method: str
+    evaluations: int
+    axes: tuple[Axis, ...]
+    run: Run
+    euler: Pi
+    two: Pi
+    two_params: HdrParams
+    scores: tuple[SessionScore, ...]
+    sample_rate_hz: float
+    seconds: float
+    others: tuple[Run, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    left_out: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def mean_e_deg(self, split: Split) -> tuple[float, float]:
+        """Mean E of plain integration and of the tuned filter over the sessions of a split, deg; NaN without any."""
+        chosen = [score for score in self.scores if score.split is split]
+        if not chosen:
+            return float("nan"), float("nan")
+        return float(np.mean([s.e_euler_deg for s in chosen])), float(np.mean([s.e_hdr_deg for s in chosen]))

@@ -1,0 +1,287 @@
+"""A tuning from its sessions to its result: search, proof on what was kept apart, and what there is to warn of."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple, dataclass, field, fields, replace
+from math import sqrt
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from gyrodrift.errors import DataError
+from gyrodrift.filter import HdrParams
+from gyrodrift.session.session import Floats
+from gyrodrift.tune.cost import Scores
+from gyrodrift.tune.course import Course
+from gyrodrift.tune.journal import Journal
+from gyrodrift.tune.kernel import euler, yaw
+from gyrodrift.tune.methods import METHODS, spend
+from gyrodrift.tune.objective import Objective
+from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
+from gyrodrift.tune.sources import About, check_rates
+from gyrodrift.tune.space import AXES, Axis, params_of
+
+TWO_EVALUATIONS = 600
+"""Two parameters are found with fewer evaluations than five."""
+
+NAMES = tuple(f.name for f in fields(HdrParams))
+TWO = ("i_c_dps", "theta_w_dps")
+EULER: Floats = np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
+"""Nothing is learnt, and nothing filtered: plain integration."""
+
+CURVES = 12
+CURVE_POINTS = 500
+
+WHAT_DECIDES = {
+    "i_c_dps": "it takes sessions with a drift to learn",
+    "tau_s": "it takes rests long enough for noise to matter, and turns that begin sharply",
+    "theta_w_dps": "it takes motion at all rates, slow turns too",
+    "c1": "it takes long stretches of one direction as well as rests",
+    "c2": "it takes long stretches of one direction as well as rests, and a c1 above 0",
+}
+
+AT_BOUND = 0.01
+"""A parameter this near to an end of its range, in shares of it, would perhaps go on."""
+
+FLAT = 0.02
+FLAT_SHARE = 0.5
+SCAN_POINTS = 41
+"""A parameter is not decided where PI stays within FLAT of its least over FLAT_SHARE of the range."""
+
+WORSE = 2.0
+"""A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
+
+
+class LeftOut(NamedTuple):
+    """A session under parameters tuned on the others: mean absolute error in deg, mean squared error in deg²."""
+
+    e_deg: float
+    mean_square: float
+
+
+Progress = Callable[[str, int, int], None]
+"""Told what is being done, how many evaluations of how many are made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is asked of a tuning."""
+
+    evaluations: int = 3000
+    seeds: tuple[int, ...] = (0,)
+    method: str = "race"
+    axes: tuple[Axis, ...] = AXES
+
+
+class Costs(Protocol):
+    """What works out costs, here or on a cluster."""
+
+    def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
+        """Scores of candidates, shape (c, 5), over some of the sessions."""
+        ...
+
+
+@dataclass(slots=True)
+class Work:
+    """A tuning while it runs; an interrupt ends the search and leaves the best so far to be judged.
+
+    costs, abouts, splits
+        The sessions in one order: their costs, what is known of them, what each is used for.
+    course
+        Gives one of them to draw.
+    """
+
+    plan: Plan
+    costs: Costs
+    abouts: Sequence[About]
+    splits: Sequence[Split]
+    course: Callable[[int], Course]
+    journal: Journal
+    progress: Progress = lambda _what, _done, _all: None
+    was_interrupted: bool = False
+    _begun_s: float = field(default_factory=time.monotonic)
+
+    def run(self) -> Tuning:
+        """Search, and judge what was found.
+
+        Raises
+        ------
+        DataError
+            Where every parameter vector that was tried makes yaw leave the floats.
+        """
+        train, axes = self._used_for(Split.TRAIN), self.plan.axes
+        runs: list[Run] = []
+        for seed in self.plan.seeds:
+            runs += [self._search(f"seed {seed}", seed, axes, train, self.plan.evaluations)]
+            if self.was_interrupted:
+                break
+        best = min(runs, key=lambda run: run.pi.train)
+        if not np.isfinite(best.pi.train):
+            raise DataError("every parameter vector that was tried gives an infinite cost; are the rates deg/s?")
+        pair = tuple(axis for axis in axes if axis.name in TWO)
+        evaluations = min(TWO_EVALUATIONS, self.plan.evaluations)
+        two = best if self.was_interrupted else self._search("two parameters", best.seed, pair, train, evaluations)
+        left_out = {} if self._used_for(Split.TEST) or self.was_interrupted else self._leave_one_out(best.seed)
+        return self._judge(best, tuple(run for run in runs if run is not best), two, left_out)
+
+    def _used_for(self, split: Split) -> list[int]:
+        return [at for at, one in enumerate(self.splits) if one is split]
+
+    def _search(self, name: str, seed: int, axes: tuple[Axis, ...], sessions: Sequence[int], evaluations: int) -> Run:
+        """One search over some sessions."""
+        method = METHODS[self.plan.method]()
+        searched = method.axes(axes)
+
+        def note(objective: Objective) -> None:
+            self.journal.note(name, objective)
+            self.progress(name, objective.count, objective.evaluations)
+
+        def pi(params: Floats) -> Floats:
+            return self.costs.cost(_five(searched, params), sessions).pi
+
+        objective = Objective(pi, searched, evaluations, self.journal.known(name), note)
+        try:
+            spend(method, objective, seed)
+        except KeyboardInterrupt:
+            if not objective.count:
+                raise
+            self.was_interrupted = True
+        best = _five(searched, params_of(searched, objective.cube[objective.best][np.newaxis]))
+        densities = [automaton.density for automaton in method.automata()]
+        return Run(
+            seed=seed,
+            history=objective.costs.copy(),
+            cube=objective.cube.copy(),
+            params=HdrParams(*best[0].tolist()),
+            pi=self._pi_of(best)[0],
+            densities=np.array(densities) if densities else None,
+        )
+
+    def _pi_of(self, params: Floats) -> list[Pi]:
+        """PI of candidates on both splits."""
+        train, test = self._used_for(Split.TRAIN), self._used_for(Split.TEST)
+        on_train = self.costs.cost(params, train).pi.tolist()
+        on_test = self.costs.cost(params, test).pi.tolist() if test else [None] * len(params)
+        return [Pi(*both) for both in zip(on_train, on_test, strict=True)]
+
+    def _leave_one_out(self, seed: int) -> dict[str, LeftOut]:
+        """Each session under parameters that were tuned on all others."""
+        found: dict[str, LeftOut] = {}
+        everyone = list(range(len(self.abouts)))
+        for at, about in enumerate(self.abouts):
+            others = [other for other in everyone if other != at]
+            run = self._search(f"without {about.name}", seed, self.plan.axes, others, self.plan.evaluations)
+            scores = self.costs.cost(_row(run.params), [at])
+            found[about.name] = LeftOut(float(scores.mean_absolutes[0, 0]), float(scores.mean_squares[0, 0]))
+            if self.was_interrupted:
+                return {}
+        return found
+
+    def _judge(self, best: Run, others: tuple[Run, ...], two: Run, left_out: dict[str, LeftOut]) -> Tuning:
+        rows = np.vstack([EULER, _row(best.params), _row(two.params)])
+        scores = self._scores(self.costs.cost(rows))
+        euler_pi = self._pi_of(EULER)[0]
+        if left_out:
+            left_out_pi = float(np.mean([one.mean_square for one in left_out.values()]))
+            best = replace(best, pi=replace(best.pi, test=left_out_pi))
+            euler_pi = replace(euler_pi, test=euler_pi.train)
+        axes = METHODS[self.plan.method]().axes(self.plan.axes)
+        warnings = [odd for about in self.abouts for odd in about.odd] + check_rates(self.abouts)
+        if self.was_interrupted:
+            warnings.append("it was interrupted: these are the best parameters so far; go on with --resume")
+        warnings += [*_bound_warnings(axes, best.params), *self._flat_warnings(best.params), *_worse(best.pi, euler_pi)]
+        return Tuning(
+            method=self.plan.method,
+            evaluations=self.plan.evaluations,
+            axes=axes,
+            run=best,
+            euler=euler_pi,
+            two=two.pi,
+            two_params=two.params,
+            scores=scores,
+            sample_rate_hz=float(np.median([about.sample_rate_hz for about in self.abouts])),
+            seconds=time.monotonic() - self._begun_s,
+            others=others,
+            curves=self._curves(scores, best.params),
+            left_out={name: one.e_deg for name, one in left_out.items()},
+            warnings=tuple(warnings),
+        )
+
+    def _scores(self, scores: Scores) -> tuple[SessionScore, ...]:
+        return tuple(
+            SessionScore(about.name, split, about.minutes, euler_deg, hdr_deg, two_deg, about.digest)
+            for about, split, (euler_deg, hdr_deg, two_deg) in zip(
+                self.abouts, self.splits, scores.mean_absolutes.tolist(), strict=True
+            )
+        )
+
+    def _flat_warnings(self, params: HdrParams) -> Iterator[str]:
+        """Parameters that the training sessions leave open, by a walk along each axis."""
+        train = self._used_for(Split.TRAIN)
+        for number, axis in enumerate(self.plan.axes):
+            values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
+            rows = np.repeat(_row(params), SCAN_POINTS, axis=0)
+            rows[:, number] = values
+            pi = self.costs.cost(rows, train).pi
+            is_flat = pi <= (1.0 + FLAT) * pi.min()
+            if is_flat.mean() > FLAT_SHARE:
+                low, high = values[is_flat][[0, -1]]
+                yield (
+                    f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
+                    f"{FLAT:.0%} of its least; {WHAT_DECIDES[axis.name]}"
+                )
+
+    def _curves(self, scores: Sequence[SessionScore], params: HdrParams) -> tuple[Curve, ...]:
+        """Yaw errors over time of the sessions that are drawn, the worst of each split."""
+        chosen: list[int] = []
+        for split in Split:
+            worst = sorted(self._used_for(split), key=lambda at: -scores[at].e_hdr_deg)
+            chosen += sorted(worst[:CURVES])
+        return tuple(_curve(self.course(at), self.splits[at], params) for at in chosen)
+
+
+def _row(params: HdrParams) -> Floats:
+    return np.array([astuple(params)])
+
+
+def _five(axes: Sequence[Axis], params: Floats) -> Floats:
+    """Parameter vectors with the columns that are not searched at what switches them off."""
+    full = np.repeat(EULER, len(params), axis=0)
+    for number, axis in enumerate(axes):
+        full[:, NAMES.index(axis.name)] = params[:, number]
+    return full
+
+
+def _bound_warnings(axes: Sequence[Axis], params: HdrParams) -> Iterator[str]:
+    for axis in axes:
+        unit = axis.unit(getattr(params, axis.name))
+        if not AT_BOUND < unit < 1.0 - AT_BOUND:
+            end, value = ("lower", axis.low) if unit < 0.5 else ("upper", axis.high)
+            yield f"{axis.name} sits at the {end} end of its range, {value:g}; widen it with --range where that can be"
+
+
+def _worse(pi: Pi, euler: Pi) -> Iterator[str]:
+    """Squares, in the units of E: sessions of the test may simply drift more, so that plain integration is beside."""
+    if pi.test is None or euler.test is None:
+        return
+    if pi.test > euler.test:
+        yield "on the sessions kept apart the tuned filter is worse than plain integration: do not use it"
+    elif sqrt(pi.test) > WORSE * sqrt(pi.train) * max(1.0, sqrt(euler.test / max(euler.train, 1e-300))):
+        yield (
+            f"the sessions kept apart come out much worse than those tuned on ({sqrt(pi.test):.3g} against "
+            f"{sqrt(pi.train):.3g} deg RMS): the parameters follow these sessions too closely; record more"
+        )
+
+
+def _curve(course: Course, split: Split, params: HdrParams) -> Curve:
+    """Thinned by taking every so manieth sample that has a reference."""
+    known = np.flatnonzero(np.isfinite(course.reference_deg))
+    at = known[np.unique(np.linspace(0, len(known) - 1, CURVE_POINTS).astype(np.int64))]
+    reference_deg = course.reference_deg[at]
+    return Curve(
+        name=course.name,
+        split=split,
+        minutes=np.cumsum(course.dt_s)[at] / 60.0,
+        euler_deg=euler(course.dt_s, course.rate_dps)[at] - reference_deg,
+        hdr_deg=yaw(course.dt_s, course.rate_dps, _row(params)[0])[at] - reference_deg,
+    )

@@ -1,0 +1,305 @@
+"""`gyrodrift tune`: from recorded sessions to a config that a running service takes over, and every way to go wrong."""
+
+import json
+import signal
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from support import Command, near
+from turntable_sessions import RATE_HZ, turntable, write_turntables
+
+from gyrodrift.cli import main
+from gyrodrift.config import load_config
+from gyrodrift.filter import HdrParams, HdrState, coefficients, step
+from gyrodrift.session.session import Session, load_session
+from gyrodrift.session.write import write_session
+
+pytest.importorskip("numba", reason="tuning needs the workstation extra")
+
+
+@pytest.fixture(scope="module")
+def eight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("eight")
+    write_turntables(folder, 8)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def tuned(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with what a tuning of the eight wrote."""
+    folder = tmp_path_factory.mktemp("tuned")
+    assert main(["tune", str(eight), "--out", str(folder / "c.yaml"), "--report", str(folder), *QUICK]) == 0
+    return folder
+
+
+QUICK = ["--iterations", "300", "--seed", "3"]
+
+
+def numbers(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / "tune.json").read_text()))
+
+
+def errors_deg(session: Session, params: HdrParams) -> tuple[float, float]:
+    """Mean absolute and mean squared yaw error by the filter itself, sample by sample."""
+    state, known = HdrState(), coefficients(params)
+    assert session.encoder_deg is not None
+    found = []
+    for t_s, rate_dps, angle_deg in zip(
+        session.t_device_s.tolist(), session.rate_dps.tolist(), session.encoder_deg.tolist(), strict=True
+    ):
+        step(known, state, t_s, rate_dps)
+        found.append(state.yaw_deg - (angle_deg - session.encoder_deg[0]))
+    return float(np.mean(np.abs(found))), float(np.mean(np.square(found)))
+
+
+def test_the_config_is_one_that_serve_takes_and_says_where_it_is_from(eight: Path, tuned: Path) -> None:
+    """Sessions with their digests, split, seed, command, PI before and after."""
+    config = load_config(tuned / "c.yaml")
+    assert config.sample_rate_hz == RATE_HZ
+    about = yaml.safe_load((tuned / "c.yaml").read_text())["provenance"]
+    assert about["command"] == f"gyrodrift tune {eight} --out {tuned}/c.yaml --report {tuned} {' '.join(QUICK)}"
+    assert (about["seed"], about["iterations"], about["method"]) == (3, 300, "race")
+    digests = {path.stem: sha256(path.read_bytes()).hexdigest() for path in eight.iterdir()}
+    assert {one["name"]: one["sha256"] for one in about["sessions"]} == digests
+    assert sorted(one["split"] for one in about["sessions"]) == ["test"] * 2 + ["train"] * 6
+    assert about["pi_deg2"]["test_after"] < 0.05 * about["pi_deg2"]["test_before"]
+
+
+def test_the_numbers_are_those_of_the_filter_itself(eight: Path, tuned: Path) -> None:
+    """Every E, and PI as the mean over sessions of the mean squared error; Euler beside."""
+    told = numbers(tuned)
+    params = HdrParams(**told["parameters"])
+    squares: dict[str, list[float]] = {"train": [], "test": []}
+    for one in told["sessions"]:
+        session = load_session(eight / f"{one['name']}.csv")
+        e_deg, square = errors_deg(session, params)
+        assert one["e_hdr_deg"] == pytest.approx(e_deg, rel=1e-9)
+        assert one["ne_hdr"] == pytest.approx(e_deg / one["minutes"], rel=1e-9)
+        assert one["minutes"] == pytest.approx(session.t_device_s[-1] / 60.0)
+        assert session.encoder_deg is not None
+        euler_deg = np.cumsum(session.rate_dps / RATE_HZ) - session.rate_dps[0] / RATE_HZ
+        e_euler_deg = np.mean(np.abs(euler_deg - (session.encoder_deg - session.encoder_deg[0])))
+        assert one["e_euler_deg"] == pytest.approx(e_euler_deg, rel=1e-9)
+        squares[one["split"]].append(square)
+    assert told["pi_train"] == pytest.approx(np.mean(squares["train"]), rel=1e-9)
+    assert told["pi_test"] == pytest.approx(np.mean(squares["test"]), rel=1e-9)
+    assert len(told["history"]) == 300
+    assert min(told["history"]) == pytest.approx(told["pi_train"], rel=1e-12)
+    assert told["pi_train"] < 0.01 * told["euler_pi_train"]
+
+
+def test_the_report_is_one_file(tuned: Path) -> None:
+    """With every session in it."""
+    page = (tuned / "report.html").read_text()
+    assert all(one["name"] in page for one in numbers(tuned)["sessions"])
+    assert "http://" not in page.replace("http://www.w3.org", "")
+
+
+def test_the_same_seed_gives_the_same_file(eight: Path, tmp_path: Path) -> None:
+    """However many threads work on it."""
+    out, first = tmp_path / "c.yaml", b""
+    for threads in ("1", "2"):
+        assert main(["tune", str(eight), "--out", str(out), *QUICK, "--threads", threads]) == 0
+        content = out.read_bytes().replace(f"--threads {threads}".encode(), b"")
+        assert content == (first or content)
+        first = content
+
+
+def test_of_a_few_sessions_each_is_tested_with_parameters_of_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And that is what is told."""
+    write_turntables(tmp_path / "three", 3, ending="mcap")
+    (tmp_path / "three" / "rig.yaml").write_text("not a session")
+    arguments = ["--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *QUICK]
+    assert main(["tune", str(tmp_path / "three"), *arguments]) == 0
+    told = numbers(tmp_path)
+    assert set(told["left_out"]) == {"table-0", "table-1", "table-2"}
+    assert told["pi_test"] is not None
+    assert "mean E of each under parameters tuned on the others: " in capsys.readouterr().out
+
+
+def test_sessions_are_kept_apart_by_hand(eight: Path, tmp_path: Path) -> None:
+    """Also one that lies in the folder."""
+    test = eight / "table-7.csv"
+    arguments = ["--test", str(test), "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *QUICK]
+    assert main(["tune", str(eight), *arguments]) == 0
+    assert [one["name"] for one in numbers(tmp_path)["sessions"] if one["split"] == "test"] == ["table-7"]
+
+
+def test_stills_have_zero_as_their_truth(tmp_path: Path) -> None:
+    """Sessions without an encoder are taken where they are said to be stills, and refused by name where not."""
+    write_turntables(tmp_path / "s", 3)
+    still = replace(turntable(9), encoder_deg=None, rate_dps=np.random.default_rng(1).normal(0.2, 0.05, 6000))
+    write_session(tmp_path / "still.csv", [still])
+    rest = [str(tmp_path / "s"), "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *QUICK]
+    assert main(["tune", *rest, "--still", str(tmp_path / "still.csv")]) == 0
+    one = next(one for one in numbers(tmp_path)["sessions"] if one["name"] == "still")
+    assert one["e_euler_deg"] == near(0.2 * 60.0, 0.5)
+    (tmp_path / "c.yaml").unlink()
+    assert main(["tune", str(tmp_path / "still.csv"), *rest]) == 4
+    assert not (tmp_path / "c.yaml").exists()
+
+
+def test_the_best_of_several_seeds_is_kept_and_all_are_told(eight: Path, tmp_path: Path) -> None:
+    """With their spread."""
+    arguments = ["--seeds", "3", "--iterations", "100", "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path)]
+    assert main(["tune", str(eight), *arguments]) == 0
+    told = numbers(tmp_path)
+    assert {one["seed"] for one in told["seeds"]} == {0, 1, 2}
+    assert told["pi_train"] == min(one["pi_train"] for one in told["seeds"])
+
+
+@pytest.mark.parametrize("method", ["carla", "cma", "de", "random"])
+def test_other_methods_are_there_to_compare_with(eight: Path, tmp_path: Path, method: str) -> None:
+    """Each writes the same files."""
+    arguments = ["--method", method, "--iterations", "60", "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path)]
+    assert main(["tune", str(eight), *arguments]) == 0
+    assert numbers(tmp_path)["method"] == method
+
+
+def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_been(
+    eight: Path, tmp_path: Path
+) -> None:
+    """Status 130, and then the bytes of a run that was left alone."""
+    out = tmp_path / "c.yaml"
+    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "4000", "--threads", "1"]
+    with Command(*arguments, "--method", "carla") as tune:
+        while not (tmp_path / "c.progress.npz").exists():
+            assert tune.process.poll() is None, tune.log
+            tune._read(0.05)
+        assert tune.stop(signal.SIGINT) == 130
+    assert load_config(out)
+    assert "it was interrupted: these are the best parameters so far" in tune.log
+    interrupted = yaml.safe_load(out.read_text())["provenance"]["iterations"]
+    assert 0 < interrupted < 4000
+    assert main([*arguments, "--method", "carla", "--resume"]) == 0
+    resumed = out.read_bytes()
+    assert not (tmp_path / "c.progress.npz").exists()
+    out.unlink()
+    assert main([*arguments, "--method", "carla"]) == 0
+    assert out.read_bytes() == resumed
+
+
+def test_a_running_service_takes_over_what_was_tuned_on_its_own_recordings(tmp_path: Path) -> None:
+    """Simulated device, record, tune, and serve's config is replaced while it runs."""
+    sessions, config = tmp_path / "sessions", tmp_path / "c.yaml"
+    config.write_text("hdr: {i_c_dps: 0.001, tau_s: 0.1, theta_w_dps: 1, c1: 0, c2: 1}\n")
+    for seed in ("1", "2"):
+        port = tmp_path / f"gyro{seed}"
+        with Command(
+            "--link", port, "--seed", seed, "--speed", "20", "--quiet", "--wait", module="firmware_sim"
+        ) as device:
+            device.until(lambda _, port=port: port.is_symlink(), "device")  # type: ignore[misc]  # bound by its default
+            with Command("record", "--port", port, "--out", sessions, "--duration", "60") as record:
+                assert record.end() == 0
+    port = tmp_path / "gyro"
+    with Command("--link", port, "--quiet", module="firmware_sim") as device:
+        device.until(lambda _: port.is_symlink(), "device")
+        with Command("serve", "--port", port, "--config", config) as serve:
+            serve.take_lines(20)
+            assert main(["tune", str(sessions), "--out", str(config), "--iterations", "100"]) == 0
+            serve.until_log("config_applied")
+            after = serve.take_lines(20)
+            assert serve.stop() == 0
+    assert "hdr.i_c_dps: 0.001 → " in serve.log
+    assert abs(after[-1]["yaw_deg"]) < 5.0
+
+
+def spoilt(folder: Path, what: str) -> list[str]:
+    """Sessions with something wrong, as arguments."""
+    good, bad = turntable(1), turntable(2)
+    angles = bad.encoder_deg
+    assert angles is not None
+    match what:
+        case "one sample":
+            bad = Session("bad", bad.t_device_s[:1], bad.rate_dps[:1], encoder_deg=angles[:1])
+        case "no encoder":
+            bad = replace(bad, encoder_deg=None)
+        case "no number":
+            bad = replace(bad, encoder_deg=np.full(len(angles), np.nan))
+        case "dead encoder":
+            bad = replace(bad, encoder_deg=np.zeros(len(angles)))
+        case "huge":
+            good, bad = (replace(one, rate_dps=one.rate_dps * 1e300) for one in (good, bad))
+    write_session(folder / "good.csv", [good])
+    if what != "only one":
+        write_session(folder / "bad.csv", [bad])
+    return [str(folder)]
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("one sample", "bad.csv: has 1 samples with a rate and a reference; two are the least"),
+        ("no encoder", "bad.csv: has no encoder, so nothing says what yaw should be; a still goes with --still"),
+        ("no number", "bad.csv: has 0 samples with a rate and a reference"),
+        ("dead encoder", "bad.csv: its encoder never moves while the rate says that the device does"),
+        ("only one", "good.csv: is the only session, so none can be kept apart"),
+        ("huge", "every parameter vector that was tried gives an infinite cost"),
+    ],
+)
+def test_sessions_that_cannot_be_used_are_told_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], what: str, message: str
+) -> None:
+    """Status 4, and nothing half-written."""
+    (tmp_path / "in").mkdir()
+    arguments = ["tune", *spoilt(tmp_path / "in", what), "--out", str(tmp_path / "c.yaml"), "--iterations", "50"]
+    assert main(arguments) == 4
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (["{empty}", "--out", "{out}"], 4, "there are no sessions in this folder"),
+        (["{empty}/none", "--out", "{out}"], 4, "there is no such session or folder"),
+        (["{eight}", "--out", "{empty}/x/c.yaml"], 2, "there is no folder"),
+        (["{eight}", "--out", "{empty}/c.txt"], 2, "a config ends in .yaml"),
+        (["{eight}", "--out", "{out}", "--range", "tau_s=2:1"], 2, "the range is upside down"),
+        (["{eight}", "--out", "{out}", "--iterations", "0"], 2, "--iterations 0: expected a number above 0"),
+        (["{eight}", "--out", "{out}", "--report", "{eight}/table-0.csv"], 2, "cannot be written to: File exists"),
+        (["{eight}", "--test", "{eight}", "--out", "{out}"], 4, "there are no sessions to tune with"),
+    ],
+)
+def test_mistakes_are_one_line(
+    eight: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    status: int,
+    message: str,
+) -> None:
+    """And a status."""
+    (tmp_path / "empty").mkdir()
+    places = {"empty": tmp_path / "empty", "out": tmp_path / "c.yaml", "eight": eight}
+    assert main(["tune", *(word.format(**places) for word in arguments)]) == status
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+
+
+def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rates that differ, a parameter at its bound, parameters that are left open, encoder values missing."""
+    folder = tmp_path / "s"
+    write_turntables(folder, 2)
+    odd = turntable(5, rate_hz=2.0 * RATE_HZ)
+    assert odd.encoder_deg is not None
+    angles = odd.encoder_deg.copy()
+    angles[100:400] = np.nan
+    write_session(folder / "odd.csv", [replace(odd, encoder_deg=angles)])
+    arguments = ["--range", "i_c_dps=1e-7:1e-6", "--iterations", "400", "--out", str(tmp_path / "c.yaml")]
+    assert main(["tune", str(folder), *arguments]) == 0
+    said = capsys.readouterr().err
+    assert "odd: 2% of its encoder values are no numbers; they do not count" in said
+    assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
+    assert "i_c_dps sits at the upper end of its range, 1e-06" in said
+    assert "is not decided by these sessions" in said

@@ -1,0 +1,170 @@
+"""`gyrodrift serve --record`: every sample in the file too, and a recording that fails is nobody else's trouble."""
+
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import structlog
+from disk_support import fill, small_disk, wait_for_disks
+from support import Command, never, speaking_on
+
+from firmware_sim.wire import csv_line
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.record.recorder import RecordOptions
+from gyrodrift.sample import Sample
+from gyrodrift.service import recording
+from gyrodrift.service.news import News
+from gyrodrift.service.recording import Recording
+from gyrodrift.session.mcap import read_mcap
+
+SMALL = 40_000
+
+
+@pytest.fixture(autouse=True)
+def disks_at_rest() -> Iterator[None]:
+    yield
+    wait_for_disks()
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Path:
+    return tmp_path / "gyro"
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "sessions"
+
+
+@pytest.fixture
+def logged() -> Iterator[list[Any]]:
+    with structlog.testing.capture_logs() as events:
+        yield events
+
+
+@pytest.fixture
+def link(port: Path, logged: list[Any]) -> Iterator[Link]:
+    with speaking_on(port):
+        link = Link(LinkOptions(str(port)), News(structlog.get_logger()))
+        yield link
+        link.close()
+
+
+def lines(first: int, count: int) -> bytes:
+    """100 Hz, the rate counts the samples."""
+    return b"".join(csv_line(10_000 * i, i / 4.0, None, None) for i in range(first, first + count))
+
+
+def samples(first: int, count: int) -> list[Sample]:
+    return [Sample(i, i / 100, 1.7e9 + i / 100, i / 4.0) for i in range(first, first + count)]
+
+
+def rates_in(path: Path) -> list[float]:
+    rates: list[float] = read_mcap(path).rate_dps.tolist()
+    return rates
+
+
+def test_samples_that_the_filter_passes_by_are_in_the_file(port: Path, out: Path) -> None:
+    """Time that stands still and rates that are no numbers, each in its place; stdout has the others."""
+    stand_still = csv_line(990_000, 777.0, None, None)
+    no_number = b"%d,nan\n%d,inf\n" % (2_000_000, 2_010_000)
+    content = lines(0, 100) + stand_still + lines(100, 100) + no_number + lines(202, 100)
+    with speaking_on(port) as device, Command("serve", "--port", port, "--record", out) as serve:
+        device.wait_for_reader(never)
+        device.send_all(content, never)
+        served = serve.take_lines(300)
+        serve.until_log("samples_rejected")
+        assert serve.stop() == 0
+    (path,) = out.glob("*.mcap")
+    numbers = [*range(100), *range(100, 200), *range(202, 302)]
+    assert [line["rate_dps"] for line in served] == [i / 4.0 for i in numbers]
+    rates = rates_in(path)
+    assert len(rates) == 303
+    assert rates[100] == 777.0
+    assert [str(rate) for rate in rates[201:203]] == ["nan", "inf"]
+    assert [*rates[:100], *rates[101:201], *rates[203:]] == [i / 4.0 for i in numbers]
+
+
+def check_that_lines_go_on(serve: Command, device: Any, sent: int) -> None:
+    """After its recording has failed."""
+    serve.until_log("event=recording_failed")
+    device.send_all(lines(sent, 500), never)
+    serve.until(lambda command: command.out.count("\n") == sent + 500, "line of every sample")
+    assert [line["rate_dps"] for line in serve.all_lines()] == [i / 4.0 for i in range(sent + 500)]
+    assert serve.stop() == 0
+    assert "Traceback" not in serve.log
+
+
+def send_until_it_fails(serve: Command, device: Any) -> int:
+    """Samples in portions, with time between them for the disk; how many."""
+    sent = 0
+    while "event=recording_failed" not in serve.log:
+        device.send_all(lines(sent, 20), never)
+        sent += 20
+        serve._read(0.005)
+        assert sent < 20_000
+    return sent
+
+
+def test_a_file_that_must_not_grow_is_told_and_every_sample_is_still_a_line(port: Path, out: Path) -> None:
+    """A limit on the size of files stands for a full disk."""
+    with speaking_on(port) as device, Command("serve", "--port", port, "--record", out) as serve:
+        resource.prlimit(serve.process.pid, resource.RLIMIT_FSIZE, (SMALL, SMALL))
+        device.wait_for_reader(never)
+        check_that_lines_go_on(serve, device, send_until_it_fails(serve, device))
+    assert f"recording stopped: File too large; {SMALL} bytes of it are written and stay readable" in serve.log
+    rates = rates_in(next(out.glob("*.mcap")))
+    assert len(rates) > 400
+    assert rates == [i / 4.0 for i in range(len(rates))]
+
+
+def test_a_full_disk_is_told_and_every_sample_is_still_a_line(port: Path, out: Path) -> None:
+    """A real one, of 256 kB."""
+    with small_disk(out, "256k"), speaking_on(port) as device:
+        with Command("serve", "--port", port, "--record", out) as serve:
+            device.wait_for_reader(never)
+            check_that_lines_go_on(serve, device, send_until_it_fails(serve, device))
+        assert "recording stopped: No space left on device; 262144 bytes of it are written" in serve.log
+        rates = rates_in(next(out.glob("*.mcap")))
+        assert len(rates) > 3000
+        assert rates == [i / 4.0 for i in range(len(rates))]
+
+
+def test_recording_goes_on_when_a_full_disk_has_room_again(out: Path, link: Link, logged: list[Any]) -> None:
+    """In a new file; as long as it is full nothing is left on it by trying."""
+    with small_disk(out, "64k"):
+        filler = fill(out)
+        beside = Recording(RecordOptions(out), link, structlog.get_logger())
+        now_s = 0.0
+        for _ in range(3):
+            beside.take(samples(0, 100))
+            while beside.recorder is not None:
+                now_s = max(now_s, beside._failed_s) + 0.25
+                beside.do_chores(now_s)
+            assert "No space left on device" in logged[-1]["reason"]
+            now_s = max(now_s, beside._failed_s) + recording.RETRY_S
+            beside.do_chores(now_s)
+            assert logged[-1]["event"] == "recording_resumed"
+        assert list(out.iterdir()) == [filler]
+        filler.unlink()
+        beside.take(samples(100, 100))
+        beside.do_chores(now_s + 0.25)
+        beside.close()
+        (path,) = out.iterdir()
+        assert rates_in(path) == [i / 4.0 for i in range(100, 200)]
+    assert [event["event"] for event in logged].count("recording_failed") == 3
+
+
+def test_a_name_taken_by_another_recording_is_no_failure(
+    out: Path, link: Link, logged: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two services may write into one folder."""
+    one, other = (Recording(RecordOptions(out), link, structlog.get_logger()) for _ in range(2))
+    one.take(samples(0, 10))
+    other.take(samples(10, 10))
+    one.close()
+    other.close()
+    assert sorted(rates_in(path)[0] for path in out.iterdir()) == [0.0, 2.5]
+    assert not [event for event in logged if event["event"] == "recording_failed"]
