@@ -60,8 +60,9 @@ class Journal:
 
     def _load(self) -> None:
         try:
-            with np.load(self.path) as file:
-                arrays = {name: file[name] for name in file.files}
+            # np.load leaves a damaged file open when it opens it itself.
+            with self.path.open("rb") as file, np.load(file) as stored:
+                arrays = {name: stored[name] for name in stored.files}
         except (OSError, ValueError, EOFError, BadZipFile) as error:
             raise DataError(f"{self.path}: cannot be resumed from: {error}; remove it to begin anew") from error
         if str(arrays.pop("identity", "")) != self._identity:

@@ -39,7 +39,11 @@ class Prepared:
             local = Cost(self._courses(progress), threads)
             self.costs, self._close = local, local.close
         else:
-            self._join(cluster)
+            from gyrodrift.tune.cluster import ClusterCost  # noqa: PLC0415 - an extra that few have
+
+            progress.evaluated("sessions read by the cluster", 0, 1)
+            shared = ClusterCost(cluster, [(source.path.resolve(), source.is_still) for source in self._sources])
+            self.costs, self._close, self.abouts = shared, shared.close, list(shared.abouts)
         self.abouts = _told_apart(self.abouts, self._sources)
 
     def __enter__(self) -> Self:

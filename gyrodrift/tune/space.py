@@ -86,12 +86,23 @@ def _parsed(text: str) -> tuple[str, float, float]:
         raise UsageError(f"--range {text}: expected NAME=LOW:HIGH, such as tau_s=0.01:2") from None
 
 
+def limits(name: str) -> tuple[float, float]:
+    """What the filter takes for a parameter, least and most."""
+    low, high = -np.inf, np.inf
+    for bound in get_type_hints(HdrParams, include_extras=True)[name].__metadata__:
+        if isinstance(bound, Le):
+            high = float(bound.le)  # type: ignore[arg-type]  # a bound of a float is a float
+        else:
+            low = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
+    return low, high
+
+
 def _checked(text: str, axis: Axis) -> Axis:
-    for bound in get_type_hints(HdrParams, include_extras=True)[axis.name].__metadata__:
-        if isinstance(bound, Le) and axis.high > bound.le:  # type: ignore[operator]  # a bound of a float is a float
-            raise UsageError(f"--range {text}: {axis.name} goes up to {bound.le:g}")
-        if isinstance(bound, Ge) and axis.low < bound.ge:  # type: ignore[operator]
-            raise UsageError(f"--range {text}: {axis.name} begins at {bound.ge:g}")
+    low, high = limits(axis.name)
+    if axis.high > high:
+        raise UsageError(f"--range {text}: {axis.name} goes up to {high:g}")
+    if axis.low < low:
+        raise UsageError(f"--range {text}: {axis.name} begins at {low:g}")
     if axis.is_log and axis.low <= 0.0:
         raise UsageError(f"--range {text}: {axis.name} is searched by factors; its range begins above 0")
     return axis

@@ -19,7 +19,7 @@ from gyrodrift.tune.methods import METHODS, spend
 from gyrodrift.tune.objective import Objective
 from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
 from gyrodrift.tune.sources import About, check_rates
-from gyrodrift.tune.space import AXES, Axis, params_of
+from gyrodrift.tune.space import AXES, Axis, limits, params_of
 
 TWO_EVALUATIONS = 600
 """Two parameters are found with fewer evaluations than five."""
@@ -257,7 +257,10 @@ def _bound_warnings(axes: Sequence[Axis], params: HdrParams) -> Iterator[str]:
         unit = axis.unit(getattr(params, axis.name))
         if not AT_BOUND < unit < 1.0 - AT_BOUND:
             end, value = ("lower", axis.low) if unit < 0.5 else ("upper", axis.high)
-            yield f"{axis.name} sits at the {end} end of its range, {value:g}; widen it with --range where that can be"
+            advice = (
+                ", which is where the filter's own ends" if value in limits(axis.name) else "; widen it with --range"
+            )
+            yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
 
 
 def _worse(pi: Pi, euler: Pi) -> Iterator[str]:

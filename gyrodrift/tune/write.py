@@ -64,7 +64,7 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
 def _explained(line: str) -> str:
     """A line of the config, with what it means where it is a parameter."""
     meaning = MEANINGS.get(line.strip().partition(":")[0]) if line.startswith("  ") else None
-    return f"{line:34}# {meaning}" if meaning else line
+    return f"{line:34} # {meaning}" if meaning else line
 
 
 def write_json(path: Path, tuning: Tuning) -> None:

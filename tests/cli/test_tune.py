@@ -301,5 +301,6 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     said = capsys.readouterr().err
     assert "odd: 2% of its encoder values are no numbers; they do not count" in said
     assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
-    assert "i_c_dps sits at the upper end of its range, 1e-06" in said
+    assert "i_c_dps sits at the upper end of its range, 1e-06; widen it with --range" in said
+    assert load_config(tmp_path / "c.yaml").hdr.i_c_dps <= 1e-6
     assert "is not decided by these sessions" in said

@@ -58,7 +58,7 @@ def test_a_damaged_journal_is_told(tmp_path: Path, content: bytes) -> None:
     """With what to do."""
     path = tmp_path / "c.progress.npz"
     path.write_bytes(content)
-    with pytest.raises(DataError, match="cannot be resumed from: .*; remove it to begin anew"):
+    with pytest.raises(DataError, match=r"cannot be resumed from: .*; remove it to begin anew"):
         Journal(path, "a", is_resumed=True)
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from gyrodrift.errors import UsageError
 from gyrodrift.filter import HdrParams
-from gyrodrift.tune.space import AXES, Axis, linear, params_of, with_ranges
+from gyrodrift.tune.space import AXES, Axis, limits, linear, params_of, with_ranges
 
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
@@ -58,3 +58,9 @@ def test_a_range_that_makes_no_sense_is_told(text: str, message: str) -> None:
     with pytest.raises(UsageError, match=message) as caught:
         with_ranges([text])
     assert text in str(caught.value)
+
+
+def test_the_filters_own_limits_are_known() -> None:
+    """As its parameters are annotated."""
+    assert limits("c2") == (0.0, 10.0)
+    assert limits("theta_w_dps") == (0.0, 2000.0)
