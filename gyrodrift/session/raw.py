@@ -42,7 +42,7 @@ def read_raw(path: Path) -> Iterator[Read]:
                         found = found or channel_of(walk.body(step)).topic == READS.name
                     case Record(opcode=Opcode.MESSAGE) if found:
                         body = walk.body(step)
-                        if int.from_bytes(body[:2], "little") == READS.channel_id:
+                        if int.from_bytes(body[:2], "little") == READS.channel_id and len(body) >= READ_BODY.size:
                             yield _read(body)
                     case Record(opcode=Opcode.DATA_END):
                         break
