@@ -10,6 +10,7 @@ The same rig, profile, seed and session number give the same measurements.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil
+from typing import Protocol
 from zlib import crc32
 
 import numpy as np
@@ -17,13 +18,32 @@ from numpy.typing import NDArray
 
 from firmware_sim.effects.catalogue import ORDER
 from firmware_sim.effects.effect import Act, Floats, Moments, Place
-from firmware_sim.effects.environment import sensor_temperature_c
-from firmware_sim.motion import Profile
 from firmware_sim.rig import Rig
 
 BLOCK_SAMPLES = 4096
 COUNTS_MOST = 32767
 FINE_POINTS = 1 << 18
+
+
+class Motion(Protocol):
+    """What the table does and how warm the sensor gets: a profile, or a recording that is driven through again.
+
+    powered_s
+        How long the device has been on when it begins, s.
+    """
+
+    @property
+    def powered_s(self) -> float:
+        """Time since power-on at t = 0, s."""
+        ...
+
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """True angle in degrees and rate in deg/s at times since the beginning, of their shape."""
+        ...
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature of the sensor at times since the beginning, °C, of their shape."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +99,10 @@ class Block:
 
 
 def measure(
-    rig: Rig, profile: Profile, seed: int, session: int = 0, block_samples: int = BLOCK_SAMPLES
+    rig: Rig, motion: Motion, seed: int, session: int = 0, block_samples: int = BLOCK_SAMPLES
 ) -> Iterator[Block]:
     """Measurements of a rig that plays a profile, without end; `session` numbers the runs of one seed."""
-    bench = _Bench(rig, profile, seed, session)
+    bench = _Bench(rig, motion, seed, session)
     first = 0
     while True:
         yield bench.block(first, block_samples)
@@ -92,8 +112,8 @@ def measure(
 class _Bench:
     """The acts of one session's effects, by place, and what they need from block to block."""
 
-    def __init__(self, rig: Rig, profile: Profile, seed: int, session: int) -> None:
-        self._base, self._profile = rig.base, profile
+    def __init__(self, rig: Rig, motion: Motion, seed: int, session: int) -> None:
+        self._base, self._motion = rig.base, motion
         self._rate_hz = rig.base.sample_rate_hz
         self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
         twins: dict[str, int] = {}
@@ -109,10 +129,9 @@ class _Bench:
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
-        angle_deg, rate_dps = self._profile.at(t_s)
-        powered_s = np.maximum(t_s, 0.0) + self._profile.powered_s
-        temp_c = sensor_temperature_c(self._profile.ambient_at(t_s), powered_s)
-        return Moments(t_s, powered_s, angle_deg, rate_dps, temp_c, step_s)
+        angle_deg, rate_dps = self._motion.at(t_s)
+        powered_s = np.maximum(t_s, 0.0) + self._motion.powered_s
+        return Moments(t_s, powered_s, angle_deg, rate_dps, self._motion.sensor_c_at(t_s), step_s)
 
     def _through(self, place: Place, values: Floats, moments: Moments) -> Floats:
         for act in self._acts[place]:
@@ -143,7 +162,7 @@ class _Bench:
     def _seen(self, fine: Moments) -> tuple[Floats, Floats]:
         """Rate with all that acts in continuous time, and the motion in it: of the fine grid, each last point."""
         seen_s = self._through(Place.LAG, fine.t_s, fine)
-        motion_dps = fine.rate_dps if seen_s is fine.t_s else self._profile.at(seen_s)[1]
+        motion_dps = fine.rate_dps if seen_s is fine.t_s else self._motion.at(seen_s)[1]
         moments = replace(fine, rate_dps=motion_dps)
         rate_dps = self._through(Place.LOW_PASS, self._through(Place.ANALOGUE, motion_dps, moments), moments)
         return rate_dps[self._fine - 1 :: self._fine], motion_dps[self._fine - 1 :: self._fine]

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from firmware_sim.effects.effect import Floats
+from firmware_sim.effects.environment import sensor_temperature_c
 from firmware_sim.segments import Chirp, Drive, Hold, Multisine, Ramp, Rest, Sine, Steps
 from firmware_sim.yaml_file import Checked, FileError, load
 
@@ -87,6 +88,10 @@ class Profile(Checked):
         points = ([point.at_s for point in self.ambient], [point.temp_c for point in self.ambient])
         temps_c: Floats = np.interp(within_s, *points)
         return temps_c
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature of the sensor in °C at the times `t_s`, of its shape."""
+        return sensor_temperature_c(self.ambient_at(t_s), np.maximum(t_s, 0.0) + self.powered_s)
 
 
 def config_folder() -> Path:

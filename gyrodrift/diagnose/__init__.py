@@ -1,0 +1,1 @@
+"""Where a simulated rig and real recordings part, which effect it is, and how far adding it closes the gap."""

@@ -1,0 +1,77 @@
+"""A rig driven through a recording's own motion, and the result put through the same parsing as the recording."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from firmware_sim.bench import measure as play
+from firmware_sim.effects.effect import Effect
+from firmware_sim.rig import Rig
+from gyrodrift.diagnose.clean import Cleaned, cleaned
+from gyrodrift.diagnose.design import Design, design_of
+from gyrodrift.diagnose.recording import Recording, recording_of
+from gyrodrift.diagnose.signatures import clock
+from gyrodrift.diagnose.signatures.measure import Facts, measure
+from gyrodrift.diagnose.signatures.noise import white_dps
+from gyrodrift.diagnose.signatures.residual import block_residual_dps
+from gyrodrift.diagnose.signatures.signature import Measured
+from gyrodrift.simulate import as_recorded
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A recording with its design, and the rig calibrated to it: sample rate, noise and bias of the session."""
+
+    seen: Cleaned
+    design: Design
+    rig: Rig
+
+    @property
+    def facts(self) -> Facts:
+        """What the rig states."""
+        return Facts(self.rig.base.dps_per_lsb, self.rig.base.encoder_cpr)
+
+    def with_noise(self, share: float) -> "Subject":
+        """The same with the noise of the rig multiplied."""
+        base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
+        return replace(self, rig=self.rig.model_copy(update={"base": base}))
+
+    def measured(self) -> Measured:
+        """Signatures of the recording itself."""
+        return measure(self.seen, self.design, self.facts)
+
+    def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
+        """The rig with more effects, driven through the recording's motion; the same seed throws the same dice."""
+        return cleaned(self._played(effects, seed))
+
+    def simulated(self, effects: tuple[Effect, ...], seed: int) -> Measured:
+        """Signatures of that."""
+        return measure(self.replayed(effects, seed), self.design, self.facts)
+
+    def simulated_times(self, effects: tuple[Effect, ...], seed: int) -> Measured:
+        """Only those of clock and link, for effects that touch nothing else."""
+        return clock.measure(self._played(effects, seed))
+
+    def _played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
+        rig = self.rig.model_copy(update={"effects": (*self.rig.effects, *effects)})
+        block = next(play(rig, self.design.motion, seed, block_samples=self.design.samples))
+        return recording_of(as_recorded(block, rig.base, self.seen.recording.name), self.design.samples)
+
+
+def subject_of(recording: Recording, rig: Rig) -> Subject:
+    """Rebuild the motion, and calibrate the rig."""
+    seen = cleaned(recording)
+    design = design_of(seen)
+    residual_dps = block_residual_dps(seen, design)
+    # A dead band hides the bias where it rests.
+    moving = residual_dps[~design.block_at_rest]
+    bias_dps = float(np.median(moving if len(moving) > len(residual_dps) // 10 else residual_dps))
+    sigma_dps = white_dps(seen, design, rig.base.dps_per_lsb)
+    base = rig.base.model_copy(
+        update={
+            "sample_rate_hz": 1.0 / recording.period_s,
+            "noise_dps_rthz": sigma_dps * recording.period_s**0.5,
+            "bias_dps": bias_dps,
+        }
+    )
+    return Subject(seen, design, rig.model_copy(update={"base": base}))
