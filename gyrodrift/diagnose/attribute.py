@@ -122,7 +122,7 @@ class Attribution:
         change, variance, allowance = self.prediction(others)
         mean = answer.mean[::step]
         both = frozenset([*(cause.answer for cause in others), answer])
-        if others and both in self._corrections or not others:
+        if (others and both in self._corrections) or not others:
             change = change + self._correction(both) - self._correction(both - {answer})
         off = self.evidence.difference - _joined(change, mean)
         widened = self.evidence.sigma**2 + variance + np.square(answer.spread[::step])[:, None]
@@ -260,12 +260,8 @@ class Attribution:
         return found
 
 
-
-
 def _without(causes: Sequence[Cause], one: Cause) -> tuple[Cause, ...]:
     return tuple(cause for cause in causes if cause is not one)
-
-
 
 
 def _joined(change: Floats, more: Floats) -> Floats:

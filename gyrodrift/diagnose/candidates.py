@@ -35,6 +35,7 @@ GROUPS: Mapping[str, str] = {
 """Effects that are easily taken for each other; every other effect is a group of its own."""
 
 PHASES_DEG = tuple(30.0 * step for step in range(12))
+WARMUP_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0)
 NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
 """Coarse steps scatter by themselves: how much noise there is beneath them is tried out."""
 
@@ -116,7 +117,10 @@ def candidates(hints: Hints) -> list[Candidate]:
         _signed("vibration_rectification", "bias_dps_at_100_dps", 2.0, 0.002),
         _signed("temp_bias", "slope_dps_per_c", 0.5, 0.0005, needs="temperature"),
         _signed("temp_scale", "slope_percent_per_c", 0.5, 0.0005, needs="temperature"),
-        *(_signed("warmup", "amplitude_dps", 3.0, 0.003, time_constant_s=tau_s) for tau_s in (30.0, 80.0, 200.0, 500.0)),
+        *(
+            _signed("warmup", "amplitude_dps", 3.0, 0.003, time_constant_s=tau_s)
+            for tau_s in WARMUP_TAUS_S
+        ),
         _signed("clock_drift", "ppm", 50000.0, 10.0, needs="host"),
         *(_turned("g_sensitivity", "amplitude_dps", 1.0, 0.001, phase_deg) for phase_deg in PHASES_DEG),
         *(_turned("encoder_eccentricity", "amplitude_deg", 5.0, 0.005, phase_deg) for phase_deg in PHASES_DEG),
@@ -127,12 +131,17 @@ def candidates(hints: Hints) -> list[Candidate]:
         _sized("latency", "delay_ms", (0.3, 2.0, 8.0, 20.0, 50.0)),
         _sized("backlash", "play_deg", (0.01, 0.03, 0.1, 0.3, 1.0)),
         _sized("timestamp_jitter", "sigma_ms", (0.02, 0.06, 0.2, 0.6, 2.0, 5.0)),
-        _sized("usb_batching", "interval_ms", (1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0), needs="host"),
+        _sized(
+            "usb_batching", "interval_ms", (1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0), needs="host"
+        ),
         _sized("sample_drop", "share_percent", (0.01, 0.1, 1.0, 5.0), dice=2, needs="counter"),
         _sized("stale_hold", "share_percent", (0.02, 0.2, 2.0, 10.0), dice=2),
         _sized("bias_instability", "floor_dph", (3.0, 12.0, 50.0, 200.0), dice=2),
         _sized("rate_random_walk", "density_dps_rts", (0.0002, 0.001, 0.005, 0.02), dice=2),
-        *(_sized("popcorn", "step_dps", (0.008, 0.04, 0.2, 1.0), dice=2, dwell_s=dwell_s) for dwell_s in (8.0, 25.0, 80.0)),
+        *(
+            _sized("popcorn", "step_dps", (0.008, 0.04, 0.2, 1.0), dice=2, dwell_s=dwell_s)
+            for dwell_s in (8.0, 25.0, 80.0)
+        ),
         _sized("spikes", "share_percent", (0.003, 0.03, 0.3, 2.0), dice=2, height_dps=hints.spike_dps),
         _sized("encoder_slip", "per_hour", (6.0, 30.0, 120.0), dice=2, step_deg=hints.slip_deg),
         _sized("vibration", "amplitude_dps", (0.01, 0.03, 0.1, 0.3, 1.0, 3.0), frequency_hz=hints.line_hz),
@@ -153,7 +162,14 @@ def _signed(name: str, parameter: str, most: float, least: float, needs: str = "
     up = _between(least, most)
     sizes = np.concatenate([-up[::-1], up])
     return Candidate(
-        name, _variant(fixed), _effect(name, parameter, fixed), parameter, np.array([-most, most]) / 10.0, sizes, 1, needs
+        name,
+        _variant(fixed),
+        _effect(name, parameter, fixed),
+        parameter,
+        np.array([-most, most]) / 10.0,
+        sizes,
+        1,
+        needs,
     )
 
 

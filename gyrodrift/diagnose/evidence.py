@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.diagnose.candidates import Candidate
+from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
 from gyrodrift.diagnose.recording import Mask
 from gyrodrift.diagnose.responses import Table, key, simulated_key
-from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
 from gyrodrift.diagnose.signatures.measure import SIGNATURES
 from gyrodrift.session.session import Floats
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.session import Floats, Session
+from gyrodrift.tune.course import unwrapped
 
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -91,7 +92,7 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         name=session.name,
         period_s=line(clock_s)[0],
         rate_dps=rate_dps,
-        encoder_deg=encoder_deg - encoder_deg[np.isfinite(encoder_deg)][0],
+        encoder_deg=unwrapped(encoder_deg) - encoder_deg[np.isfinite(encoder_deg)][0],
         device_s=device_s - session.t_device_s[0],
         host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
         temp_c=spread(session.temp_c),

@@ -15,6 +15,7 @@ from gyrodrift.diagnose.signatures.measure import Facts, measure
 from gyrodrift.diagnose.signatures.noise import white_dps
 from gyrodrift.diagnose.signatures.residual import block_residual_dps
 from gyrodrift.diagnose.signatures.signature import Measured
+from gyrodrift.session.session import Session
 from gyrodrift.simulate import as_recorded
 
 
@@ -52,10 +53,14 @@ class Subject:
         """Only those of clock and link, for effects that touch nothing else."""
         return clock.measure(self._played(effects, seed))
 
-    def _played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
+    def session(self, effects: tuple[Effect, ...], seed: int) -> Session:
+        """The rig with more effects, driven through the recording's motion, as a host would have recorded it."""
         rig = self.rig.model_copy(update={"effects": (*self.rig.effects, *effects)})
         block = next(play(rig, self.design.motion, seed, block_samples=self.design.samples))
-        return recording_of(as_recorded(block, rig.base, self.seen.recording.name), self.design.samples)
+        return as_recorded(block, rig.base, self.seen.recording.name)
+
+    def _played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
+        return recording_of(self.session(effects, seed), self.design.samples)
 
 
 def subject_of(recording: Recording, rig: Rig) -> Subject:

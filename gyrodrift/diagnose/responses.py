@@ -68,7 +68,10 @@ def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate])
             continue
         answers[key(candidate)] = np.array(
             [
-                [_with(subject, candidate, float(node), seed, runs[seed]) - runs[seed] for seed in range(candidate.dice)]
+                [
+                    _with(subject, candidate, float(node), seed, runs[seed]) - runs[seed]
+                    for seed in range(candidate.dice)
+                ]
                 for node in candidate.nodes
             ]
         )

@@ -24,15 +24,21 @@ LEAST_POWER = 1e-6
 
 SIGNATURES = (
     *(
-        Signature(f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape")
+        Signature(
+            f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape"
+        )
         for points in REST_POINTS
     ),
     *(
-        Signature(f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs")
+        Signature(
+            f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs"
+        )
         for points in MOVING_POINTS
     ),
     *(
-        Signature(f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs")
+        Signature(
+            f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs"
+        )
         for points in MOVING_POINTS
     ),
     Signature("line", "sensor", "rest", "a tone stands out of the noise at rest"),

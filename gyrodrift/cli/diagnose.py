@@ -1,0 +1,62 @@
+"""Explain the gap between a simulated rig and recordings of the real one.
+
+Says where they part, which effect of the catalogue is missing from the rig (or that none explains it), how large it is,
+and how far adding it closes the gap. DIR gets gap.json, report.html, and rig.yaml with the effect switched on.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
+    parser.add_argument("--rig", type=Path, metavar="RIG.yaml", help="the simulator as it stands (default: shipped)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument(
+        "--withhold", action="append", default=[], metavar="EFFECT", help="leave it out of the candidates"
+    )
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose; 0 when everything is written, whatever the verdict."""
+    options.positive("--jobs", arguments.jobs)
+    check_writable(arguments.out)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
+    try:
+        import numba  # noqa: F401
+        import scipy  # noqa: F401
+    except ImportError as error:
+        raise UsageError(f"diagnose needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+    from firmware_sim.effects.catalogue import CATALOGUE
+    from firmware_sim.rig import load_rig
+    from firmware_sim.yaml_file import FileError
+    from gyrodrift.diagnose.diagnosis import Asked, diagnose
+    from gyrodrift.diagnose.write import summary, write_files
+    from gyrodrift.session.session import session_paths
+    from gyrodrift.tune.progress import Progress
+
+    for name in arguments.withhold:
+        if name not in CATALOGUE:
+            raise UsageError(f"--withhold {name}: there is no such effect; there are {', '.join(CATALOGUE)}")
+    try:
+        rig = load_rig(arguments.rig)
+    except FileError as error:
+        raise UsageError(str(error)) from error
+    jobs = arguments.jobs or len(os.sched_getaffinity(0))
+    with Progress(sys.stderr) as progress:
+        withheld = frozenset(arguments.withhold)
+        diagnosis = diagnose(Asked(session_paths(arguments.paths), rig, withheld, jobs, progress.evaluated))
+    write_files(arguments.out, diagnosis)
+    for remark in diagnosis.remarks:
+        print(f"gyrodrift: note: {remark}", file=sys.stderr)
+    for line in summary(diagnosis):
+        print(line)
+    return 0

@@ -1,0 +1,207 @@
+"""The whole of it: sessions and a rig in, a verdict out."""
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_sim.rig import Base, Rig
+from gyrodrift.diagnose.attribute import Attribution, Cause
+from gyrodrift.diagnose.candidates import Candidate, candidates
+from gyrodrift.diagnose.evidence import evidence_of
+from gyrodrift.diagnose.gates import pass_gates
+from gyrodrift.diagnose.recording import Recording, recording_of
+from gyrodrift.diagnose.replay import Subject, subject_of
+from gyrodrift.diagnose.responses import Table, hints_of, table_of
+from gyrodrift.diagnose.verdict import Verdict, detectable, verdict_of
+from gyrodrift.diagnose.worth import Worth, worth_of
+from gyrodrift.errors import DataError
+from gyrodrift.session.session import Floats, load_session
+
+RUNS_OF_CHANCE = 4
+"""Throws of the dice of an effect in which chance plays a part."""
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Everything that is reported."""
+
+    verdict: Verdict
+    worth: Worth
+    remarks: tuple[str, ...]
+    untestable: dict[str, str]
+    detectable: dict[str, dict[str, float | str]]
+    calibration: dict[str, dict[str, float]]
+    next: str
+    seconds: float
+    sessions: tuple[str, ...]
+    rig: Rig
+
+
+class Asked(NamedTuple):
+    """What is to be diagnosed."""
+
+    paths: Sequence[Path]
+    rig: Rig
+    withheld: frozenset[str]
+    jobs: int
+    progress: Callable[[str, int, int], None]
+
+
+def diagnose(asked: Asked) -> Diagnosis:
+    """Explain the gap between a rig and recordings.
+
+    Raises
+    ------
+    DataError
+        Where no session can be used, with what is wrong with each.
+    """
+    begun_s = time.monotonic()
+    recordings, remarks = _recordings(asked.paths)
+    subjects = [subject_of(recording, asked.rig) for recording in recordings]
+    hints = hints_of([(subject.seen, subject) for subject in subjects])
+    tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
+    tables = _tables(subjects, tried, asked)
+    evidence = evidence_of(tables, tried)
+    attribution = Attribution(evidence, lambda causes: _simulated(causes, subjects, tables))
+    found = attribution.search()
+    verdict = verdict_of(attribution, found)
+    worth = worth_of(asked.paths, subjects, tuple(cause.effect for cause in verdict.causes))
+    if len(recordings) == 1:
+        remarks.append(
+            "one session only: nothing could be kept apart from the fit, so that all of this is its own judge"
+        )
+    return Diagnosis(
+        verdict=verdict,
+        worth=worth,
+        remarks=tuple(remarks),
+        untestable=untestable,
+        detectable=detectable(attribution),
+        calibration=_calibration(asked.rig.base, subjects),
+        next=_next(verdict, untestable, recordings),
+        seconds=time.monotonic() - begun_s,
+        sessions=tuple(recording.name for recording in recordings),
+        rig=asked.rig.model_copy(update={"effects": (*asked.rig.effects, *(cause.effect for cause in verdict.causes))}),
+    )
+
+
+def _recordings(paths: Iterable[Path]) -> tuple[list[Recording], list[str]]:
+    recordings, remarks = [], []
+    for path in paths:
+        passed = pass_gates(recording_of(load_session(path)))
+        remarks += passed.remarks
+        if passed.recording is not None:
+            recordings.append(passed.recording)
+    if not recordings:
+        raise DataError("; ".join(remarks) or "there are no sessions")
+    return recordings, remarks
+
+
+def _testable(
+    every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str]
+) -> tuple[list[Candidate], dict[str, str]]:
+    """Candidates that the recordings can speak of; those they cannot, with why."""
+    lacking = {
+        "host": all(recording.host_s is not None for recording in recordings),
+        "temperature": all(recording.temp_c is not None for recording in recordings),
+        "counter": all(recording.has_counter for recording in recordings),
+    }
+    untestable = {
+        candidate.name: {"host": "no host times", "temperature": "no temperature", "counter": "no counter"}[
+            candidate.needs
+        ]
+        for candidate in every
+        if candidate.needs and not lacking[candidate.needs]
+    }
+    tried = [c for c in every if c.name not in untestable and c.name not in withheld]
+    return tried, untestable
+
+
+_shared: list[tuple[Subject, list[Candidate]]] = []
+"""What forked workers find in their memory: nothing of it has to be sent."""
+
+
+def _table(number: int) -> Table:
+    subject, tried = _shared[number]
+    return table_of(subject.seen.recording, subject, tried)
+
+
+def _tables(subjects: Sequence[Subject], tried: list[Candidate], asked: Asked) -> list[Table]:
+    _shared[:] = [(subject, tried) for subject in subjects]
+    tables: list[Table] = []
+    try:
+        if asked.jobs == 1:
+            for number in range(len(subjects)):
+                tables.append(_table(number))
+                asked.progress("sessions replayed", number + 1, len(subjects))
+            return tables
+        with ProcessPoolExecutor(min(asked.jobs, len(subjects)), get_context("fork")) as pool:
+            for table in pool.map(_table, range(len(subjects))):
+                tables.append(table)
+                asked.progress("sessions replayed", len(tables), len(subjects))
+        return tables
+    finally:
+        _shared.clear()
+
+
+def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[Table]) -> Floats:
+    """(sessions, F) what a whole set of causes does to the signatures."""
+    effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes)
+    share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
+    runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE
+    return np.array(
+        [
+            np.mean(
+                [subject.with_noise(share).simulated(effects, seed).values - table.runs[seed] for seed in range(runs)],
+                axis=0,
+            )
+            for subject, table in zip(subjects, tables, strict=True)
+        ]
+    )
+
+
+def _calibration(base: Base, subjects: Sequence[Subject]) -> dict[str, dict[str, float]]:
+    """Base values of the rig beside those of the data: middle over sessions, and least and most."""
+    found = {}
+    for name in ("sample_rate_hz", "noise_dps_rthz", "bias_dps"):
+        values = [float(getattr(subject.rig.base, name)) for subject in subjects]
+        middle = float(np.median(values))
+        found[name] = {"rig": float(getattr(base, name)), "data": middle, "low": min(values), "high": max(values)}
+    return found
+
+
+def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Recording]) -> str:
+    """One sentence."""
+    tied = [cause for cause in verdict.causes if cause.tied_with]
+    if tied:
+        names = ", ".join([tied[0].effect.name, *tied[0].tied_with])
+        return f"To tell {names} apart, {SEPARATED_BY.get(tied[0].group, 'record other speeds, both directions and longer rests')}."
+    if len(recordings) < ENOUGH_SESSIONS:
+        return "Record more sessions: with three and more the fit can be checked on what it has not seen."
+    if untestable:
+        name, why = next(iter(untestable.items()))
+        return f"Record with a device that sends more: {why} in these sessions, so that {name} cannot be tested."
+    if verdict.leftover:
+        odd = verdict.leftover[0]
+        return f"Record more of the regime where something is left over ({odd.regime}), at several speeds and temperatures."
+    return "These sessions separate what they show; record again after the next change of the rig."
+
+
+ENOUGH_SESSIONS = 3
+SEPARATED_BY = {
+    "scale": "record with host times, and an index pulse on the encoder",
+    "slow bias": "heat and cool within one session, and switch the power off and on between sessions",
+    "lag": "play a chirp or multisine up to half the sample rate, and a minute at rest",
+    "stochastic bias": "record longer stills, an hour or more",
+    "even in rate": "turn at several speeds in both directions",
+    "once per turn": "make whole turns at two very different speeds",
+    "times": "keep the raw bytes with their arrival times",
+    "coarse values": "play a slow ramp through zero, and rest",
+    "outliers": "record longer, until a few more of them have come",
+    "reversal": "reverse sharply and often, at several speeds",
+}
