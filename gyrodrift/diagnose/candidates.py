@@ -117,10 +117,7 @@ def candidates(hints: Hints) -> list[Candidate]:
         _signed("vibration_rectification", "bias_dps_at_100_dps", 2.0, 0.002),
         _signed("temp_bias", "slope_dps_per_c", 0.5, 0.0005, needs="temperature"),
         _signed("temp_scale", "slope_percent_per_c", 0.5, 0.0005, needs="temperature"),
-        *(
-            _signed("warmup", "amplitude_dps", 3.0, 0.003, time_constant_s=tau_s)
-            for tau_s in WARMUP_TAUS_S
-        ),
+        *(_signed("warmup", "amplitude_dps", 3.0, 0.003, time_constant_s=tau_s) for tau_s in WARMUP_TAUS_S),
         _signed("clock_drift", "ppm", 50000.0, 10.0, needs="host"),
         *(_turned("g_sensitivity", "amplitude_dps", 1.0, 0.001, phase_deg) for phase_deg in PHASES_DEG),
         *(_turned("encoder_eccentricity", "amplitude_deg", 5.0, 0.005, phase_deg) for phase_deg in PHASES_DEG),
@@ -138,10 +135,7 @@ def candidates(hints: Hints) -> list[Candidate]:
         _sized("stale_hold", "share_percent", (0.02, 0.2, 2.0, 10.0), dice=2),
         _sized("bias_instability", "floor_dph", (3.0, 12.0, 50.0, 200.0), dice=2),
         _sized("rate_random_walk", "density_dps_rts", (0.0002, 0.001, 0.005, 0.02), dice=2),
-        *(
-            _sized("popcorn", "step_dps", (0.008, 0.04, 0.2, 1.0), dice=2, dwell_s=dwell_s)
-            for dwell_s in (8.0, 25.0, 80.0)
-        ),
+        *(_sized("popcorn", "step_dps", (0.01, 0.1, 1.0), dice=2, dwell_s=dwell_s) for dwell_s in (8.0, 25.0, 80.0)),
         _sized("spikes", "share_percent", (0.003, 0.03, 0.3, 2.0), dice=2, height_dps=hints.spike_dps),
         _sized("encoder_slip", "per_hour", (6.0, 30.0, 120.0), dice=2, step_deg=hints.slip_deg),
         _sized("vibration", "amplitude_dps", (0.01, 0.03, 0.1, 0.3, 1.0, 3.0), frequency_hz=hints.line_hz),
@@ -150,7 +144,11 @@ def candidates(hints: Hints) -> list[Candidate]:
 
 
 def _effect(name: str, parameter: str, fixed: Mapping[str, float]) -> Callable[[float], Effect]:
-    return lambda size: CATALOGUE[name](**{parameter: size, **fixed})
+    return lambda size: _made(name, {parameter: size, **fixed})
+
+
+def _made(name: str, parameters: Mapping[str, float]) -> Effect:
+    return CATALOGUE[name].model_validate({"name": name, **parameters})
 
 
 def _variant(fixed: Mapping[str, float]) -> str:
@@ -192,10 +190,10 @@ def _sized(
 
 def _bandwidth(noise_share: float) -> Candidate:
     """Its size is the time constant, so that 0 is none."""
-    cutoffs_hz = np.array([60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5])
+    cutoffs_hz = np.array([60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5] if noise_share == 1.0 else [15.0, 7.0, 3.0])
 
     def make(tau_s: float) -> Effect:
-        return CATALOGUE["bandwidth"](cutoff_hz=1.0 / (2.0 * np.pi * tau_s))
+        return _made("bandwidth", {"cutoff_hz": 1.0 / (2.0 * np.pi * tau_s)})
 
     nodes = 1.0 / (2.0 * np.pi * cutoffs_hz)
     sizes = _between(nodes[0], nodes[-1])
@@ -216,7 +214,7 @@ def _encoder_quantization(step_deg: float) -> Candidate:
     """Its size is the step of the angle, which the recordings show."""
 
     def make(size_deg: float) -> Effect:
-        return CATALOGUE["encoder_quantization"](cpr=max(1, round(360.0 / size_deg)))
+        return _made("encoder_quantization", {"cpr": max(1, round(360.0 / size_deg))})
 
     sizes = np.array([step_deg])
     return Candidate("encoder_quantization", "", make, "cpr", sizes, sizes)

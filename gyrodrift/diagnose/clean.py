@@ -1,11 +1,11 @@
-"""Wild samples out of the rate and jumps out of the angle, each kept as a finding, so that all else sees through them."""
+"""Wild samples out of the rate, jumps out of the angle; each is kept as a finding, and all else sees past it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
 
-from gyrodrift.diagnose.motion import ReplayedMotion, motion_of, rough_rate_dps
+from gyrodrift.diagnose.motion import COARSE_DPS, ReplayedMotion, motion_of, rough_rate_dps
 from gyrodrift.diagnose.recording import Mask, Recording, filled
 from gyrodrift.session.session import Floats
 
@@ -20,9 +20,6 @@ encoder."""
 
 NINE_TENTHS = 1.645
 """Nine tenths of normal numbers lie within so many standard deviations; a tenth may be wild, or quick motion."""
-
-COARSE_DPS = 4.0
-"""An encoder is coarse when one of its steps, taken in one sample, is a rate of this."""
 
 CLOSEST = 4
 """But for so many pairs that are closer by chance, the closest values lie a step apart."""
@@ -47,7 +44,7 @@ class Cleaned:
     @property
     def motion(self) -> ReplayedMotion:
         """What the encoder says of how it moved."""
-        return motion_of(self.recording, self.encoder_deg, self.rate_dps, is_coarse=self.is_coarse)
+        return motion_of(self.recording, self.encoder_deg, self.rate_dps, granularity(self.recording.encoder_deg))
 
     @property
     def is_coarse(self) -> bool:

@@ -22,7 +22,7 @@ REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
 REST_EDGE_S = 0.6
 """At rest is what is slower than REST_DPS for so long before and after."""
 
-QUICK_DPS, STEADY_DPS = 0.5, 0.05
+QUICK_DPS, STEADY_DPS = 1.0, 0.05
 """From one sample to the next the rate changes by more than noise does, or by next to nothing."""
 
 MASK_SMOOTH_S = 0.15
@@ -265,5 +265,5 @@ def _since_change(way: Floats, period_s: float) -> Floats:
     """Time since the direction changed last, s; shape (n,)."""
     changed = np.concatenate([[True], np.diff(way) != 0.0])
     place = np.arange(len(way))
-    since: Floats = (place - np.maximum.accumulate(np.where(changed, place, 0))) * period_s
+    since: Floats = (place - np.maximum.accumulate(np.where(changed, place, 0))).astype(np.float64) * period_s
     return since

@@ -91,7 +91,8 @@ def diagnose(asked: Asked) -> Diagnosis:
 
 
 def _recordings(paths: Iterable[Path]) -> tuple[list[Recording], list[str]]:
-    recordings, remarks = [], []
+    recordings: list[Recording] = []
+    remarks: list[str] = []
     for path in paths:
         passed = pass_gates(recording_of(load_session(path)))
         remarks += passed.remarks
@@ -180,7 +181,7 @@ def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Rec
     tied = [cause for cause in verdict.causes if cause.tied_with]
     if tied:
         names = ", ".join([tied[0].effect.name, *tied[0].tied_with])
-        return f"To tell {names} apart, {SEPARATED_BY.get(tied[0].group, 'record other speeds, both directions and longer rests')}."
+        return f"To tell {names} apart, {SEPARATED_BY.get(tied[0].group, RICHER)}."
     if len(recordings) < ENOUGH_SESSIONS:
         return "Record more sessions: with three and more the fit can be checked on what it has not seen."
     if untestable:
@@ -188,11 +189,12 @@ def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Rec
         return f"Record with a device that sends more: {why} in these sessions, so that {name} cannot be tested."
     if verdict.leftover:
         odd = verdict.leftover[0]
-        return f"Record more of the regime where something is left over ({odd.regime}), at several speeds and temperatures."
+        return f"Record more of what is left over ({odd.regime}: {odd.says}), at several speeds and temperatures."
     return "These sessions separate what they show; record again after the next change of the rig."
 
 
 ENOUGH_SESSIONS = 3
+RICHER = "record other speeds, both directions and longer rests"
 SEPARATED_BY = {
     "scale": "record with host times, and an index pulse on the encoder",
     "slow bias": "heat and cool within one session, and switch the power off and on between sessions",

@@ -1,4 +1,4 @@
-"""What has to be right before anything is compared: sign, unit, axis, alignment, motion. Said, and put right if it can be."""
+"""What has to be right before anything is compared: sign, unit, axis, alignment, motion; put right where it can be."""
 
 from dataclasses import dataclass, replace
 
@@ -83,13 +83,15 @@ def _clocks(recording: Recording) -> str:
     device_s = float(np.ptp(recording.device_s[present]))
     host_s = float(np.ptp(recording.host_s[np.isfinite(recording.host_s)]))
     if host_s <= 0.0 or abs(device_s / host_s - 1.0) > CLOCKS_APART:
-        return f"{recording.name}: the device counted {device_s:.1f} s while the host counted {host_s:.1f} s: which is right?"
+        counted = f"the device counted {device_s:.1f} s while the host counted {host_s:.1f} s"
+        return f"{recording.name}: {counted}: which is right?"
     return ""
 
 
 def _smooth(rate_dps: Floats, recording: Recording) -> Floats:
     smooth: Floats = gaussian_filter1d(rate_dps, SMOOTH_S / recording.period_s)
-    return smooth - smooth.mean()
+    level: Floats = smooth - smooth.mean()
+    return level
 
 
 def _best_lag(gyro_dps: Floats, encoder_dps: Floats, recording: Recording) -> tuple[int, float]:

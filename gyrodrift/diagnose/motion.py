@@ -14,6 +14,13 @@ SMOOTH_S = 0.11
 SMOOTH_DEGREE = 4
 """A fitted quartic over a tenth of a second keeps motion up to some 15 Hz and takes the edge off encoder counts."""
 
+STEADY_S, BLEND_S = 0.6, 0.08
+APART_LEAST = 1.0
+"""The windows are blended by how far they differ, in standard deviations of the rounding to a step."""
+
+COARSE_DPS = 4.0
+"""An encoder is coarse when one of its steps, taken in one sample, is a rate of this."""
+
 CROSSOVER_S, MOVES_DPS = 0.5, 1.0
 
 TEMP_SMOOTH_S = 2.0
@@ -68,22 +75,23 @@ class ReplayedMotion:
 
 def rough_rate_dps(recording: Recording, encoder_deg: Floats) -> Floats:
     """Rate of an encoder without the care that a replay takes, deg/s, shape (n,)."""
-    points, degree = _window(recording, len(encoder_deg))
+    points, degree = _window(SMOOTH_S, recording, len(encoder_deg))
     rate_dps: Floats = savgol_filter(encoder_deg, points, degree, deriv=1, delta=recording.period_s)
     return rate_dps
 
 
-def motion_of(recording: Recording, encoder_deg: Floats, rate_dps: Floats, *, is_coarse: bool) -> ReplayedMotion:
+def motion_of(recording: Recording, encoder_deg: Floats, rate_dps: Floats, step_deg: float) -> ReplayedMotion:
     """The motion behind an encoder's angles and a gyro's rates, both without holes and jumps.
 
-    Angles that come in fine steps say it all. Where they are coarse, what is faster than CROSSOVER_S is the gyro's,
-    as long as it moves: else the steps would be taken for motion.
+    `step_deg` is the step that the angles come in. Fine ones say it all. Where they are coarse, what is faster than
+    CROSSOVER_S is the gyro's, as long as it moves: else the steps would be taken for motion.
     """
-    angle_deg = savgol_filter(encoder_deg, *_window(recording, len(encoder_deg)))
-    if is_coarse:
+    angle_deg = _smoothed(recording, encoder_deg, step_deg)
+    if step_deg / recording.period_s > COARSE_DPS:
         sigma = CROSSOVER_S / recording.period_s
         slow_deg = gaussian_filter1d(encoder_deg, sigma)
-        turned_deg = savgol_filter(np.cumsum(rate_dps) * recording.period_s, *_window(recording, len(rate_dps)))
+        window = _window(SMOOTH_S, recording, len(rate_dps))
+        turned_deg = savgol_filter(np.cumsum(rate_dps) * recording.period_s, *window)
         moves = np.abs(np.gradient(slow_deg, recording.period_s)) > MOVES_DPS
         quick_deg = turned_deg - gaussian_filter1d(turned_deg, sigma)
         angle_deg = slow_deg + gaussian_filter1d(moves.astype(np.float64), sigma / 2.0) * quick_deg
@@ -101,9 +109,21 @@ def _sensor_c(recording: Recording) -> Floats:
     return temps_c
 
 
-def _window(recording: Recording, samples: int) -> tuple[int, int]:
-    """Points and degree of the smoothing."""
-    points = _odd(SMOOTH_S / recording.period_s, SMOOTH_DEGREE + 1, samples)
+def _smoothed(recording: Recording, encoder_deg: Floats, step_deg: float) -> Floats:
+    """Quick motion through a short window, steady motion through a long one, in which steps of the angle vanish."""
+    quick, steady = (
+        savgol_filter(encoder_deg, *_window(seconds, recording, len(encoder_deg))) for seconds in (SMOOTH_S, STEADY_S)
+    )
+    sigma = BLEND_S / recording.period_s
+    apart = np.sqrt(gaussian_filter1d(np.square(quick - steady), sigma)) / (step_deg / np.sqrt(12.0) + 1e-12)
+    weight = gaussian_filter1d(np.clip((apart - APART_LEAST) / APART_LEAST, 0.0, 1.0), sigma)
+    blended: Floats = steady + weight * (quick - steady)
+    return blended
+
+
+def _window(seconds: float, recording: Recording, samples: int) -> tuple[int, int]:
+    """Points and degree of a smoothing."""
+    points = _odd(seconds / recording.period_s, SMOOTH_DEGREE + 1, samples)
     return points, min(SMOOTH_DEGREE, points - 1)
 
 

@@ -96,7 +96,8 @@ def _null(subject: Subject, seed: int) -> Floats:
     played = subject.replayed((), seed)
     again = subject_of(played.recording, subject.rig)
     runs = [again.simulated((), number).values for number in range(NULL_BASE_RUNS)]
-    return again.measured().values - np.mean(runs, axis=0)
+    left: Floats = again.measured().values - np.mean(runs, axis=0)
+    return left
 
 
 def _near_zero(cleaned: Cleaned) -> Floats:

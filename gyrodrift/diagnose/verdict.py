@@ -9,6 +9,7 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.attribute import GAIN, Attribution, Cause, Found
 from gyrodrift.diagnose.evidence import Evidence
+from gyrodrift.diagnose.recording import Mask
 from gyrodrift.diagnose.signatures.measure import SIGNATURES
 from gyrodrift.session.session import Floats
 
@@ -155,7 +156,7 @@ def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
     )
 
 
-def _kind(causes: Sequence[NamedCause], is_off: Floats, before: Floats, after: Floats, leftover: Sequence[Odd]) -> Kind:
+def _kind(causes: Sequence[NamedCause], is_off: Mask, before: Floats, after: Floats, leftover: Sequence[Odd]) -> Kind:
     if not causes:
         return Kind.UNKNOWN if is_off.any() else Kind.NONE
     explained = _explained(is_off, before, after)
@@ -164,7 +165,7 @@ def _kind(causes: Sequence[NamedCause], is_off: Floats, before: Floats, after: F
     return Kind.PARTLY if leftover else Kind.EFFECT
 
 
-def _explained(is_off: Floats, before: Floats, after: Floats) -> float:
+def _explained(is_off: Mask, before: Floats, after: Floats) -> float:
     """Share of what stands out that the causes take away."""
     if not is_off.any():
         return 1.0

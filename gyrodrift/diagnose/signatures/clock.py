@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.diagnose.recording import Recording, line
+from gyrodrift.diagnose.recording import Mask, Recording, line
 from gyrodrift.diagnose.signatures.signature import Measured, Signature
 from gyrodrift.session.session import Floats
 
@@ -100,10 +100,10 @@ def _slow(off_s: Floats, period_s: float) -> Floats:
     return np.median(off_s[: count * points].reshape(count, points), axis=1) if count > 1 else np.zeros(2)
 
 
-def _drops(present: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[float, float]:
+def _drops(present: Mask) -> tuple[float, float]:
     """Share of samples that are missing, and the logarithm of how many go at a time."""
     missing = ~present
     if not missing.any():
         return 0.0, 0.0
     begins = np.count_nonzero(missing[1:] & ~missing[:-1]) + int(missing[0])
-    return float(missing.mean()), float(np.log(np.count_nonzero(missing) / max(begins, 1)))
+    return float(missing.mean()), float(np.log(float(missing.sum()) / max(float(begins), 1.0)))

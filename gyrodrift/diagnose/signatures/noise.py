@@ -60,15 +60,16 @@ SIGNATURES = (
 
 FLOORS = np.array(
     [0.08] * len(REST_POINTS)
-    + [0.08] * (2 * len(MOVING_POINTS))
-    + [0.5, 0.01, 0.01, 0.008, 0.02, 0.01, 0.005, 0.01, 0.5, 0.15, 0.005, 0.15, 0.2, 0.4, 0.3]
+    + [0.1] * len(MOVING_POINTS)
+    + [0.15] * len(MOVING_POINTS)
+    + [0.5, 0.01, 0.01, 0.008, 0.02, 0.01, 0.02, 0.01, 0.5, 0.15, 0.005, 0.15, 0.2, 0.4, 0.3]
 )
 
 
 def white_dps(seen: Cleaned, design: Design, dps_per_lsb: float) -> float:
     """Standard deviation of the white part of a sample, deg/s: from means of four and eight samples at rest."""
     spread = [_spread(seen.rate_dps, design.at_rest, points, 2) * points / 6.0 for points in (4, 8)]
-    found = float(np.sqrt(max(np.mean(spread), 0.0)))
+    found = float(np.sqrt(max(sum(spread) / len(spread), 0.0)))
     return found if found > 0.3 * dps_per_lsb else float(np.sqrt(_spread(seen.rate_dps, design.is_slow, 4, 3) / 5.0))
 
 
@@ -113,7 +114,8 @@ def _windows(values: Floats, allowed: Mask) -> Floats:
     starts = np.arange(0, len(values) - WINDOW + 1, WINDOW // 2)
     total = np.concatenate([[0], np.cumsum(allowed)])
     inside = starts[total[starts + WINDOW] - total[starts] == WINDOW]
-    return values[inside[:, None] + np.arange(WINDOW)]
+    windows: Floats = values[inside[:, None] + np.arange(WINDOW)]
+    return windows
 
 
 def _spread(values: Floats, allowed: Mask, points: int, order: int) -> float:

@@ -1,4 +1,4 @@
-"""What is left of the rate when the encoder's is taken away: second by second against the design, and within seconds."""
+"""What is left of the rate without the encoder's: second by second against the design, and within seconds."""
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def _slow(left_dps: Floats, design: Design) -> tuple[Floats, Floats]:
     quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
     values.append(_log_variance(moving[quick]) - _log_variance(moving[~quick]))
     floors = np.full(len(values), LOG_FLOOR)
-    floors[6:9] = (1.0, 0.15, 0.5)
+    floors[6:9] = (1.0, 0.3, 0.5)
     return np.array(values), floors
 
 
