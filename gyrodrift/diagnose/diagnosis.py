@@ -18,6 +18,7 @@ from gyrodrift.diagnose.gates import pass_gates
 from gyrodrift.diagnose.recording import Recording, recording_of
 from gyrodrift.diagnose.replay import Subject, subject_of
 from gyrodrift.diagnose.responses import Table, hints_of, table_of
+from gyrodrift.diagnose.second import SecondOpinion, second_opinion
 from gyrodrift.diagnose.verdict import Verdict, detectable, verdict_of
 from gyrodrift.diagnose.worth import Worth, worth_of
 from gyrodrift.errors import DataError
@@ -32,6 +33,7 @@ class Diagnosis:
     """Everything that is reported."""
 
     verdict: Verdict
+    second: SecondOpinion
     worth: Worth
     remarks: tuple[str, ...]
     untestable: dict[str, str]
@@ -78,6 +80,7 @@ def diagnose(asked: Asked) -> Diagnosis:
         )
     return Diagnosis(
         verdict=verdict,
+        second=second_opinion(subjects, verdict),
         worth=worth,
         remarks=tuple(remarks),
         untestable=untestable,

@@ -38,6 +38,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "gap": asdict(verdict.gap),
         "yaw": {name: getattr(worth, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(worth).items() if name.startswith("pi_")},
+        "second_opinion": asdict(diagnosis.second),
         "detectable": diagnosis.detectable,
         "untestable": diagnosis.untestable,
         "calibration": diagnosis.calibration,
@@ -97,6 +98,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         f"yaw error: {worth.e_real_deg:.3g} deg real; simulated {worth.e_sim_before_deg:.3g} before, "
         f"{worth.e_sim_after_deg:.3g} after"
     )
+    lines.append(f"second opinion, by likelihood alone: {diagnosis.second.says}")
     lines.append(f"next: {diagnosis.next}")
     return lines
 
