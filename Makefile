@@ -4,7 +4,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test bench pictures clean
+.PHONY: demo test bench blind pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -17,6 +17,11 @@ test: $(VENV)/ready-to-test
 
 bench: $(VENV)/ready-to-test
 	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
+
+# The whole blind check of diagnose: hours. BLIND_SEED draws other cases.
+blind: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.blind run --set final --out .blind/final $(if $(BLIND_SEED),--seed $(BLIND_SEED))
+	$(BIN)/python -m tests.blind score .blind/final
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg

@@ -11,7 +11,11 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 LOWEST = ("gyrodrift.filter", "gyrodrift.sample", "gyrodrift.errors", "gyrodrift.yaml_file")
+SHARED = {"gyrodrift.page": ("gyrodrift.page",), "gyrodrift.cluster": ("gyrodrift.cluster", "gyrodrift.errors")}
+"""What all analyses of sessions may use, and nobody else, with the little of ours that it may use itself."""
+ANALYSES = ("gyrodrift.tune", "gyrodrift.diagnose")
 MAY_USE_THE_SIMULATOR = (
+    "gyrodrift.cli.diagnose",
     "gyrodrift.replay",
     "gyrodrift.cli.replay",
     "gyrodrift.simulate",
@@ -45,7 +49,7 @@ def test_arrows_point_down(path: Path) -> None:
     name, imports = name_of(path), imports_of(path)
     if name.startswith("firmware_sim"):
         assert not of("gyrodrift", imports)
-    elif name not in MAY_USE_THE_SIMULATOR:
+    elif name not in MAY_USE_THE_SIMULATOR and not name.startswith("gyrodrift.diagnose"):
         assert not of("firmware_sim", imports)
     if name in LOWEST:
         assert not of("gyrodrift", imports)
@@ -56,6 +60,17 @@ def test_arrows_point_down(path: Path) -> None:
             assert (
                 not of("gyrodrift.service", imports) | of("gyrodrift.demo", imports) | of("gyrodrift.config", imports)
             )
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name_of)
+def test_what_analyses_share_knows_none_of_them(path: Path) -> None:
+    """Neither the page that a report stands on nor the cluster asks whose work it does."""
+    name, imports = name_of(path), imports_of(path)
+    for shared, known in SHARED.items():
+        if of(shared, {name}):
+            assert of("gyrodrift", imports) == set().union(*(of(room, imports) for room in known))
+        elif of(shared, imports):
+            assert any(of(analysis, {name}) for analysis in ANALYSES)
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)

@@ -121,7 +121,7 @@ def _regressors(design: Design) -> Regressors:
 
 
 def _whitened(subject: Subject) -> list[tuple[Floats, Floats]]:
-    """Of each effect: its columns and the residual through the filter that makes this residual whitest, in its sigmas."""
+    """Of each effect its columns, and the residual, through the filter that makes the residual whitest, in sigmas."""
     residual_dps = block_residual_dps(subject.seen, subject.design)
     every = _regressors(subject.design)
     nuisance = np.column_stack([column for _, _, _, columns in every for column in columns])

@@ -1,54 +1,30 @@
-"""The figures of a tuning as inline SVG, in colours that the page around them sets; matplotlib comes with `[lab]`."""
+"""The figures of a tuning: what the search cost, where it looked, and yaw error over time."""
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from io import StringIO
-from typing import Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis as Scale
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from gyrodrift.page.numbers import factor_label
+from gyrodrift.page.svg import (
+    INK,
+    PLAIN,
+    QUIET,
+    STEPS,
+    TUNED,
+    TWO,
+    as_svg,
+    canvas,
+    label_factors,
+    label_steps,
+    styled,
+    thinned,
+)
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.result import Curve, Run, Tuning
 from gyrodrift.tune.space import Axis
-
-INK, QUIET, GRID, PLAIN, TUNED, TWO = "#101112", "#606162", "#d0d1d2", "#c05012", "#1060b2", "#703092"
-ROLES = {INK: "ink", QUIET: "quiet", GRID: "grid", PLAIN: "plain", TUNED: "tuned", TWO: "two"}
-"""Each colour stands for a variable of the page's style sheet, so that figures follow light, dark and paper."""
-
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 8.0,
-    "text.color": INK,
-    "axes.labelcolor": QUIET,
-    "axes.edgecolor": QUIET,
-    "axes.linewidth": 0.6,
-    "axes.facecolor": "none",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.grid": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.6,
-    "xtick.color": QUIET,
-    "ytick.color": QUIET,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "path.simplify_threshold": 0.3,
-}
-
-UNDATED = {"Date": None, "Creator": None, "Format": None, "Type": None}
-"""The same tuning gives the same bytes."""
 
 DOTS = 4000
 """A search has no more dots than this: some 100 bytes each."""
@@ -56,42 +32,37 @@ DOTS = 4000
 BARS = 40
 """Of a histogram, over the whole range of a parameter."""
 
-LINE_POINTS = 600
-"""Two or three to a pixel of a small panel."""
-
 ZOOM_TYPICAL = 4.0
 """The enlarged scale holds the errors up to so many times the typical session's largest one."""
 
 WORTH_A_ZOOM = 0.5
 """Where the tuned filter's errors fill more of the full scale than this, nothing is enlarged."""
 
-STEPS = (1, 2, 5, 10)
-"""Between marks of a scale that is not logarithmic, times a power of ten."""
-
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
 
 def search_svg(tuning: Tuning) -> str:
     """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
-    with _styled():
-        figure = _figure(9.6, 3.7, left=0.065, bottom=0.115, top=0.98)
+    with styled():
+        figure = canvas(9.6, 3.7, left=0.065, bottom=0.115, top=0.98)
         axes = figure.add_subplot()
         axes.set_yscale("log")
-        first, costs = dots(tuning.run)
-        axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
-        for other in tuning.others:
-            axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
-        for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.two.train, TWO, ":")):
-            axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
-        marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
-        line = best_so_far(tuning.run)
-        axes.plot(*line, color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
+        _draw_costs(axes, tuning)
         axes.set_xlim(0.0, len(tuning.run.history) + 1.0)
         _limit_costs(axes, tuning)
         axes.xaxis.set_major_locator(MaxNLocator(8, steps=STEPS, integer=True))
         axes.set_xlabel("iteration (evaluation of the cost)")
         axes.set_ylabel("PI, deg²")
-        return _svg(figure, "search", "Cost by iteration on a logarithmic scale")
+        return as_svg(figure, "search", "Cost by iteration on a logarithmic scale")
+
+
+def _draw_costs(axes: Axes, tuning: Tuning) -> None:
+    first, costs = dots(tuning.run)
+    axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
+    for other in tuning.others:
+        axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
+    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.two.train, TWO, ":")):
+        axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
+    marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
+    axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
 
 
 def dots(run: Run) -> tuple[Floats, Floats]:
@@ -129,17 +100,17 @@ def _limit_costs(axes: Axes, tuning: Tuning) -> None:
     lowest = float(np.nanmin(levels)) if np.isfinite(levels).any() else 0.1
     highest = highest_drawn(tuning)
     axes.set_ylim(lowest / 1.6, max(highest, 10.0 * lowest))
-    _label_factors(axes.yaxis, lowest / 1.6, max(highest, 10.0 * lowest), 6)
+    label_factors(axes.yaxis, lowest / 1.6, max(highest, 10.0 * lowest), 6)
 
 
 def density_svgs(tuning: Tuning) -> list[str]:
     """Where each parameter was looked for, 1 being no preference, with the value that was chosen."""
-    with _styled():
+    with styled():
         return [_density_svg(tuning, number, axis) for number, axis in enumerate(tuning.axes)]
 
 
 def _density_svg(tuning: Tuning, number: int, axis: Axis) -> str:
-    figure = _figure(3.1, 1.9, left=0.09, bottom=0.17, top=0.97, right=0.95)
+    figure = canvas(3.1, 1.9, left=0.09, bottom=0.17, top=0.97, right=0.95)
     axes = figure.add_subplot()
     x, height = preference(tuning.run, number, axis)
     axes.fill_between(x, height, color=TUNED, alpha=0.22, linewidth=0.0)
@@ -149,14 +120,19 @@ def _density_svg(tuning: Tuning, number: int, axis: Axis) -> str:
     axes.set(xlim=(axis.low, axis.high), ylim=(0.0, 1.08 * max(float(height.max()), 1.3)))
     axes.grid(visible=False)
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
+    _scale_values(axes, axis)
+    return as_svg(figure, f"density-{axis.name}", f"Where {axis.name} was looked for")
+
+
+def _scale_values(axes: Axes, axis: Axis) -> None:
+    """Factors where the search counted factors."""
     if axis.is_log:
         axes.set_xscale("log")
         axes.set_xlim(axis.low, axis.high)
-        _label_factors(axes.xaxis, axis.low, axis.high, 4)
+        label_factors(axes.xaxis, axis.low, axis.high, 4)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(4, steps=STEPS))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
-    return _svg(figure, f"density-{axis.name}", f"Where {axis.name} was looked for")
 
 
 def preference(run: Run, number: int, axis: Axis) -> tuple[Floats, Floats]:
@@ -194,12 +170,12 @@ def heights(curves: Sequence[Curve]) -> Heights:
 
 def drift_svgs(curves: Sequence[Curve], scales: Heights) -> list[str]:
     """Yaw error over time, a panel a session: all of it above, and below the same enlarged for the tuned filter."""
-    with _styled():
+    with styled():
         return [_drift_svg(curve, scales, f"drift-{curve.split.value}-{at}") for at, curve in enumerate(curves)]
 
 
 def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
-    figure = _figure(3.1, 2.1 if scales.zoom_deg else 1.5, left=0.15, bottom=0.16, top=0.97, right=0.97)
+    figure = canvas(3.1, 2.1 if scales.zoom_deg else 1.5, left=0.15, bottom=0.16, top=0.97, right=0.97)
     ratios = (5, 4) if scales.zoom_deg else (1,)
     grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)
     panels = list(grid[:, 0])
@@ -207,91 +183,17 @@ def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
         panels[1].set_ylim(-scales.zoom_deg, scales.zoom_deg)
     panels[0].set_ylim(*scales.full)
     for panel, label in zip(panels, ("error, deg", "enlarged"), strict=False):
-        panel.axhline(0.0, color=QUIET, linewidth=0.6)
-        panel.plot(*line(curve.minutes, curve.euler_deg), color=PLAIN, linewidth=1.1)
-        panel.plot(*line(curve.minutes, curve.hdr_deg), color=TUNED, linewidth=1.1)
-        panel.yaxis.set_major_locator(MaxNLocator(4, steps=STEPS))
-        panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        _draw_errors(panel, curve)
         panel.set_ylabel(label)
     figure.align_ylabels(panels)
     panels[-1].xaxis.set_major_locator(MaxNLocator(6, steps=STEPS))
     panels[-1].set_xlabel("minutes", labelpad=1.0)
     panels[-1].set_xlim(0.0, max(float(curve.minutes[-1]) if len(curve.minutes) else 0.0, 1e-3))
-    return _svg(figure, name, "Yaw error over time, plain integration and tuned filter")
+    return as_svg(figure, name, "Yaw error over time, plain integration and tuned filter")
 
 
-class Line(NamedTuple):
-    """What is drawn of a curve, shape (m,)."""
-
-    x: Floats
-    y: Floats
-
-
-def line(x: Floats, y: Floats) -> Line:
-    """At most about `LINE_POINTS` points; of each stretch the lowest and the highest, so that peaks stay."""
-    y = np.where(np.isfinite(y), y, np.nan)
-    pieces = np.array_split(np.arange(len(y)), LINE_POINTS // 2)
-    if len(y) <= LINE_POINTS:
-        return Line(x, y)
-    ends = {0, len(y) - 1}
-    kept = np.array(sorted(ends | {int(piece[k]) for piece in pieces for k in _extremes(y[piece])}))
-    return Line(x[kept], y[kept])
-
-
-def _extremes(y: Floats) -> Iterable[int]:
-    """Where the lowest and the highest values stand; the middle of what has none."""
-    if not np.isfinite(y).any():
-        return (len(y) // 2,)
-    return (int(np.nanargmin(y)), int(np.nanargmax(y)))
-
-
-@contextmanager
-def _styled() -> Iterator[None]:
-    """Our style, whatever matplotlib is set to here; afterwards that again."""
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(STYLE)
-        yield
-
-
-def _figure(wide_in: float, high_in: float, left: float, bottom: float, top: float, right: float = 0.99) -> Figure:
-    """An empty figure with these margins, the same in all of a kind, so that panels side by side stand level."""
-    figure = Figure(figsize=(wide_in, high_in), facecolor="none")
-    figure.subplots_adjust(left=left, right=right, bottom=bottom, top=top, hspace=0.14)
-    return figure
-
-
-def _label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
-    """Decades, as many as there is room for; plain steps where there is less than one and a half."""
-    if high < 30.0 * low:
-        scale.set_major_locator(MaxNLocator(labels, steps=STEPS))
-    else:
-        scale.set_major_locator(LogLocator(numticks=labels + 1))
-    scale.set_minor_locator(NullLocator())
-    scale.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
-
-
-def factor_label(value: float) -> str:
-    """100 and 0.01 as they are, and 10⁶ where noughts would have to be counted."""
-    if value <= 0.0 or 1e-3 <= value < 1e4:
-        return f"{value:g}"
-    power = int(np.floor(np.log10(value) + 1e-9))
-    share = value / 10.0**power
-    return ("" if abs(share - 1.0) < 1e-6 else f"{share:.3g}·") + "10" + str(power).translate(SUPERSCRIPTS)
-
-
-def _svg(figure: Figure, name: str, says: str) -> str:
-    """The figure as an element to stand in a page: no names that another one has, no dates, no style for all."""
-    mpl.rcParams["svg.hashsalt"] = name
-    file = StringIO()
-    figure.savefig(file, format="svg", metadata=UNDATED)
-    svg = file.getvalue()
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r"<!--.*?-->|<defs>\s*<style.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
-    called = set(re.findall(r"#([\w-]+)[\")]", svg))
-    svg = re.sub(r' id="([\w.-]+)"', lambda found: found[0] if found[1] in called else "", svg)
-    svg = re.sub(r'(?<= d=")[^"]+', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)  # 0.01 pt
-    svg = re.sub(r"\s*\n\s*", "\n", svg)
-    for colour, role in ROLES.items():
-        svg = svg.replace(colour, f"var(--{role})")
-    return svg.replace("<svg", f'<svg role="img" aria-label="{says}"', 1).strip()
+def _draw_errors(panel: Axes, curve: Curve) -> None:
+    panel.axhline(0.0, color=QUIET, linewidth=0.6)
+    panel.plot(*thinned(curve.minutes, curve.euler_deg), color=PLAIN, linewidth=1.1)
+    panel.plot(*thinned(curve.minutes, curve.hdr_deg), color=TUNED, linewidth=1.1)
+    label_steps(panel.yaxis, 4)

@@ -1,9 +1,8 @@
-"""A tuning from its sessions to its result: search, proof on what was kept apart, and what there is to warn of."""
+"""A tuning from its sessions to its result: search, and proof on what was kept apart."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, field, fields, replace
-from math import sqrt
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from gyrodrift.errors import DataError
 from gyrodrift.filter import HdrParams
 from gyrodrift.session.session import Floats
+from gyrodrift.tune.caveats import bound_caveats, flat_caveats, worse_caveats
 from gyrodrift.tune.cost import Scores
 from gyrodrift.tune.course import Course
 from gyrodrift.tune.journal import Journal
@@ -19,7 +19,7 @@ from gyrodrift.tune.methods import METHODS, spend
 from gyrodrift.tune.objective import Objective
 from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
 from gyrodrift.tune.sources import About, check_rates
-from gyrodrift.tune.space import AXES, Axis, limits, params_of
+from gyrodrift.tune.space import AXES, Axis, params_of
 
 TWO_EVALUATIONS = 600
 """Two parameters are found with fewer evaluations than five."""
@@ -31,25 +31,6 @@ EULER: Floats = np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
 
 CURVES = 12
 CURVE_POINTS = 500
-
-WHAT_DECIDES = {
-    "i_c_dps": "it takes sessions with a drift to learn",
-    "tau_s": "it takes rests long enough for noise to matter, and turns that begin sharply",
-    "theta_w_dps": "it takes motion at all rates, slow turns too",
-    "c1": "it takes long stretches of one direction as well as rests",
-    "c2": "it takes long stretches of one direction as well as rests, and a c1 above 0",
-}
-
-AT_BOUND = 0.01
-"""A parameter this near to an end of its range, in shares of it, would perhaps go on."""
-
-FLAT = 0.02
-FLAT_SHARE = 0.5
-SCAN_POINTS = 41
-"""A parameter is not decided where PI stays within FLAT of its least over FLAT_SHARE of the range."""
-
-WORSE = 2.0
-"""A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
 
 
 class LeftOut(NamedTuple):
@@ -186,10 +167,7 @@ class Work:
             best = replace(best, pi=replace(best.pi, test=left_out_pi))
             euler_pi = replace(euler_pi, test=euler_pi.train)
         axes = METHODS[self.plan.method]().axes(self.plan.axes)
-        warnings = [odd for about in self.abouts for odd in about.odd] + check_rates(self.abouts)
-        if self.was_interrupted:
-            warnings.append("it was interrupted: these are the best parameters so far; go on with --resume")
-        warnings += [*_bound_warnings(axes, best.params), *self._flat_warnings(best.params), *_worse(best.pi, euler_pi)]
+        caveats = tuple(self._caveats(axes, best, euler_pi))
         return Tuning(
             method=self.plan.method,
             evaluations=self.plan.evaluations,
@@ -204,7 +182,7 @@ class Work:
             others=others,
             curves=self._curves(scores, best.params),
             left_out={name: one.e_deg for name, one in left_out.items()},
-            warnings=tuple(warnings),
+            warnings=caveats,
         )
 
     def _scores(self, scores: Scores) -> tuple[SessionScore, ...]:
@@ -215,21 +193,16 @@ class Work:
             )
         )
 
-    def _flat_warnings(self, params: HdrParams) -> Iterator[str]:
-        """Parameters that the training sessions leave open, by a walk along each axis."""
+    def _caveats(self, axes: Sequence[Axis], best: Run, euler: Pi) -> Iterator[str]:
+        """What to know before believing it, in sentences."""
         train = self._used_for(Split.TRAIN)
-        for number, axis in enumerate(self.plan.axes):
-            values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
-            rows = np.repeat(_row(params), SCAN_POINTS, axis=0)
-            rows[:, number] = values
-            pi = self.costs.cost(rows, train).pi
-            is_flat = pi <= (1.0 + FLAT) * pi.min()
-            if is_flat.mean() > FLAT_SHARE:
-                low, high = values[is_flat][[0, -1]]
-                yield (
-                    f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
-                    f"{FLAT:.0%} of its least; {WHAT_DECIDES[axis.name]}"
-                )
+        yield from (odd for about in self.abouts for odd in about.odd)
+        yield from check_rates(self.abouts)
+        if self.was_interrupted:
+            yield "it was interrupted: these are the best parameters so far; go on with --resume"
+        yield from bound_caveats(axes, best.params)
+        yield from flat_caveats(self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi)
+        yield from worse_caveats(best.pi, euler)
 
     def _curves(self, scores: Sequence[SessionScore], params: HdrParams) -> tuple[Curve, ...]:
         """Yaw errors over time of the sessions that are drawn, the worst of each split."""
@@ -250,30 +223,6 @@ def _five(axes: Sequence[Axis], params: Floats) -> Floats:
     for number, axis in enumerate(axes):
         full[:, NAMES.index(axis.name)] = params[:, number]
     return full
-
-
-def _bound_warnings(axes: Sequence[Axis], params: HdrParams) -> Iterator[str]:
-    for axis in axes:
-        unit = axis.unit(getattr(params, axis.name))
-        if not AT_BOUND < unit < 1.0 - AT_BOUND:
-            end, value = ("lower", axis.low) if unit < 0.5 else ("upper", axis.high)
-            advice = (
-                ", which is where the filter's own ends" if value in limits(axis.name) else "; widen it with --range"
-            )
-            yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
-
-
-def _worse(pi: Pi, euler: Pi) -> Iterator[str]:
-    """Squares, in the units of E: sessions of the test may simply drift more, so that plain integration is beside."""
-    if pi.test is None or euler.test is None:
-        return
-    if pi.test > euler.test:
-        yield "on the sessions kept apart the tuned filter is worse than plain integration: do not use it"
-    elif sqrt(pi.test) > WORSE * sqrt(pi.train) * max(1.0, sqrt(euler.test / max(euler.train, 1e-300))):
-        yield (
-            f"the sessions kept apart come out much worse than those tuned on ({sqrt(pi.test):.3g} against "
-            f"{sqrt(pi.train):.3g} deg RMS): the parameters follow these sessions too closely; record more"
-        )
 
 
 def _curve(course: Course, split: Split, params: HdrParams) -> Curve:

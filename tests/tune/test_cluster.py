@@ -1,10 +1,7 @@
-"""Tuning on a cluster: the same bits as here, whatever happens to workers, and an end to waiting where it is lost."""
+"""Tuning on a cluster: the same bits as here, whatever happens to workers."""
 
 import os
 import signal
-import socket
-import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -12,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cluster_support import PATIENCE_S, Cluster, candidates, cluster, end, free_port, recorded
+from cluster_support import PATIENCE_S, Cluster, candidates, cluster, recorded
 
 from gyrodrift.errors import DataError, GyrodriftError, UsageError
 from gyrodrift.session.session import load_session
@@ -175,71 +172,3 @@ def test_any_other_error_of_a_task_says_where_it_comes_from(shared: Cluster, ses
         pytest.raises(GyrodriftError, match=r"^tcp://.*: a task failed: ValueError: .* five columns"),
     ):
         cost.cost(np.zeros((2, 4)))
-
-
-def silent() -> socket.socket:
-    """A port that takes connections and says nothing."""
-    return socket.create_server(("127.0.0.1", 0))
-
-
-@pytest.mark.parametrize("address", ["nobody", "somebody else", "nonsense:port", "no.such.host.invalid:8786"])
-def test_no_scheduler_is_said_soon(address: str, sessions: Sessions, capfd: pytest.CaptureFixture[str]) -> None:
-    """One line, and nothing of Dask's own."""
-    begun_s = time.monotonic()
-    with silent() as other:
-        places = {"nobody": f"tcp://127.0.0.1:{free_port()}", "somebody else": f"127.0.0.1:{other.getsockname()[1]}"}
-        with pytest.raises(UsageError, match=r"no Dask scheduler answers there") as said:
-            ClusterCost(places.get(address, address), sessions)
-    assert time.monotonic() - begun_s < 2 * room.CONNECT_S
-    assert "\n" not in str(said.value)
-    assert capfd.readouterr().err == ""
-
-
-def test_a_worker_is_no_scheduler(shared: Cluster, sessions: Sessions) -> None:
-    """Its address is easily taken for the scheduler's."""
-    with ClusterCost(shared.address, sessions[:1]) as cost:
-        address = next(iter(pids(cost)))
-    with pytest.raises(UsageError, match=r"no Dask scheduler answers there \(it is a Worker\)"):
-        ClusterCost(address, sessions)
-
-
-def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch, sessions: Sessions) -> None:
-    """With what to install."""
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(UsageError, match=r"pip install 'gyrodrift\[cluster\]'"):
-        ClusterCost("tcp://127.0.0.1:8786", sessions)
-
-
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
-def test_a_scheduler_that_is_lost_ends_the_wait(
-    sessions: Sessions,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    number: signal.Signals,
-) -> None:
-    """Killed or frozen in the middle of an evaluation; and so it stays."""
-    monkeypatch.setattr(room, "ANSWER_S", 1.0)
-    monkeypatch.setattr(room, "CONNECT_S", 2.0)
-    with cluster(tmp_path, 1) as alone:
-        with ClusterCost(alone.address, sessions) as cost:
-            before_results(cost, lambda: os.kill(alone.scheduler.pid, number))
-            for _ in range(2):
-                with pytest.raises(GyrodriftError, match=r"^tcp://.*: the Dask scheduler is gone"):
-                    cost.cost(candidates(8))
-        assert capfd.readouterr().err == ""
-
-
-def test_workers_that_are_gone_for_good_end_the_wait(
-    sessions: Sessions, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Nannies included; whoever comes later finds a scheduler without workers."""
-    monkeypatch.setattr(room, "NO_WORKER_S", 2.0)
-    monkeypatch.setattr(room, "FIRST_WORKER_S", 0.5)
-    with cluster(tmp_path, 1) as alone:
-        with ClusterCost(alone.address, sessions) as cost:
-            before_results(cost, lambda: end(alone.workers))
-            with pytest.raises(GyrodriftError, match="no worker runs"):
-                cost.cost(candidates(8))
-        with pytest.raises(UsageError, match="this scheduler has no workers; start some with `dask worker tcp:"):
-            ClusterCost(alone.address, sessions)

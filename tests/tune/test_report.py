@@ -3,80 +3,24 @@
 import re
 from dataclasses import replace
 from math import inf, nan
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from page_support import parsed, row, words
+from tuning_support import curve, run, score, tuning
 
 from gyrodrift.filter import HdrParams
-from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
+from gyrodrift.tune.result import Pi, Tuning
 from gyrodrift.tune.space import AXES, linear
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
-from gyrodrift.tune import figures
-from gyrodrift.tune.page import text
-from gyrodrift.tune.report import bound_of, even, judged, report_html
-
-PARAMS = HdrParams(0.000457, 0.0384, 0.123, 1.85, 0.0)
-
-
-def run(seed: int = 1, evaluations: int = 90, pi: Pi = Pi(0.1775, 0.2838)) -> Run:  # noqa: B008 - frozen
-    rng = np.random.default_rng(seed)
-    costs = np.exp(rng.normal(4.0, 3.0, evaluations)) * np.linspace(1.0, 0.05, evaluations)
-    densities = 1.0 + np.sin(np.linspace(0.0, 6.0, 501)) * np.linspace(0.2, 0.8, 5)[:, np.newaxis]
-    return Run(seed, costs, rng.random((evaluations, 5)), PARAMS, pi, densities)
-
-
-def score(name: str, split: Split = Split.TRAIN, e_hdr_deg: float = 0.5) -> SessionScore:
-    return SessionScore(name, split, 20.0, 56.4, e_hdr_deg, 0.75)
-
-
-def curve(name: str, split: Split = Split.TRAIN, points: int = 400) -> Curve:
-    minutes = np.linspace(0.0, 20.0, points)
-    return Curve(name, split, minutes, 5.6 * minutes, 0.5 * np.sin(3.0 * minutes))
-
-
-def tuning(train: int = 2, test: int = 2) -> Tuning:
-    names = [(f"walk-{n}", Split.TRAIN) for n in range(train)] + [(f"check-{n}", Split.TEST) for n in range(test)]
-    return Tuning(
-        method="race",
-        evaluations=90,
-        axes=AXES,
-        run=run(pi=Pi(0.1775, 0.2838 if test else None)),
-        euler=Pi(6877.0, 2008.0 if test else None),
-        two=Pi(0.1754, 0.3236 if test else None),
-        two_params=HdrParams(0.001, 0.0, 0.25, 0.0, 0.0),
-        scores=tuple(score(*name) for name in names),
-        sample_rate_hz=100.0,
-        seconds=8.7,
-        curves=tuple(curve(*name) for name in names),
-    )
+from gyrodrift.tune.report import judged, report_html
 
 
 @pytest.fixture(scope="module", autouse=True)
 def has_fonts() -> None:
     """The fonts of a picture are opened once in a process and stay open."""
     report_html(tuning())
-
-
-def parsed(html: str) -> ET.Element:
-    """The page as XML, which it is after its first line: every element closed, everything escaped."""
-    first, _, rest = html.partition("\n")
-    assert first == "<!DOCTYPE html>"
-    return ET.fromstring(rest)
-
-
-def words(html: str) -> str:
-    """What a reader reads, the figures' words too."""
-    body = parsed(html).find("body")
-    assert body is not None
-    return re.sub(r"\s+", " ", " ".join(body.itertext()))
-
-
-def row(html: str, name: str) -> list[str]:
-    """The cells of the first row with this name."""
-    rows = [["".join(cell.itertext()).strip() for cell in one] for one in parsed(html).iter("tr")]
-    return next(cells for cells in rows if cells and cells[0] == name)
 
 
 def test_it_begins_with_the_verdict() -> None:
@@ -262,82 +206,3 @@ def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables
     assert "every 5th is drawn" in words(html)
     assert row(html, "walk-0")
     assert row(html, "check-39")
-
-
-def test_thinning_a_curve_keeps_its_peaks_and_ends() -> None:
-    """Of a hundred thousand points one is high, and one low; a hole stays a hole."""
-    x, y = np.arange(100_000.0), np.zeros(100_000)
-    y[[12_345, 99_999]] = 7.0, -5.0
-    y[50_000:60_000] = nan
-    thin = figures.line(x, y)
-    assert len(thin.x) <= figures.LINE_POINTS + 2
-    assert (np.nanmax(thin.y), np.nanmin(thin.y)) == (7.0, -5.0)
-    assert (thin.x[0], thin.x[-1]) == (0.0, 99_999.0)
-    assert np.isnan(thin.y[(thin.x > 50_500) & (thin.x < 59_500)]).all()
-    assert np.all(np.diff(thin.x) > 0.0)
-
-
-def test_the_best_so_far_falls_to_the_least() -> None:
-    """Infinite costs before the first finite one are passed by."""
-    x, y = figures.best_so_far(replace(run(), history=np.array([inf, 9.0, 9.5, 4.0, inf, 5.0])))
-    np.testing.assert_array_equal(x[np.isfinite(y)], [2.0, 4.0, 6.0])
-    np.testing.assert_array_equal(y[np.isfinite(y)], [9.0, 4.0, 4.0])
-
-
-def test_where_the_search_looked_has_the_mean_one() -> None:
-    """No preference is 1, by automata and by a histogram."""
-    at_random = replace(run(evaluations=30_000), densities=None)
-    _, height = figures.preference(at_random, 3, AXES[3])
-    assert height.mean() == pytest.approx(1.0)
-    assert np.abs(height - 1.0).max() < 0.4
-
-
-def test_errors_are_enlarged_only_where_that_shows_more() -> None:
-    """A tuned filter as bad as plain integration needs one scale; a single bad session does not spoil it."""
-    good, bad = curve("good"), replace(curve("bad"), hdr_deg=curve("bad").euler_deg)
-    assert figures.heights([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
-    assert figures.heights([bad]).zoom_deg is None
-    assert figures.heights([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("values", "expected"),
-    [
-        ([137.0291, 2.078, 29.6], ["137.0", "2.1", "29.6"]),
-        ([0.0089, 0.0388, 0.0429], ["0.0089", "0.0388", "0.0429"]),
-        ([0.0], ["0.00"]),
-        ([inf, 2.0], ["∞", "2.00"]),
-        ([nan, 1234.5], ["–", "1234"]),
-        ([1e8], ["100000000"]),
-        ([1e300], ["1e+300"]),
-    ],
-)
-def test_numbers_of_a_column_have_equally_many_decimals(values: list[float], expected: list[str]) -> None:
-    """Three digits at its middle."""
-    assert even(values) == expected
-
-
-@pytest.mark.parametrize(
-    ("value", "label"),
-    [(100.0, "100"), (0.01, "0.01"), (1e6, "10⁶"), (1e-6, "10⁻⁶"), (2e4, "2·10⁴"), (0.0, "0")],
-)
-def test_labels_of_factors_can_be_read(value: float, label: str) -> None:
-    """No noughts to be counted."""
-    assert figures.factor_label(value) == label
-
-
-def test_a_value_at_an_end_of_its_range_is_told() -> None:
-    """By factors where the axis counts factors."""
-    assert [bound_of(AXES[3], value) for value in (0.0, 0.02, 1.0, 2.99, 9.0)] == [
-        "lower",
-        "lower",
-        "",
-        "upper",
-        "upper",
-    ]
-    assert [bound_of(AXES[0], value) for value in (1e-6, 1e-5, 0.1)] == ["lower", "", "upper"]
-
-
-def test_text_is_escaped() -> None:
-    """Quotes too, since it may stand in an attribute."""
-    assert text("<a href='x'>&\"\n") == "&lt;a href=&#x27;x&#x27;&gt;&amp;&quot;\n"

@@ -37,6 +37,12 @@ def page(title: str, body: Sequence[str]) -> str:
 """
 
 
+def header(kicker: str, headline: str, *parts: str) -> str:
+    """What a page opens with: a line above its headline, the headline, and HTML."""
+    inside = "\n".join(parts)
+    return f'<header>\n<p class="kicker">{text(kicker)}</p>\n<h1>{text(headline)}</h1>\n{inside}\n</header>'
+
+
 def section(heading: str, *parts: str) -> str:
     """A chapter."""
     inside = "\n".join(part for part in parts if part)
@@ -46,6 +52,43 @@ def section(heading: str, *parts: str) -> str:
 def paragraph(html: str, kind: str = "") -> str:
     """A paragraph of HTML, with a class of the style sheet."""
     return f'<p class="{kind}">{html}</p>' if kind else f"<p>{html}</p>"
+
+
+def span(html: str, kind: str) -> str:
+    """A part of a line, with a class of the style sheet."""
+    return f'<span class="{kind}">{html}</span>'
+
+
+def warnings(heading: str, sentences: Sequence[str]) -> str:
+    """A box that cannot be overlooked; nothing where there is nothing to say."""
+    if not sentences:
+        return ""
+    items = "".join(f"<li>{text(sentence)}</li>" for sentence in sentences)
+    return f'<div class="warnings" role="note"><strong>{text(heading)}</strong><ul>{items}</ul></div>'
+
+
+def tiles(parts: Sequence[str]) -> str:
+    """Tiles side by side, as many in a row as there is room for."""
+    inside = "\n".join(parts)
+    return f'<div class="tiles">\n{inside}\n</div>'
+
+
+def tile(heading: str, rows: Sequence[tuple[str, str]]) -> str:
+    """A few values under their names, which are HTML, the first one large."""
+    kinds = [' class="main"', *[""] * len(rows)]
+    inside = "".join(f"<dt>{name}</dt><dd{kind}>{value}</dd>" for (name, value), kind in zip(rows, kinds, strict=False))
+    return f'<div class="tile"><h3>{text(heading)}</h3><dl>{inside}</dl></div>'
+
+
+def facts(rows: Sequence[tuple[str, str]]) -> str:
+    """Names, and what is to be said of each, which is HTML."""
+    inside = "\n".join(f"<dt>{name}</dt><dd>{words}</dd>" for name, words in rows)
+    return f'<dl class="facts">\n{inside}\n</dl>'
+
+
+def command_line(command: str) -> str:
+    """A command to be copied; nothing where there is none."""
+    return f"<pre><code>{text(command)}</code></pre>" if command else ""
 
 
 def table(caption: str, head: str, rows: Sequence[Sequence[str]], foot: Sequence[str] = (), words: int = 0) -> str:
@@ -91,3 +134,8 @@ def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:
         for caption, svg in zip(captions, svgs, strict=True)
     )
     return f'<div class="panels">\n{inside}\n</div>'
+
+
+def legend(marks: Sequence[tuple[str, str, str]]) -> str:
+    """What the marks of a figure are: of each its colour and its shape, as classes of the style sheet, and its name."""
+    return " &#160; ".join(span(f"{span('', shape)} {name}", colour) for colour, shape, name in marks)

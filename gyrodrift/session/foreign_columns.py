@@ -1,0 +1,74 @@
+"""Samples from messages with the column names of a session, as in JSON objects; every value is checked."""
+
+import json
+import math
+import reprlib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from gyrodrift.sample import Sample
+from gyrodrift.session.csv import REQUIRED
+
+NS_PER_S = 1_000_000_000
+
+Decode = Callable[[bytes, int], Sample]
+"""From the bytes of a message and its log time in ns to a sample."""
+
+
+class WrongValueError(Exception):
+    """A message that is whole and cannot be a sample."""
+
+
+def json_sample(payload: bytes, log_ns: int) -> Sample:
+    """A sample from a JSON object; what else stands in it is passed over."""
+    try:
+        fields = json.loads(payload)
+    except (ValueError, RecursionError) as error:
+        raise WrongValueError("is not JSON") from error
+    if not isinstance(fields, dict):
+        raise WrongValueError(f"is {reprlib.repr(fields)}, expected an object with {' and '.join(REQUIRED)}")
+    return sample_of(fields, log_ns)
+
+
+def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
+    """A sample from its columns by name; None is a value that is not there.
+
+    Raises
+    ------
+    WrongValueError
+        Where a column is missing that every sample has, or a value is none that it can have.
+    """
+    for name in REQUIRED:
+        if name not in fields:
+            raise WrongValueError(f"has no {name}, which is required")
+    seq = fields.get("seq")
+    return Sample(
+        seq=-1 if seq is None else whole("seq", seq),
+        t_device_s=number("t_device_s", fields["t_device_s"]),
+        t_host_s=number("t_host_s", fields.get("t_host_s", log_ns / NS_PER_S)),
+        rate_dps=number("rate_dps", fields["rate_dps"]),
+        encoder_deg=number("encoder_deg", fields.get("encoder_deg")),
+        temp_c=number("temp_c", fields.get("temp_c")),
+    )
+
+
+def number(name: str, value: Any) -> float:
+    """A value as a float; NaN where it is not there."""
+    if value is None:
+        return math.nan
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise WrongValueError(f"has {reprlib.repr(value)} as {name}, expected a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise WrongValueError(f"has a number as {name} that no float can hold") from None
+
+
+def whole(name: str, value: Any) -> int:
+    """A value as an integer of 64 bits; -1 where it is not there."""
+    known = number(name, value)
+    if math.isnan(known):
+        return -1
+    if not known.is_integer() or not -(2**63) <= int(value) < 2**63:
+        raise WrongValueError(f"has {reprlib.repr(value)} as {name}, expected a whole number of 64 bits")
+    return int(value)

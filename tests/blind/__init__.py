@@ -1,0 +1,20 @@
+"""The blind check of `gyrodrift diagnose`: whether it names the effect that somebody else put into the data.
+
+    python -m tests.blind run --set final --out .blind/final      seal the labels, generate, diagnose; goes on
+    python -m tests.blind score .blind/final                      open the seals, print the table, list the misses
+    python -m tests.blind show CASE --out .blind/final            open one seal; the opening is logged like any other
+
+The parts, in the order in which a case meets them:
+
+    catalogue.py   names, stages and groups of the effects, as the face of `diagnose` has them
+    generator/     sessions and a rig file from a recipe; knows nothing of gyrodrift or of its simulator
+    seals.py       labels with a salt, in files of their own; their hashes are published before any run
+    run.py         the command line of gyrodrift, handed nothing but sessions, a rig and what is withheld
+    gap.py         what it said
+    judge.py       whether that was right
+    score.py, chance.py, table.py   shares with Wilson intervals, the calibration of probabilities, the table
+
+A set's folder holds `plan.json` (public: which runs there are), `hashes.json`, `seals/`, `results/` and `openings.log`.
+The plan says what is withheld from a run. Runs on data without any gap have something withheld too, so that it tells
+nothing. The runs in which only the true effect may be fitted, the oracle of the shrink, come last, after an opening.
+"""

@@ -1,0 +1,88 @@
+"""The real device of a case, and the rig file: what somebody who bought it would write down about it.
+
+Bias, noise, sample rate and host delay differ between the two; one count and the counts per turn do not.
+"""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from blind.generator.dice import Rng
+from blind.generator.motion import Floats
+
+UNUSUAL_RATE = 0.1
+"""So often the device samples at 50 or 200 Hz, whatever the rig says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """What measures.
+
+    noise_dps_rthz
+        Angle random walk: a sample scatters by noise·√sample_rate.
+    bias_dps
+        One for each session: no device is switched on twice with the same bias.
+    host_delay_s, host_scatter_s
+        From measurement to host: least, and mean of what comes on top, which scatters as much.
+    stamp_scatter_s, clock_ppm
+        Of a healthy device clock.
+    """
+
+    sample_hz: float
+    dps_per_lsb: float
+    noise_dps_rthz: float
+    bias_dps: tuple[float, ...]
+    encoder_cpr: int
+    host_delay_s: float
+    host_scatter_s: float
+    stamp_scatter_s: float
+    clock_ppm: float
+
+    def facts(self) -> dict[str, float | int | tuple[float, ...]]:
+        """For the label."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, slots=True)
+class RigFile:
+    """What the rig says; no effects."""
+
+    noise_dps_rthz: float
+    bias_dps: float
+    host_delay_s: float
+
+    def text(self, device: Device) -> str:
+        """The file."""
+        return (
+            "base:\n  sample_rate_hz: 100\n"
+            f"  dps_per_lsb: {device.dps_per_lsb}\n"
+            f"  noise_dps_rthz: {self.noise_dps_rthz}\n"
+            f"  bias_dps: {self.bias_dps}\n"
+            f"  encoder_cpr: {device.encoder_cpr}\n"
+            f"  host_delay_s: {self.host_delay_s}\n"
+            "effects: []\n"
+        )
+
+
+def draw_device(rng: Rng, sessions: int, *, usual_rate: bool) -> tuple[Device, RigFile]:
+    """A device and its rig; at a usual rate where samples of 50 Hz would hide a small effect."""
+    rig = RigFile(round(rng.uniform(0.003, 0.0045), 5), round(rng.uniform(-0.6, 0.6), 3), 0.002)
+    bias_dps = rig.bias_dps + rng.normal(0.0, 0.3) + rng.uniform(0.05, 0.5) * rng.standard_normal(sessions)
+    near_hz, far = rng.uniform(98.6, 101.2), rng.random() < UNUSUAL_RATE
+    factor = float(rng.choice([0.5, 2.0])) if far and not usual_rate else 1.0
+    device = Device(
+        sample_hz=round(near_hz * factor, 3),
+        dps_per_lsb=float(rng.choice([0.00763, 0.00875])),
+        noise_dps_rthz=rig.noise_dps_rthz * rng.uniform(0.6, 1.7),
+        bias_dps=_rounded(bias_dps),
+        encoder_cpr=int(rng.choice([36000, 40000])),
+        host_delay_s=rng.uniform(0.001, 0.008),
+        host_scatter_s=rng.uniform(0.00003, 0.00015),
+        stamp_scatter_s=2e-6,
+        clock_ppm=rng.uniform(-3.0, 3.0),
+    )
+    return device, rig
+
+
+def _rounded(values: Floats) -> tuple[float, ...]:
+    return tuple(np.round(values, 4).tolist())

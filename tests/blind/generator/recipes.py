@@ -1,0 +1,172 @@
+"""Which cases a set has, and all that is decided about each before anything is generated."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from hashlib import blake2b
+from typing import Any, Literal
+
+from blind.catalogue import EFFECTS, EFFECTS_OF_STAGE
+from blind.generator.device import Device, RigFile, draw_device
+from blind.generator.dice import Path, Rng, plan_dice
+from blind.generator.kinds import Fault
+from blind.generator.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
+from blind.generator.pairs import PAIRS, Pair
+from blind.generator.sessions import SessionPlan, plan_sessions
+from blind.generator.sizes import SIZES, draw_fault
+
+Kind = Literal["single", "none", "outside", "pair", "left_out"]
+
+NO_GAP = 40
+DECOYS = 8
+"""So many of the cases without a gap have something withheld in a second run, as those have that leave one out."""
+
+SEEDS = {"smoke": 3, "development": 1, "final": 20260}
+PART = {"smoke": "development", "development": "development", "final": "final"}
+SHAPE = {"smoke": (4, (6.0, 6.5)), "development": (0, (6.0, 8.0)), "final": (0, (6.0, 8.0))}
+"""Sessions, and minutes of each; where it says 0 sessions, the seed takes four to six."""
+
+SMOKE: tuple[tuple[Kind, str, str], ...] = (
+    ("single", "scale_factor", "typical"),
+    ("single", "temp_bias", "large"),
+    ("single", "latency", "large"),
+    ("single", "clock_drift", "large"),
+    ("single", "sample_drop", "typical"),
+    ("single", "encoder_eccentricity", "typical"),
+    ("none", "", ""),
+    ("none", "", ""),
+    ("outside", "motor_bias", "large"),
+    ("outside", "host_wander", "large"),
+    ("pair", "15", ""),  # scale_factor and sample_drop
+    ("left_out", "scale_factor", "typical"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """A case, decided.
+
+    name
+        Random letters; the order of names tells nothing of the order of cases.
+    faults
+        What is put in.
+    stages
+        Which stage of the rig would be a right answer.
+    withhold
+        What a second run must do without; empty where there is no second run.
+    """
+
+    set_name: str
+    seed: int
+    index: int
+    kind: Kind
+    size: str
+    faults: tuple[Fault, ...]
+    stages: tuple[str, ...]
+    about: str
+    withhold: str
+    device: Device
+    rig: RigFile
+    sessions: tuple[SessionPlan, ...]
+
+    @property
+    def path(self) -> Path:
+        """Where its random numbers are found."""
+        return (self.set_name, self.seed, self.index)
+
+    @property
+    def name(self) -> str:
+        """Of the case, in public."""
+        return blake2b("/".join(map(str, (*self.path, "name"))).encode(), digest_size=6).hexdigest()
+
+    @property
+    def title(self) -> str:
+        """Of the case, among those who know: `single/latency/typical`."""
+        return "/".join([self.kind, "+".join(fault.name for fault in self.faults) or "nothing", self.size]).strip("/")
+
+    def label(self) -> dict[str, Any]:
+        """All that is sealed."""
+        return {
+            "case": self.name,
+            "set": self.set_name,
+            "seed": self.seed,
+            "index": self.index,
+            "kind": self.kind,
+            "size": self.size,
+            "effects": [asdict(fault) for fault in self.faults],
+            "stages": list(self.stages),
+            "about": self.about,
+            "withhold": self.withhold,
+            "device": self.device.facts(),
+            "sessions": [plan.facts() for plan in self.sessions],
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    kind: Kind
+    name: str
+    size: str
+
+
+def recipes(set_name: str, seed: int) -> list[Recipe]:
+    """All cases of a set."""
+    return [_recipe(set_name, seed, index, entry) for index, entry in enumerate(_entries(set_name))]
+
+
+def _entries(set_name: str) -> Iterator[_Entry]:
+    if set_name == "smoke":
+        yield from (_Entry(*entry) for entry in SMOKE)
+        return
+    yield from (_Entry("single", effect, size) for effect in EFFECTS for size in SIZES)
+    yield from (_Entry("none", "decoy" if number < DECOYS else "", "") for number in range(NO_GAP))
+    yield from (_Entry("outside", name, size) for name in OUTSIDE for size in OUTSIDE_SIZES)
+    yield from (_Entry("pair", str(number), "") for number in range(len(PAIRS)))
+    yield from (_Entry("left_out", effect, "typical") for effect in EFFECTS)
+
+
+def _recipe(set_name: str, seed: int, index: int, entry: _Entry) -> Recipe:
+    rng = plan_dice((set_name, seed, index, "plan"))
+    faults, stages, about = _content(rng, entry, PART[set_name])
+    withhold = entry.name if entry.kind == "left_out" else ""
+    if entry.name == "decoy":
+        withhold = str(rng.choice(EFFECTS))
+    few, minutes = SHAPE[set_name]
+    sessions = plan_sessions(rng, few or int(rng.integers(4, 7)), minutes)
+    device, rig = draw_device(rng, len(sessions), usual_rate=entry.size == "small")
+    return Recipe(
+        set_name=set_name,
+        seed=seed,
+        index=index,
+        kind=entry.kind,
+        size=entry.size,
+        faults=faults,
+        stages=stages,
+        about=about,
+        withhold=withhold,
+        device=device,
+        rig=rig,
+        sessions=tuple(sessions),
+    )
+
+
+def _content(rng: Rng, entry: _Entry, part: str) -> tuple[tuple[Fault, ...], tuple[str, ...], str]:
+    if entry.kind == "none":
+        return (), (), "nothing but another bias, noise, sample rate and host delay"
+    if entry.kind == "outside":
+        outside = OUTSIDE[entry.name]
+        return (draw_outside(rng, entry.name, entry.size, part),), outside.stages, outside.about
+    if entry.kind == "pair":
+        pair = PAIRS[int(entry.name)]
+        faults = tuple(_pair_faults(rng, pair, part))
+    else:
+        faults = (draw_fault(rng, entry.name, entry.size, part),)
+    return faults, tuple(_stage_of(fault.name) for fault in faults), " and ".join(fault.name for fault in faults)
+
+
+def _pair_faults(rng: Rng, pair: Pair, part: str) -> Iterator[Fault]:
+    for name, size, way in zip((pair.first, pair.second), pair.sizes, pair.ways, strict=True):
+        yield draw_fault(rng, name, size, part, way)
+
+
+def _stage_of(effect: str) -> str:
+    return next(stage for stage, effects in EFFECTS_OF_STAGE.items() if effect in effects)

@@ -1,0 +1,26 @@
+"""Sensor: what takes time. A delay, a low-pass of the second order, a tone of the motor or the fan."""
+
+import numpy as np
+from scipy.signal import butter, sosfilt, sosfilt_zi
+
+from blind.generator.dice import Rng
+from blind.generator.motion import Floats
+from blind.generator.scene import Scene, later
+
+
+def latency(values: Floats, scene: Scene, rng: Rng, *, delay_ms: float) -> Floats:
+    """The rate of a while ago, on the fine grid."""
+    return later(values, delay_ms * 1e-3 * scene.fine_hz)
+
+
+def bandwidth(values: Floats, scene: Scene, rng: Rng, *, cutoff_hz: float) -> Floats:
+    """A second-order low-pass on the fine grid, as the digital filters of these parts are."""
+    sections = butter(2, cutoff_hz, fs=scene.fine_hz, output="sos")
+    settled = sosfilt_zi(sections) * values[0]
+    passed: Floats = sosfilt(sections, values, zi=settled)[0]
+    return passed
+
+
+def vibration(values: Floats, scene: Scene, rng: Rng, *, amplitude_dps: float, frequency_hz: float) -> Floats:
+    """A tone, there before sampling: above half the sample rate it folds down."""
+    return values + amplitude_dps * np.cos(2.0 * np.pi * frequency_hz * scene.fine_s + rng.uniform(0.0, 6.28))

@@ -1,0 +1,35 @@
+"""A dozen blind cases through the real program."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from blind.command import main
+from blind.folder import SetFolder
+from blind.score import is_right
+from blind.tried import open_all
+
+LEAST_RIGHT = 10
+
+
+def has_diagnose() -> bool:
+    words = [sys.executable, "-m", "gyrodrift", "diagnose", "--help"]
+    return subprocess.run(words, capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.timeout(1800)
+def test_a_dozen_cases(tmp_path: Path) -> None:
+    """Ten of twelve are right: six effects, no gap twice, two outside the catalogue, a pair, one left out."""
+    if not has_diagnose():
+        pytest.skip("this program has no command diagnose")
+    out = tmp_path / "smoke"
+    assert main(["run", "--set", "smoke", "--no-oracle", "--out", str(out)]) == 0
+    assert main(["score", str(out)]) == 0
+    tried = open_all(SetFolder(out))
+    assert len(tried) == 12
+    wrong = [
+        f"{case.put_in} → {case.blind.text}; {case.outcomes['withheld'].text}" for case in tried if not is_right(case)
+    ]
+    assert len(tried) - len(wrong) >= LEAST_RIGHT, "\n".join(wrong)

@@ -1,0 +1,79 @@
+"""A case after its seal was opened: the truth beside what was said."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from blind.catalogue import EFFECTS
+from blind.folder import SetFolder
+from blind.gap import Outcome, load_json, read_outcome
+from blind.seals import open_seal
+
+RUNS = ("blind", "withheld", "oracle")
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """One case.
+
+    truths
+        Effects of the catalogue that are in it, with their parameters.
+    stages
+        Where a right answer may say it is.
+    outcomes
+        By run; one that was never made is a failure.
+    """
+
+    name: str
+    kind: str
+    size: str
+    about: str
+    truths: dict[str, dict[str, float]]
+    stages: tuple[str, ...]
+    withhold: str
+    put_in: str
+    outcomes: dict[str, Outcome]
+
+    @property
+    def blind(self) -> Outcome:
+        """The run that knew nothing and could name anything."""
+        return self.outcomes["blind"]
+
+    @property
+    def truth(self) -> str:
+        """The only effect of a case that has one."""
+        return next(iter(self.truths))
+
+    @property
+    def strength(self) -> dict[str, float]:
+        """Its parameters."""
+        return self.truths[self.truth]
+
+
+def tried_of(label: dict[str, Any], outcomes: dict[str, Outcome]) -> Tried:
+    """A case from its label."""
+    effects = label["effects"]
+    texts = [
+        f"{effect['name']} ({', '.join(f'{key} {value:g}' for key, value in effect['parameters'].items())})"
+        for effect in effects
+    ]
+    return Tried(
+        name=label["case"],
+        kind=label["kind"],
+        size=label["size"],
+        about=label["about"],
+        truths={effect["name"]: effect["parameters"] for effect in effects if effect["name"] in EFFECTS},
+        stages=tuple(label["stages"]),
+        withhold=label["withhold"],
+        put_in=" and ".join(texts) or "no gap",
+        outcomes=outcomes,
+    )
+
+
+def open_all(folder: SetFolder) -> list[Tried]:
+    """Open every seal of a set and put the results beside the labels."""
+    tried = []
+    for case in folder.plan().cases:
+        label = open_seal(folder, case.name, "score")
+        outcomes = {run: read_outcome(load_json(folder.result(case.name, run))) for run in RUNS}
+        tried.append(tried_of(label, outcomes))
+    return tried
