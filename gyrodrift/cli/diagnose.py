@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--withhold", action="append", default=[], metavar="EFFECT", help="leave it out of the candidates"
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="replay on a Dask cluster, such as tcp://host:8786")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -53,7 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     jobs = arguments.jobs or len(os.sched_getaffinity(0))
     with Progress(sys.stderr) as progress:
         withheld = frozenset(arguments.withhold)
-        diagnosis = diagnose(Asked(session_paths(arguments.paths), rig, withheld, jobs, progress.evaluated))
+        diagnosis = diagnose(
+            Asked(session_paths(arguments.paths), rig, withheld, jobs, arguments.cluster, progress.evaluated)
+        )
     write_files(arguments.out, diagnosis)
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)

@@ -2,30 +2,39 @@
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
-from multiprocessing import get_context
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from firmware_sim.rig import Base, Rig
-from gyrodrift.diagnose.attribute import Attribution, Cause
+from gyrodrift.diagnose.attribute import Attribution, Cause, Found
 from gyrodrift.diagnose.candidates import Candidate, candidates
 from gyrodrift.diagnose.evidence import evidence_of
-from gyrodrift.diagnose.gates import pass_gates
-from gyrodrift.diagnose.recording import Recording, recording_of
+from gyrodrift.diagnose.gather import Work, gathered, passed
+from gyrodrift.diagnose.recording import Recording
 from gyrodrift.diagnose.replay import Subject, subject_of
-from gyrodrift.diagnose.responses import Table, hints_of, table_of
+from gyrodrift.diagnose.responses import Table, hints_of
 from gyrodrift.diagnose.second import SecondOpinion, second_opinion
 from gyrodrift.diagnose.verdict import Verdict, detectable, verdict_of
 from gyrodrift.diagnose.worth import Worth, worth_of
 from gyrodrift.errors import DataError
-from gyrodrift.session.session import Floats, load_session
+from gyrodrift.session.session import Floats
 
 RUNS_OF_CHANCE = 4
 """Throws of the dice of an effect in which chance plays a part."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """What the report draws from: sessions and their tables in the same order, the search over causes and its end."""
+
+    subjects: tuple[Subject, ...]
+    tables: tuple[Table, ...]
+    attribution: Attribution
+    found: Found
+    withheld: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +52,7 @@ class Diagnosis:
     seconds: float
     sessions: tuple[str, ...]
     rig: Rig
+    drawn: Drawn = field(repr=False)
 
 
 class Asked(NamedTuple):
@@ -52,6 +62,7 @@ class Asked(NamedTuple):
     rig: Rig
     withheld: frozenset[str]
     jobs: int
+    cluster: str | None
     progress: Callable[[str, int, int], None]
 
 
@@ -64,16 +75,18 @@ def diagnose(asked: Asked) -> Diagnosis:
         Where no session can be used, with what is wrong with each.
     """
     begun_s = time.monotonic()
-    recordings, remarks = _recordings(asked.paths)
+    paths, recordings, remarks = _recordings(asked.paths)
     subjects = [subject_of(recording, asked.rig) for recording in recordings]
     hints = hints_of([(subject.seen, subject) for subject in subjects])
     tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
-    tables = _tables(subjects, tried, asked)
+    names = frozenset(candidate.name for candidate in tried)
+    works = [Work(path.resolve(), asked.rig, hints, names) for path in paths]
+    tables = gathered(works, asked.jobs, asked.cluster, asked.progress)
     evidence = evidence_of(tables, tried)
     attribution = Attribution(evidence, lambda causes: _simulated(causes, subjects, tables))
     found = attribution.search()
     verdict = verdict_of(attribution, found)
-    worth = worth_of(asked.paths, subjects, tuple(cause.effect for cause in verdict.causes))
+    worth = worth_of(subjects, tuple(cause.effect for cause in verdict.causes))
     if len(recordings) == 1:
         remarks.append(
             "one session only: nothing could be kept apart from the fit, so that all of this is its own judge"
@@ -90,20 +103,24 @@ def diagnose(asked: Asked) -> Diagnosis:
         seconds=time.monotonic() - begun_s,
         sessions=tuple(recording.name for recording in recordings),
         rig=asked.rig.model_copy(update={"effects": (*asked.rig.effects, *(cause.effect for cause in verdict.causes))}),
+        drawn=Drawn(tuple(subjects), tuple(tables), attribution, found, tuple(sorted(asked.withheld))),
     )
 
 
-def _recordings(paths: Iterable[Path]) -> tuple[list[Recording], list[str]]:
+def _recordings(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], list[str]]:
+    """Those that came through the gates, with their paths, and what is to be said of all."""
+    paths: list[Path] = []
     recordings: list[Recording] = []
     remarks: list[str] = []
-    for path in paths:
-        passed = pass_gates(recording_of(load_session(path)))
-        remarks += passed.remarks
-        if passed.recording is not None:
-            recordings.append(passed.recording)
+    for path in asked:
+        one = passed(path)
+        remarks += one.remarks
+        if one.recording is not None:
+            paths.append(path)
+            recordings.append(one.recording)
     if not recordings:
-        raise DataError("; ".join(remarks) or "there are no sessions")
-    return recordings, remarks
+        raise DataError("; ".join(remarks))
+    return paths, recordings, remarks
 
 
 def _testable(
@@ -124,33 +141,6 @@ def _testable(
     }
     tried = [c for c in every if c.name not in untestable and c.name not in withheld]
     return tried, untestable
-
-
-_shared: list[tuple[Subject, list[Candidate]]] = []
-"""What forked workers find in their memory: nothing of it has to be sent."""
-
-
-def _table(number: int) -> Table:
-    subject, tried = _shared[number]
-    return table_of(subject.seen.recording, subject, tried)
-
-
-def _tables(subjects: Sequence[Subject], tried: list[Candidate], asked: Asked) -> list[Table]:
-    _shared[:] = [(subject, tried) for subject in subjects]
-    tables: list[Table] = []
-    try:
-        if asked.jobs == 1:
-            for number in range(len(subjects)):
-                tables.append(_table(number))
-                asked.progress("sessions replayed", number + 1, len(subjects))
-            return tables
-        with ProcessPoolExecutor(min(asked.jobs, len(subjects)), get_context("fork")) as pool:
-            for table in pool.map(_table, range(len(subjects))):
-                tables.append(table)
-                asked.progress("sessions replayed", len(tables), len(subjects))
-        return tables
-    finally:
-        _shared.clear()
 
 
 def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[Table]) -> Floats:

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
+from gyrodrift.diagnose.recording import Recording
 from gyrodrift.diagnose.replay import Subject
-from gyrodrift.session.session import Floats, load_session
+from gyrodrift.session.session import Floats, Session
 from gyrodrift.tune.cost import Cost
 from gyrodrift.tune.course import Course, course_of
 from gyrodrift.tune.methods import METHODS, spend
@@ -32,10 +32,9 @@ class Worth:
     pi_real_tuned_on_real: float
 
 
-def worth_of(paths: Sequence[Path], subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> Worth:
+def worth_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> Worth:
     """Tune on simulated and real sessions, and score on real ones kept apart."""
-    by_name = {path.stem: path for path in paths}
-    real = [course_of(load_session(by_name[subject.seen.recording.name])) for subject in subjects]
+    real = [course_of(_as_session(subject.seen.recording)) for subject in subjects]
     before = [course_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
     after = [course_of(subject.session(effects, seed)) for seed, subject in enumerate(subjects)]
     number = range(len(subjects))
@@ -46,6 +45,14 @@ def worth_of(paths: Sequence[Path], subjects: Sequence[Subject], effects: tuple[
         pi = on_real.cost(np.vstack(best), scored_on).pi
         errors = [float(cost.cost(best[0]).mean_absolutes.mean()) for cost in (on_real, on_before, on_after)]
     return Worth(*errors, *(float(value) for value in pi))
+
+
+def _as_session(recording: Recording) -> Session:
+    """What the gates made of a session, without its holes."""
+    came = np.isfinite(recording.rate_dps)
+    return Session(
+        recording.name, recording.device_s[came], recording.rate_dps[came], encoder_deg=recording.encoder_deg[came]
+    )
 
 
 def _tuned(courses: Sequence[Course]) -> Floats:

@@ -1,0 +1,103 @@
+"""Signatures of the recordings beside those of the simulator, before and after the causes are added, for a person."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
+from gyrodrift.diagnose.diagnosis import Diagnosis, Drawn
+from gyrodrift.diagnose.readings import Reading, reading_of
+from gyrodrift.diagnose.replay import Subject
+from gyrodrift.diagnose.signatures.measure import NUMBER, SIGNATURES
+from gyrodrift.diagnose.signatures.signature import Signature
+from gyrodrift.diagnose.verdict import together
+from gyrodrift.session.session import Floats
+
+BAND = 2.0
+"""Standard deviations: nineteen in twenty lie within, where chance alone is at work."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Band:
+    """What a simulator expects of a signature, and how far chance alone may take it; shape (sessions,) each."""
+
+    low: Floats
+    middle: Floats
+    high: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """A signature in the units of its reading.
+
+    z_before, z_after
+        How far it is off over all sessions, in standard deviations of chance.
+    real
+        Shape (sessions,), less what the replay itself adds.
+    after
+        Under sizes fitted on the other sessions; None where no cause was found.
+    """
+
+    signature: Signature
+    unit: str
+    z_before: float
+    z_after: float
+    real: Floats
+    before: Band
+    after: Band | None
+
+
+def compared_of(diagnosis: Diagnosis) -> list[Compared]:
+    """Of every signature that stands out before or after, the worst before first."""
+    verdict, drawn = diagnosis.verdict, diagnosis.drawn
+    names = dict.fromkeys(odd.signature for odd in (*verdict.where, *verdict.leftover))
+    z_before, z_after = together(drawn.attribution.evidence.z), together(verdict.after_z)
+    scale, base = _scale(drawn.subjects), np.array([table.runs.mean(axis=0) for table in drawn.tables])
+    change, spread = predicted(drawn)
+    found = []
+    for name in names:
+        at = NUMBER[name]
+        reading, by, middle = reading_of(name), scale[:, at], base[:, at]
+        sigma, off = drawn.attribution.evidence.sigma[:, at], drawn.attribution.evidence.difference[:, at]
+        after = _band(reading, middle + change[:, at], spread[:, at], by) if drawn.found.causes else None
+        found.append(
+            Compared(
+                signature=SIGNATURES[at],
+                unit=reading.unit,
+                z_before=float(z_before[at]),
+                z_after=float(z_after[at]),
+                real=reading.of((middle + off) / by),
+                before=_band(reading, middle, sigma, by),
+                after=after,
+            )
+        )
+    return found
+
+
+def predicted(drawn: Drawn) -> tuple[Floats, Floats]:
+    """(sessions, F) what the causes change, and its spread; each session under sizes fitted on the others."""
+    attribution, causes = drawn.attribution, drawn.found.causes
+    count = len(drawn.subjects)
+    change, spread = np.zeros_like(attribution.evidence.difference), attribution.evidence.sigma.copy()
+    for left in range(count if causes else 0):
+        others = [session for session in range(count) if session != left] or None
+        mean, variance, allowance = attribution.prediction(attribution.fitted(causes, others))
+        change[left] = mean[left]
+        spread[left] = np.sqrt(spread[left] ** 2 + (variance + allowance)[left])
+    return change, spread
+
+
+def _scale(subjects: Sequence[Subject]) -> Floats:
+    """(sessions, F) by which coefficients on an orthonormal basis are divided to be RMS over a session; else 1."""
+    scale = np.ones((len(subjects), len(SIGNATURES)))
+    lags = len(COLUMNS) + len(LAG_SIGNATURES)
+    for row, subject in zip(scale, subjects, strict=True):
+        row[: len(COLUMNS)] = np.sqrt(len(subject.design.basis))
+        row[len(COLUMNS) : lags] = np.sqrt(len(subject.design.lag_basis))
+    return scale
+
+
+def _band(reading: Reading, middle: Floats, sigma: Floats, by: Floats) -> Band:
+    ends = (reading.of((middle + deviates * sigma) / by) for deviates in (-BAND, 0.0, BAND))
+    return Band(*ends)

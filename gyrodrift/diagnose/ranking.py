@@ -1,0 +1,97 @@
+"""Every candidate in a row: what each alone would explain, what it adds to the causes found, and which look alike."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.diagnose.attribute import GAIN, Attribution
+from gyrodrift.diagnose.diagnosis import Drawn
+from gyrodrift.diagnose.evidence import Answer
+from gyrodrift.diagnose.verdict import unit_of
+from gyrodrift.session.session import Floats
+
+ALIKE = 0.8
+"""Cosine of two answers from which on they are called alike."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A candidate at the size that fits best by itself.
+
+    gain
+        Of the logarithm of the likelihood over the rig as it stands, all sessions together.
+    gain_beside
+        The same over the causes that were found, when it joins them at its best size; None for these causes.
+    """
+
+    name: str
+    stage: str
+    group: str
+    parameter: str
+    value: float
+    unit: str
+    gain: float
+    gain_beside: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Alike:
+    """Two candidates that change the signatures of these sessions in nearly the same proportions."""
+
+    first: str
+    second: str
+    cosine: float
+
+
+def ranking(drawn: Drawn) -> list[Ranked]:
+    """The best first."""
+    names = drawn.attribution.names()
+    return sorted((_ranked(drawn, name) for name in names), key=lambda one: -one.gain)
+
+
+def _ranked(drawn: Drawn, name: str) -> Ranked:
+    attribution, causes = drawn.attribution, drawn.found.causes
+    answers = [answer for answer in attribution.answers if answer.candidate.name == name]
+    curves = [attribution.curve((), answer).sum(axis=1) for answer in answers]
+    at = int(np.argmax([curve.max() for curve in curves]))
+    candidate = answers[at].candidate
+    beside = None
+    if name not in drawn.found.names:
+        totals = [attribution.curve(causes, answer).sum(axis=1).max() for answer in answers]
+        beside = float(max(totals) - attribution.scores(causes).sum())
+    best = candidate.make(float(candidate.sizes[int(np.argmax(curves[at]))]))
+    return Ranked(
+        name,
+        candidate.stage,
+        candidate.group,
+        candidate.parameter,
+        float(getattr(best, candidate.parameter)),
+        unit_of(candidate.parameter),
+        float(curves[at].max() - attribution.scores(()).sum()),
+        beside,
+    )
+
+
+def lookalikes(attribution: Attribution) -> list[Alike]:
+    """Pairs that these sessions hardly separate, the closest first."""
+    directions = [(answer.candidate.name, _direction(attribution, answer)) for answer in attribution.answers]
+    closest: dict[tuple[str, str], float] = {}
+    for number, (first, one) in enumerate(directions):
+        for second, other in directions[number + 1 :]:
+            cosine = abs(float(one @ other))
+            if first != second and cosine > max(ALIKE, closest.get((first, second), 0.0)):
+                closest[first, second] = cosine
+    pairs = sorted(closest.items(), key=lambda pair: -pair[1])
+    return [Alike(first, second, cosine) for (first, second), cosine in pairs]
+
+
+def _direction(attribution: Attribution, answer: Answer) -> Floats:
+    """What a candidate does, in units of chance, at the smallest size that would be seen; length 1, or 0."""
+    changes = answer.mean / attribution.evidence.sigma
+    gains = 2.5 * np.log1p(np.square(changes) / 4.0).sum(axis=(1, 2))
+    seen = np.flatnonzero(gains > 2.0 * GAIN)
+    at = seen[np.argmin(gains[seen])] if len(seen) else np.argmax(gains)
+    change = changes[at].ravel()
+    length = float(np.linalg.norm(change))
+    unit: Floats = change / length if length > 0.0 else change
+    return unit
