@@ -81,6 +81,22 @@ COLUMNS = (
 )
 """In the order in which they are made orthogonal: what two of them share counts for the first."""
 
+SLOW_COLUMNS = frozenset(
+    {
+        "temperature",
+        "temperature_squared",
+        "decay_fast",
+        "decay_slow",
+        "time",
+        "time_squared",
+        "direction",
+        "moving",
+        "after_turn",
+        "total_angle",
+    }
+)
+"""What a bias that wanders by itself may be taken for."""
+
 CONSTANT = 1
 """The bias is calibration: the first column, and no signature."""
 
@@ -97,6 +113,8 @@ class Design:
         What the device did at each sample, shape (n,).
     speed_dps, block_rate_dps
         Of samples and of blocks.
+    quick_basis
+        Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal.
     basis, floors
         Shape (blocks, columns): regressors made orthonormal; (columns,): floors in units of the coefficients on them.
     lag_basis, lag_floors
@@ -117,6 +135,7 @@ class Design:
     block_rate_dps: Floats
     block_at_rest: Mask
     block_is_even: Mask
+    quick_basis: Floats
     basis: Floats
     floors: Floats
     lag_basis: Floats
@@ -153,6 +172,7 @@ def design_of(real: Cleaned) -> Design:
         block_rate_dps=block_rate_dps,
         block_at_rest=means(at_rest.astype(np.float64), block) > 0.99,
         block_is_even=np.abs(np.gradient(block_rate_dps)) < EVEN_DPSS,
+        quick_basis=_quick_basis(regressors),
         basis=basis,
         floors=floors,
         lag_basis=lag_basis,
@@ -212,6 +232,13 @@ def _orthonormal(columns: Floats, floors: Floats, dropped: int) -> tuple[Floats,
     is_there = np.abs(np.diag(triangle))[dropped:] > 1e-6
     basis = basis[:, dropped:] * np.sign(np.diag(triangle)[dropped:]) * is_there
     return basis, np.linalg.norm(amounts, axis=1)
+
+
+def _quick_basis(regressors: Floats) -> Floats:
+    kept = [0, *(number for number, c in enumerate(COLUMNS, CONSTANT) if c.signature.name not in SLOW_COLUMNS)]
+    chosen = regressors[:, kept]
+    basis, triangle = np.linalg.qr(chosen / np.maximum(np.linalg.norm(chosen, axis=0), 1e-300))
+    return basis * (np.abs(np.diag(triangle)) > 1e-6)
 
 
 def _regressors(motion: ReplayedMotion, speed_dps: Floats, block: int) -> Floats:

@@ -18,7 +18,12 @@ STATIC = len(COLUMNS)
 LINEAR: Mask = np.array(
     [number < STATIC + len(LAG_SIGNATURES) or s.name == "clock_ratio" for number, s in enumerate(SIGNATURES)]
 )
-LOGARITHMS = ("wander", "noise", "angle_noise", "scatter", "line", "stamp_scatter", "arrival_scatter")
+LOGARITHMS = (
+    "wander",
+    *("walk_1", "walk_2", "walk_5", "walk_6"),
+    *("noise", "angle_noise", "scatter", "line"),
+    *("stamp_scatter", "arrival_scatter"),
+)
 IS_LOG: Mask = np.array([s.name.startswith(LOGARITHMS) for s in SIGNATURES])
 
 

@@ -1,11 +1,12 @@
 """A rig driven through a recording's own motion, and the result put through the same parsing as the recording."""
 
 from dataclasses import dataclass, replace
+from zlib import crc32
 
 import numpy as np
 
 from firmware_sim.bench import measure as play
-from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.effect import Effect, Moments
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.clean import Cleaned, cleaned
 from gyrodrift.diagnose.design import Design, design_of
@@ -15,7 +16,7 @@ from gyrodrift.diagnose.signatures.measure import Facts, measure
 from gyrodrift.diagnose.signatures.noise import white_dps
 from gyrodrift.diagnose.signatures.residual import block_residual_dps
 from gyrodrift.diagnose.signatures.signature import Measured
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Floats, Session
 from gyrodrift.simulate import as_recorded
 
 
@@ -52,6 +53,20 @@ class Subject:
     def simulated_times(self, effects: tuple[Effect, ...], seed: int) -> Measured:
         """Only those of clock and link, for effects that touch nothing else."""
         return clock.measure(self._played(effects, seed))
+
+    def with_rate(self, effects: tuple[Effect, ...], seed: int, without: Cleaned) -> Cleaned:
+        """What a simulation is with effects that only add to the rate, without playing it again."""
+        motion = self.design.motion
+        t_s: Floats = np.arange(self.design.samples, dtype=np.float64) * motion.period_s
+        truth = Moments(
+            t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s
+        )
+        rate_dps = without.rate_dps
+        for effect in effects:
+            rate_dps = effect.begin(np.random.default_rng([seed, crc32(effect.name.encode())]), 1.0 / motion.period_s)(
+                rate_dps, truth
+            )
+        return replace(without, rate_dps=rate_dps)
 
     def session(self, effects: tuple[Effect, ...], seed: int) -> Session:
         """The rig with more effects, driven through the recording's motion, as a host would have recorded it."""

@@ -12,6 +12,8 @@ from gyrodrift.diagnose.candidates import Candidate, Hints
 from gyrodrift.diagnose.clean import Cleaned, step_of
 from gyrodrift.diagnose.recording import Recording
 from gyrodrift.diagnose.replay import Subject, subject_of
+from gyrodrift.diagnose.signatures import residual
+from gyrodrift.diagnose.signatures.measure import measure
 from gyrodrift.diagnose.signatures.noise import NEAR_ZERO_DPS, line_of, smallest
 from gyrodrift.session.session import Floats
 
@@ -21,6 +23,23 @@ NULL_BASE_RUNS = 2
 FIRST_NULL_SEED = 1000
 TIMES_ONLY = frozenset({"clock_drift", "timestamp_jitter", "usb_batching"})
 """They leave rate and angle of each sample as they were."""
+
+RATE_ONLY = frozenset(
+    {
+        "scale_factor",
+        "scale_asymmetry",
+        "nonlinearity",
+        "vibration_rectification",
+        "g_sensitivity",
+        "temp_bias",
+        "temp_scale",
+        "warmup",
+        "rate_random_walk",
+        "bias_instability",
+        "popcorn",
+    }
+)
+"""They add to the rate something that is slow beside a sample: its noise, its numbers and its times stay."""
 
 SPIKE_DPS, SLIP_DEG, LINE_HZ = 20.0, 0.5, 20.0
 """Of candidates for which the recordings show nothing."""
@@ -61,34 +80,37 @@ def simulated_key(candidate: Candidate, phase_deg: float) -> str:
 def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate]) -> Table:
     """Simulate all that is to be known of a session; the same dice with and without an effect."""
     own = subject.measured()
-    runs = np.array([subject.simulated((), seed).values for seed in range(BASE_RUNS)])
+    played = [subject.replayed((), seed) for seed in range(BASE_RUNS)]
+    runs = np.array([measure(one, subject.design, subject.facts).values for one in played])
     answers = {}
     for candidate in asked:
-        if candidate.phase_deg not in (None, 0.0, 90.0):
-            continue
-        answers[key(candidate)] = np.array(
-            [
-                [
-                    _with(subject, candidate, float(node), seed, runs[seed]) - runs[seed]
-                    for seed in range(candidate.dice)
-                ]
-                for node in candidate.nodes
-            ]
-        )
+        if candidate.phase_deg in (None, 0.0, 90.0):
+            nodes = [_answers(subject, candidate, float(node), played, runs) for node in candidate.nodes]
+            answers[key(candidate)] = np.array(nodes)
     base = runs.mean(axis=0)
     nulls = np.array([_null(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
     return Table(recording.name, own.values - base, own.floors, runs, nulls, answers)
 
 
-def _with(subject: Subject, candidate: Candidate, size: float, seed: int, without: Floats) -> Floats:
+def _answers(
+    subject: Subject, candidate: Candidate, size: float, played: Sequence[Cleaned], runs: Floats
+) -> list[Floats]:
+    """What a size changes, one row for each throw of the dice."""
+    return [
+        _with(subject, candidate, size, seed, played[seed], runs[seed]) - runs[seed] for seed in range(candidate.dice)
+    ]
+
+
+def _with(subject: Subject, candidate: Candidate, size: float, seed: int, played: Cleaned, without: Floats) -> Floats:
     """Signatures with a candidate; those that it cannot touch are taken over."""
     effects = (candidate.make(size),)
-    if candidate.noise_share != 1.0:
-        return subject.with_noise(candidate.noise_share).simulated(effects, seed).values
-    if candidate.name not in TIMES_ONLY:
-        return subject.simulated(effects, seed).values
-    times = subject.simulated_times(effects, seed).values
-    return np.concatenate([without[: -len(times)], times])
+    if candidate.name in RATE_ONLY:
+        slow = residual.measure(subject.with_rate(effects, seed, played), subject.design).values
+        return np.concatenate([slow, without[len(slow) :]])
+    if candidate.name in TIMES_ONLY:
+        times = subject.simulated_times(effects, seed).values
+        return np.concatenate([without[: -len(times)], times])
+    return subject.with_noise(candidate.noise_share).simulated(effects, seed).values
 
 
 def _null(subject: Subject, seed: int) -> Floats:

@@ -17,6 +17,9 @@ from gyrodrift.session.session import Floats
 SLOW_MEANS = (2, 5, 10, 20, 50)
 """Blocks; the slow signatures compare neighbouring means of so many seconds."""
 
+WALK_MEANS = (5, 20, 60, 120)
+JUMP_MEAN = 4
+
 SIGNATURES = (
     *(column.signature for column in COLUMNS),
     *LAG_SIGNATURES,
@@ -28,6 +31,12 @@ SIGNATURES = (
     Signature("step", "sensor", "late", "the bias jumps"),
     Signature("two_levels", "sensor", "always", "the bias sits on two levels"),
     Signature("cycle", "sensor", "always", "the bias swings with a period"),
+    *(
+        Signature(f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s")
+        for count in WALK_MEANS
+    ),
+    Signature("walk_levels", "sensor", "always", "the bias, taken by itself, sits on two levels"),
+    Signature("walk_jumps", "sensor", "always", "the bias, taken by itself, moves in jumps"),
     Signature("scatter_moving", "sensor", "moving", "second by second the rate scatters more when it moves"),
     Signature("scatter_accelerating", "sensor", "accelerating", "and more still when it accelerates"),
 )
@@ -38,6 +47,10 @@ LOG_FLOOR = 0.25
 LEAST_DPS = 2e-3
 """Seconds scatter by so much at least, whatever the encoder: added to every spread so that nothing is measured in
 shares of nothing."""
+
+SLOW_FLOORS = np.array(
+    [LOG_FLOOR] * (len(SLOW_MEANS) + 1) + [1.0, 0.3, 0.5] + [LOG_FLOOR] * len(WALK_MEANS) + [0.3, 0.3] + [LOG_FLOOR] * 2
+)
 
 STEP_EDGE = 8
 CYCLE_LEAST = 3
@@ -61,28 +74,44 @@ def measure(seen: Cleaned, design: Design) -> Measured:
     away_dps = smoothed(seen.rate_dps, design.period_s) - smoothed_difference(seen.encoder_deg, design.period_s)
     lags = design.lag_basis.T @ away_dps
     left_dps = residual_dps - residual_dps.mean() - design.basis @ static
-    slow, slow_floors = _slow(left_dps, design)
+    walk_dps = residual_dps - design.quick_basis @ (design.quick_basis.T @ residual_dps)
+    slow = np.concatenate([_slow(left_dps, design), _walk(walk_dps, design), _scatter(left_dps, design)])
     return Measured(
-        np.concatenate([static, lags, slow]), np.concatenate([design.floors, design.lag_floors, slow_floors])
+        np.concatenate([static, lags, slow]), np.concatenate([design.floors, design.lag_floors, SLOW_FLOORS])
     )
 
 
-def _slow(left_dps: Floats, design: Design) -> tuple[Floats, Floats]:
+def _slow(left_dps: Floats, design: Design) -> Floats:
+    """What the regressors leave: how it wanders, jumps and swings."""
     values = [_log_variance(np.diff(means(left_dps, count))) for count in SLOW_MEANS]
-    rest = left_dps[design.block_at_rest]
-    values.append(_log_variance(rest))
-    moving = left_dps[~design.block_at_rest]
+    values.append(_log_variance(left_dps[design.block_at_rest]))
     limit_dps = 4.0 * 1.4826 * float(np.median(np.abs(left_dps))) + LEAST_DPS
     held_dps = np.clip(left_dps, -limit_dps, limit_dps)
     even_dps = np.where(design.block_is_even, held_dps, 0.0)
     values += [_step(even_dps), _two_levels(held_dps[design.block_is_even]), _cycle(even_dps)]
-    values.append(_log_variance(moving) - _log_variance(rest))
+    return np.array(values)
+
+
+def _walk(walk_dps: Floats, design: Design) -> Floats:
+    """The bias by itself, slow regressors left in it, over the seconds that rest or turn steadily."""
+    place = np.arange(len(walk_dps))
+    even = design.block_is_even
+    steady_dps = np.interp(place, place[even], walk_dps[even]) if even.any() else walk_dps
+    values = [_log_variance(np.diff(means(steady_dps, count))) for count in WALK_MEANS]
+    steps_dps = np.diff(means(steady_dps, JUMP_MEAN))
+    spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
+    jumps = float(np.log1p(np.mean(steps_dps**4) / spread**2))
+    return np.array([*values, _two_levels(steady_dps), jumps])
+
+
+def _scatter(left_dps: Floats, design: Design) -> Floats:
+    """Second by second, in motion beside at rest, and where it accelerates beside where it does not."""
+    rest, moving = left_dps[design.block_at_rest], left_dps[~design.block_at_rest]
     change_dps = np.abs(np.gradient(design.block_rate_dps))[~design.block_at_rest]
     quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
-    values.append(_log_variance(moving[quick]) - _log_variance(moving[~quick]))
-    floors = np.full(len(values), LOG_FLOOR)
-    floors[6:9] = (1.0, 0.3, 0.5)
-    return np.array(values), floors
+    return np.array(
+        [_log_variance(moving) - _log_variance(rest), _log_variance(moving[quick]) - _log_variance(moving[~quick])]
+    )
 
 
 def _log_variance(values: Floats) -> float:
