@@ -97,6 +97,9 @@ SLOW_COLUMNS = frozenset(
 )
 """What a bias that wanders by itself may be taken for."""
 
+NEW_SHARE = 1e-3
+"""A column that is made of those before it but for less than this says nothing new."""
+
 CONSTANT = 1
 """The bias is calibration: the first column, and no signature."""
 
@@ -229,7 +232,7 @@ def _orthonormal(columns: Floats, floors: Floats, dropped: int) -> tuple[Floats,
     norms = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     basis, triangle = np.linalg.qr(columns / norms)
     amounts = triangle[dropped:, dropped:] * (norms[dropped:] * floors)
-    is_there = np.abs(np.diag(triangle))[dropped:] > 1e-6
+    is_there = np.abs(np.diag(triangle))[dropped:] > NEW_SHARE
     basis = basis[:, dropped:] * np.sign(np.diag(triangle)[dropped:]) * is_there
     return basis, np.linalg.norm(amounts, axis=1)
 
@@ -238,7 +241,7 @@ def _quick_basis(regressors: Floats) -> Floats:
     kept = [0, *(number for number, c in enumerate(COLUMNS, CONSTANT) if c.signature.name not in SLOW_COLUMNS)]
     chosen = regressors[:, kept]
     basis, triangle = np.linalg.qr(chosen / np.maximum(np.linalg.norm(chosen, axis=0), 1e-300))
-    return basis * (np.abs(np.diag(triangle)) > 1e-6)
+    return basis * (np.abs(np.diag(triangle)) > NEW_SHARE)
 
 
 def _regressors(motion: ReplayedMotion, speed_dps: Floats, block: int) -> Floats:

@@ -1,0 +1,157 @@
+"""The command that explains the gap, from sessions and a rig to its files."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cluster_support import cluster
+
+from firmware_sim.motion import load_profile
+from firmware_sim.rig import load_rig, parse_effect, with_effects
+from gyrodrift.cli import main
+from gyrodrift.session.session import load_session
+from gyrodrift.session.write import write_session
+from gyrodrift.simulate import write_sessions
+
+MINUTES = 4.0
+
+
+def record(folder: Path, *effects: str, sessions: int = 3) -> Path:
+    rig = with_effects(load_rig(None), [parse_effect(text) for text in effects])
+    list(write_sessions(rig, load_profile("identify"), folder, 11, sessions, MINUTES, "csv"))
+    (folder / "rig.yaml").unlink()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Sessions of the shipped rig."""
+    return record(tmp_path_factory.mktemp("plain"))
+
+
+@pytest.fixture(scope="module")
+def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of one whose gyro reads 1.2 % too much."""
+    return record(tmp_path_factory.mktemp("scaled"), "scale_factor:error_percent=1.2")
+
+
+def diagnosed(sessions: Path, out: Path, *options: str) -> dict[str, Any]:
+    assert main(["diagnose", str(sessions), "--out", str(out), "--jobs", "1", *options]) == 0
+    found: dict[str, Any] = json.loads((out / "gap.json").read_text())
+    return found
+
+
+def test_a_missing_effect_is_named_sized_and_closes_the_gap(
+    scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And the rig that is written has it, and simulates sessions that no longer differ."""
+    gap = diagnosed(scaled, tmp_path / "out")
+    said = capsys.readouterr().out.splitlines()
+    assert gap["verdict"] == "effect"
+    (cause,) = gap["causes"]
+    assert (cause["effect"], cause["group"]) == ("scale_factor", "scale")
+    size = cause["parameters"]["error_percent"]
+    assert size["value"] == pytest.approx(1.2, rel=0.1)
+    assert size["low"] <= size["value"] <= size["high"]
+    assert size["unit"] == "%"
+    assert cause["probability"] > 0.9
+    assert gap["where"][0]["signature"] == "rate"
+    assert gap["gap"]["shrink"] > 0.8
+    assert gap["second_opinion"]["effect"] == "scale_factor"
+    assert gap["second_opinion"]["value"] == pytest.approx(1.2, rel=0.02)
+    assert gap["second_opinion"]["agrees"]
+    assert gap["yaw"]["e_sim_after_deg"] == pytest.approx(gap["yaw"]["e_real_deg"], rel=0.3)
+    assert said[0] == "effect: the sessions differ from the simulator by scale_factor"
+    assert len(said) <= 10
+    again = with_effects(load_rig(tmp_path / "out" / "rig.yaml"), [])
+    assert [effect.name for effect in again.effects] == ["scale_factor"]
+
+
+def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
+    """No cause, nothing left over, and the smallest effect of each kind."""
+    gap = diagnosed(plain, tmp_path)
+    assert gap["verdict"] == "none"
+    assert gap["causes"] == gap["where"] == gap["leftover"] == []
+    assert 0.02 < gap["detectable"]["scale_factor"]["error_percent"] < 0.5
+    assert gap["calibration"]["noise_dps_rthz"]["data"] == pytest.approx(0.0035, rel=0.1)
+    assert gap["calibration"]["bias_dps"]["data"] == pytest.approx(0.35, abs=0.01)
+
+
+def test_an_effect_that_is_withheld_is_not_named(scaled: Path, tmp_path: Path) -> None:
+    """And what it did is not passed over."""
+    gap = diagnosed(scaled, tmp_path, "--withhold", "scale_factor")
+    assert "scale_factor" not in [cause["effect"] for cause in gap["causes"]]
+    assert gap["verdict"] in {"unknown", "partly"}
+    assert gap["where"][0]["signature"] == "rate"
+
+
+def test_what_needs_host_time_temperature_or_counter_is_called_untestable(scaled: Path, tmp_path: Path) -> None:
+    """And the rest is said."""
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    for path in sorted(scaled.iterdir()):
+        session = load_session(path)
+        write_session(bare / path.name, [replace(session, t_host_s=None, temp_c=None, seq=None)])
+    gap = diagnosed(bare, tmp_path / "out")
+    assert set(gap["untestable"]) == {"clock_drift", "usb_batching", "temp_bias", "temp_scale", "sample_drop"}
+    assert gap["causes"][0]["effect"] == "scale_factor"
+
+
+def test_one_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> None:
+    """Without a claim about sessions kept apart."""
+    gap = diagnosed(next(scaled.iterdir()), tmp_path)
+    assert gap["causes"][0]["effect"] == "scale_factor"
+    assert "one session only" in gap["remarks"][-1]
+
+
+def test_sign_and_unit_are_told_before_anything_else(scaled: Path, tmp_path: Path) -> None:
+    """And put right."""
+    turned = tmp_path / "turned"
+    turned.mkdir()
+    for path in sorted(scaled.iterdir()):
+        session = load_session(path)
+        write_session(turned / path.name, [replace(session, rate_dps=-np.deg2rad(session.rate_dps))])
+    gap = diagnosed(turned, tmp_path / "out")
+    assert sum("the sign opposite" in remark for remark in gap["remarks"]) == 3
+    assert sum("in radians per second" in remark for remark in gap["remarks"]) == 3
+
+
+def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path) -> None:
+    """But for the last digits of what libraries add up in parts."""
+    pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
+    with cluster(tmp_path, 2) as running:
+        shared = diagnosed(scaled, tmp_path / "shared", "--cluster", running.address)
+    here = diagnosed(scaled, tmp_path / "here")
+    assert shared["verdict"] == here["verdict"]
+    assert [cause["effect"] for cause in shared["causes"]] == [cause["effect"] for cause in here["causes"]]
+    sizes = [gap["causes"][0]["parameters"]["error_percent"]["value"] for gap in (shared, here)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-6)
+    assert shared["gap"]["before"] == pytest.approx(here["gap"]["before"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (["{plain}", "--withhold", "gremlins"], 2, "--withhold gremlins: there is no such effect"),
+        (["{plain}", "--rig", "{tmp}/none.yaml"], 2, "none.yaml"),
+        (["{tmp}/nothing"], 4, "there is no such session or folder"),
+        (["{tmp}/blind.csv"], 4, "has no encoder"),
+        (["{tmp}/dead.csv"], 4, "the encoder does not move while the gyro does"),
+    ],
+)
+def test_mistakes_are_one_line(
+    plain: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], status: int, message: str
+) -> None:
+    """And a status, and nothing is written."""
+    session = load_session(next(plain.iterdir()))
+    write_session(tmp_path / "blind.csv", [replace(session, encoder_deg=None)])
+    write_session(tmp_path / "dead.csv", [replace(session, encoder_deg=np.zeros(len(session.rate_dps)))])
+    words = [word.format(plain=plain, tmp=tmp_path) for word in arguments]
+    assert main(["diagnose", *words, "--out", str(tmp_path / "out")]) == status
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+    assert not (tmp_path / "out" / "gap.json").exists()
