@@ -7,6 +7,7 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
+from gyrodrift.diagnose.signatures.signature import Signature
 from gyrodrift.session.session import Floats
 
 GROUPS: Mapping[str, str] = {
@@ -107,6 +108,11 @@ class Candidate:
         """Of the rig."""
         return CATALOGUE[self.name].stage
 
+    @property
+    def is_strange(self) -> bool:
+        """Whether it is no effect of the catalogue."""
+        return self.name not in CATALOGUE
+
 
 def candidates(hints: Hints) -> list[Candidate]:
     """All of them; turned ones (`phase`) are not simulated but composed, see `responses`."""
@@ -141,6 +147,17 @@ def candidates(hints: Hints) -> list[Candidate]:
         _sized("vibration", "amplitude_dps", (0.01, 0.03, 0.1, 0.3, 1.0, 3.0), frequency_hz=hints.line_hz),
     ]
     return [*found, _encoder_quantization(hints.angle_step_deg)]
+
+
+def strange(signature: Signature, floor: float) -> Candidate:
+    """A dependence without an effect: how much of it there is, in multiples of what does not matter."""
+    up = floor * _between(3.0, 3000.0)
+    sizes = np.concatenate([-up[::-1], up])
+    return Candidate(f"?{signature.name}", "", _no_effect, "coefficient", sizes, sizes)
+
+
+def _no_effect(_: float) -> Effect:
+    raise LookupError("no effect of the catalogue does this")
 
 
 def _effect(name: str, parameter: str, fixed: Mapping[str, float]) -> Callable[[float], Effect]:

@@ -120,6 +120,8 @@ class Design:
         Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal.
     basis, floors
         Shape (blocks, columns): regressors made orthonormal; (columns,): floors in units of the coefficients on them.
+    patterns
+        Shape (columns, columns): the coefficients on the basis that one unit of each regressor makes, a row each.
     lag_basis, lag_floors
         The same for what the rate does within a second, shape (n, columns).
     """
@@ -141,6 +143,7 @@ class Design:
     quick_basis: Floats
     basis: Floats
     floors: Floats
+    patterns: Floats
     lag_basis: Floats
     lag_floors: Floats
 
@@ -178,6 +181,7 @@ def design_of(real: Cleaned) -> Design:
         quick_basis=_quick_basis(regressors),
         basis=basis,
         floors=floors,
+        patterns=(basis.T @ regressors[:, CONSTANT:]).T,
         lag_basis=lag_basis,
         lag_floors=lag_floors,
     )

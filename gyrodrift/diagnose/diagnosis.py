@@ -145,10 +145,12 @@ def _testable(
 
 def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[Table]) -> Floats:
     """(sessions, F) what a whole set of causes does to the signatures."""
-    effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes)
+    known = [cause for cause in causes if not cause.answer.candidate.is_strange]
+    effects = tuple(cause.answer.candidate.make(cause.size) for cause in known)
     share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
     runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE
-    return np.array(
+    rest = sum(cause.answer.mean[cause.at] for cause in causes if cause.answer.candidate.is_strange)
+    found: Floats = rest + np.array(
         [
             np.mean(
                 [subject.with_noise(share).simulated(effects, seed).values - table.runs[seed] for seed in range(runs)],
@@ -157,6 +159,7 @@ def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Seq
             for subject, table in zip(subjects, tables, strict=True)
         ]
     )
+    return found
 
 
 def _calibration(base: Base, subjects: Sequence[Subject]) -> dict[str, dict[str, float]]:

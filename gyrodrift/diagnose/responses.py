@@ -55,6 +55,8 @@ class Table:
         (runs, F) signatures of the latter, one throw of the dice each.
     nulls
         (runs, F) the same differences where the recording is the rig itself.
+    patterns
+        (columns, columns) what a unit of each regressor does to the first signatures.
     answers
         Of each candidate that was simulated: (nodes, dice, F), change of the signatures when it is added.
     """
@@ -64,6 +66,7 @@ class Table:
     floors: Floats
     runs: Floats
     nulls: Floats
+    patterns: Floats
     answers: dict[str, Floats]
 
 
@@ -89,7 +92,7 @@ def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate])
             answers[key(candidate)] = np.array(nodes)
     base = runs.mean(axis=0)
     nulls = np.array([_null(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
-    return Table(recording.name, own.values - base, own.floors, runs, nulls, answers)
+    return Table(recording.name, own.values - base, own.floors, runs, nulls, subject.design.patterns, answers)
 
 
 def _answers(

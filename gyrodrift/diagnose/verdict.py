@@ -10,7 +10,7 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.attribute import GAIN, Attribution, Cause, Found
 from gyrodrift.diagnose.evidence import Evidence
 from gyrodrift.diagnose.recording import Mask
-from gyrodrift.diagnose.signatures.measure import SIGNATURES
+from gyrodrift.diagnose.signatures.measure import NUMBER, SIGNATURES
 from gyrodrift.session.session import Floats
 
 STANDS_OUT = 4.5
@@ -103,7 +103,8 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
     after_z = _after(attribution, found)
     before, after = together(evidence.z), together(after_z)
     is_off = np.abs(before) > STANDS_OUT
-    leftover = _odd(after, LEFT_OVER)
+    strangers = [cause for cause in found.causes if cause.answer.candidate.is_strange]
+    leftover = (*_strange(attribution, found, strangers), *_odd(after, LEFT_OVER))
     causes = _named(attribution, found, before, after)
     kind = _kind(causes, is_off, before, after, leftover)
     return Verdict(
@@ -138,6 +139,20 @@ def _after(attribution: Attribution, found: Found) -> Floats:
         change, variance, allowance = attribution.prediction(causes)
         z[left] = ((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + allowance))[left]
     return z
+
+
+def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause]) -> list[Odd]:
+    """What was explained by no effect, by the signature it stands for; its z is what it would be without."""
+    odd = []
+    for cause in strangers:
+        kept = tuple(other for other in found.causes if other is not cause)
+        change, variance, allowance = attribution.prediction(kept)
+        evidence = attribution.evidence
+        z = together((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + allowance))
+        number = NUMBER[cause.name.removeprefix("?")]
+        one = SIGNATURES[number]
+        odd.append(Odd(one.stage, one.name, one.regime, one.says, float(z[number]), 1.0))
+    return sorted(odd, key=lambda one: -abs(one.z))
 
 
 def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
@@ -178,6 +193,8 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
     explained = max(_explained(is_off, before, after), 0.0)
     named = []
     for cause in found.causes:
+        if cause.answer.candidate.is_strange:
+            continue
         kept = tuple(other for other in found.causes if other is not cause)
         rivals = _rivals(attribution, found, cause, kept)
         lost = (
@@ -313,7 +330,7 @@ def detectable(attribution: Attribution) -> dict[str, dict[str, float | str]]:
     """Of each effect, the smallest size that these sessions would have shown."""
     found: dict[str, dict[str, float | str]] = {}
     sigma = attribution.evidence.sigma
-    for answer in attribution.answers:
+    for answer in (one for one in attribution.answers if not one.candidate.is_strange):
         gains = 2.5 * np.log1p(np.square(answer.mean) / (4.0 * sigma**2)).sum(axis=(1, 2))
         at = np.flatnonzero(gains > 2.0 * GAIN)
         if not len(at):
