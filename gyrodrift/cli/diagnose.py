@@ -6,12 +6,13 @@ and how far adding it closes the gap. DIR gets gap.json, report.html, and rig.ya
 
 import argparse
 import os
+import shlex
 import sys
 from pathlib import Path
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable
+from gyrodrift.files import check_writable, write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,6 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_writable(arguments.out)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
     try:
+        import matplotlib as mpl  # noqa: F401
         import numba  # noqa: F401
         import scipy  # noqa: F401
     except ImportError as error:
@@ -40,6 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import Asked, diagnose
+    from gyrodrift.diagnose.report import report_html
     from gyrodrift.diagnose.write import summary, write_files
     from gyrodrift.session.session import session_paths
     from gyrodrift.tune.progress import Progress
@@ -58,6 +61,8 @@ def run(arguments: argparse.Namespace) -> int:
             Asked(session_paths(arguments.paths), rig, withheld, jobs, arguments.cluster, progress.evaluated)
         )
     write_files(arguments.out, diagnosis)
+    page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))
+    write_whole(arguments.out / "report.html", [page])
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)
     for line in summary(diagnosis):

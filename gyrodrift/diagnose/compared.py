@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
 from gyrodrift.diagnose.diagnosis import Diagnosis, Drawn
 from gyrodrift.diagnose.readings import Reading, reading_of
@@ -52,23 +53,24 @@ def compared_of(diagnosis: Diagnosis) -> list[Compared]:
     """Of every signature that stands out before or after, the worst before first."""
     verdict, drawn = diagnosis.verdict, diagnosis.drawn
     names = dict.fromkeys(odd.signature for odd in (*verdict.where, *verdict.leftover))
-    z_before, z_after = together(drawn.attribution.evidence.z), together(verdict.after_z)
+    left = {odd.signature: odd.z for odd in verdict.leftover}
     scale, base = _scale(drawn.subjects), np.array([table.runs.mean(axis=0) for table in drawn.tables])
     change, spread = predicted(drawn)
+    evidence = drawn.attribution.evidence
+    z_before, z_after = together(evidence.z), together((evidence.difference - change) / spread)
     found = []
     for name in names:
         at = NUMBER[name]
         reading, by, middle = reading_of(name), scale[:, at], base[:, at]
-        sigma, off = drawn.attribution.evidence.sigma[:, at], drawn.attribution.evidence.difference[:, at]
-        after = _band(reading, middle + change[:, at], spread[:, at], by) if drawn.found.causes else None
+        after = _band(reading, middle + change[:, at], spread[:, at], by) if verdict.causes else None
         found.append(
             Compared(
                 signature=SIGNATURES[at],
                 unit=reading.unit,
                 z_before=float(z_before[at]),
-                z_after=float(z_after[at]),
-                real=reading.of((middle + off) / by),
-                before=_band(reading, middle, sigma, by),
+                z_after=float(left.get(name, z_after[at])),
+                real=reading.of((middle + evidence.difference[:, at]) / by),
+                before=_band(reading, middle, evidence.sigma[:, at], by),
                 after=after,
             )
         )
@@ -76,13 +78,14 @@ def compared_of(diagnosis: Diagnosis) -> list[Compared]:
 
 
 def predicted(drawn: Drawn) -> tuple[Floats, Floats]:
-    """(sessions, F) what the causes change, and its spread; each session under sizes fitted on the others."""
+    """(sessions, F) what the effects found change, and its spread; each session under sizes fitted on the others."""
     attribution, causes = drawn.attribution, drawn.found.causes
     count = len(drawn.subjects)
     change, spread = np.zeros_like(attribution.evidence.difference), attribution.evidence.sigma.copy()
     for left in range(count if causes else 0):
         others = [session for session in range(count) if session != left] or None
-        mean, variance, allowance = attribution.prediction(attribution.fitted(causes, others))
+        effects = [cause for cause in attribution.fitted(causes, others) if cause.name in CATALOGUE]
+        mean, variance, allowance = attribution.prediction(effects)
         change[left] = mean[left]
         spread[left] = np.sqrt(spread[left] ** 2 + (variance + allowance)[left])
     return change, spread

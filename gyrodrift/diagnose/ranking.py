@@ -1,13 +1,14 @@
-"""Every candidate in a row: what each alone would explain, what it adds to the causes found, and which look alike."""
+"""Every effect in a row: what each alone would explain, what it adds to the causes found, and which look alike."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.diagnose.attribute import GAIN, Attribution
+from firmware_sim.effects.catalogue import CATALOGUE
+from gyrodrift.diagnose.attribute import GAIN, Attribution, Cause
 from gyrodrift.diagnose.diagnosis import Drawn
 from gyrodrift.diagnose.evidence import Answer
-from gyrodrift.diagnose.verdict import unit_of
+from gyrodrift.diagnose.verdict import STANDS_OUT, WORST_Z, together, unit_of
 from gyrodrift.session.session import Floats
 
 ALIKE = 0.8
@@ -22,6 +23,8 @@ class Ranked:
         Of the logarithm of the likelihood over the rig as it stands, all sessions together.
     gain_beside
         The same over the causes that were found, when it joins them at its best size; None for these causes.
+    takes_away
+        Share of what stands out; below 0 where it adds to it, None where nothing stands out.
     """
 
     name: str
@@ -32,6 +35,7 @@ class Ranked:
     unit: str
     gain: float
     gain_beside: float | None
+    takes_away: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +49,7 @@ class Alike:
 
 def ranking(drawn: Drawn) -> list[Ranked]:
     """The best first."""
-    names = drawn.attribution.names()
+    names = [name for name in drawn.attribution.names() if name in CATALOGUE]
     return sorted((_ranked(drawn, name) for name in names), key=lambda one: -one.gain)
 
 
@@ -59,22 +63,36 @@ def _ranked(drawn: Drawn, name: str) -> Ranked:
     if name not in drawn.found.names:
         totals = [attribution.curve(causes, answer).sum(axis=1).max() for answer in answers]
         beside = float(max(totals) - attribution.scores(causes).sum())
-    best = candidate.make(float(candidate.sizes[int(np.argmax(curves[at]))]))
+    cause = Cause(answers[at], int(np.argmax(curves[at])))
     return Ranked(
         name,
         candidate.stage,
         candidate.group,
         candidate.parameter,
-        float(getattr(best, candidate.parameter)),
+        float(getattr(candidate.make(cause.size), candidate.parameter)),
         unit_of(candidate.parameter),
         float(curves[at].max() - attribution.scores(()).sum()),
         beside,
+        _taken_away(attribution, cause),
     )
+
+
+def _taken_away(attribution: Attribution, cause: Cause) -> float | None:
+    evidence = attribution.evidence
+    change, variance, _ = attribution.prediction((cause,))
+    before = np.abs(together(evidence.z))
+    after = np.abs(together((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance)))
+    is_off = before > STANDS_OUT
+    if not is_off.any():
+        return None
+    held = [np.square(np.minimum(deviates[is_off], WORST_Z)).sum() for deviates in (before, after)]
+    return float(1.0 - held[1] / held[0])
 
 
 def lookalikes(attribution: Attribution) -> list[Alike]:
     """Pairs that these sessions hardly separate, the closest first."""
-    directions = [(answer.candidate.name, _direction(attribution, answer)) for answer in attribution.answers]
+    effects = [answer for answer in attribution.answers if answer.candidate.name in CATALOGUE]
+    directions = [(answer.candidate.name, _direction(attribution, answer)) for answer in effects]
     closest: dict[tuple[str, str], float] = {}
     for number, (first, one) in enumerate(directions):
         for second, other in directions[number + 1 :]:

@@ -65,7 +65,9 @@ def _ppm(ratio: Floats) -> Floats:
 OTHERS = Reading("", _as_it_is)
 REGRESSED = Reading("deg/s RMS", _as_it_is)
 READINGS = (
-    ("wander", Reading("deg/s", _amplitude)),
+    ("walk_levels", Reading("excess kurtosis", _as_it_is)),
+    ("walk_jumps", Reading("kurtosis of steps", _above_one)),
+    (("wander", "walk"), Reading("deg/s", _amplitude)),
     ("scatter", Reading("times as at rest", _amplitude)),
     ("noise", Reading("times its middle", _amplitude)),
     ("angle_noise", Reading("deg", _amplitude)),

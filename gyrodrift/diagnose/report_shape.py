@@ -1,0 +1,117 @@
+"""What the difference looks like, in a report: rate errors against all they may depend on, over time, as a spectrum."""
+
+from collections.abc import Sequence
+
+from gyrodrift.diagnose.diagnosis import Diagnosis
+from gyrodrift.diagnose.medians import shape_dps
+from gyrodrift.diagnose.regressors import Against, against
+from gyrodrift.diagnose.report_figures import against_svgs, over_time_svgs, spectrum_svg
+from gyrodrift.diagnose.report_words import marks, number
+from gyrodrift.diagnose.seconds import Seconds, seconds_of
+from gyrodrift.diagnose.spectra import pooled
+from gyrodrift.page.html import figure, panels, paragraph, section, span, text
+from gyrodrift.page.numbers import significant
+
+NAMED = 3
+MATTERS_DPS = 2e-3
+"""RMS below which a dependence is nobody's trouble, deg/s."""
+
+JUMPS_TOLD = 4
+RANDOM = (
+    "Chance plays a part in what is named: the simulator's throws of the dice are not those of the real thing, so that "
+    "the two agree in kind and not second by second. What is left over below still holds it."
+)
+
+
+def shape(diagnosis: Diagnosis) -> str:
+    """The section."""
+    sessions = seconds_of(diagnosis)
+    every, has_causes = against(sessions), bool(diagnosis.verdict.causes)
+    is_random = any(cause.cause.answer.candidate.dice > 1 for cause in diagnosis.verdict.causes)
+    depends = RANDOM if is_random else _depends(every, has_causes=has_causes)
+    parts = [paragraph(_introduction(diagnosis, sessions)), paragraph(depends)]
+    if every:
+        svgs = against_svgs(every, has_causes=has_causes)
+        parts += [
+            figure(
+                _against_words(has_causes=has_causes),
+                panels([_against_name(one, has_causes=has_causes) for one in every], svgs),
+            )
+        ]
+    svgs = over_time_svgs(sessions, has_causes=has_causes)
+    parts += [figure(_time_words(has_causes=has_causes), panels([_session_name(one) for one in sessions], svgs))]
+    spectra = [pooled([one.slow for one in sessions]), pooled([one.quick for one in sessions])]
+    svg = spectrum_svg([one for one in spectra if len(one.hz)], has_causes=has_causes)
+    parts += [figure(_spectrum_words(has_causes=has_causes), svg)]
+    return section(
+        "What the difference looks like" if diagnosis.verdict.where else "What rate errors look like", *parts
+    )
+
+
+def _introduction(diagnosis: Diagnosis, sessions: Sequence[Seconds]) -> str:
+    total = len(diagnosis.sessions)
+    some = f" Drawn are {len(sessions)} of {total} sessions." if total > len(sessions) else ""
+    return (
+        "The rate error is the mean rate of a second less that of the encoder, without the bias of the session. Each "
+        f"figure shows it as it was recorded, and as the simulator gives it on the same motion.{some}"
+    )
+
+
+def _depends(every: Sequence[Against], *, has_causes: bool) -> str:
+    """On what the rate error depends more than the simulator's does."""
+    left = sorted(((shape_dps(one.x, one.left_dps), one.regressor.name) for one in every), reverse=True)
+    told = [f"{text(name)} ({significant(dps, 2)} deg/s RMS)" for dps, name in left[:NAMED] if dps > MATTERS_DPS]
+    what = "What the causes leave over" if has_causes else "The recordings less the simulator"
+    if not told:
+        return f"<b>{what}:</b> nothing that depends on anything drawn here."
+    return f"<b>{what}:</b> depends on, each taken by itself and the strongest first, {'; '.join(told)}."
+
+
+def _against_words(*, has_causes: bool) -> str:
+    return (
+        "<b>Rate error against what it may depend on.</b> Dots are seconds of the recordings, lines are medians. Below "
+        "in each panel: recordings less simulator, enlarged, with the range of two standard errors. A line that stays "
+        f"on 0 is explained.<br/>{marks(has_causes=has_causes)}"
+    )
+
+
+def _against_name(one: Against, *, has_causes: bool) -> str:
+    before, left = shape_dps(one.x, one.real_dps - one.before_dps), shape_dps(one.x, one.left_dps)
+    amounts = f"{_dps(before)} → {_dps(left)}" if has_causes else _dps(left)
+    return f"<strong>{text(one.regressor.name)}</strong><br/>{span(f'follows it: {amounts} deg/s RMS', 'note')}"
+
+
+def _dps(value: float) -> str:
+    return f"{value:.3f}" if value < 1.0 else significant(value, 3)
+
+
+def _time_words(*, has_causes: bool) -> str:
+    return (
+        "<b>Rate error over time.</b> Medians of five seconds. Dotted: where what is left over jumps from one level to "
+        "another.<br/>"
+        f"{marks(has_causes=has_causes)}"
+    )
+
+
+def _session_name(session: Seconds) -> str:
+    name = f'<b title="{text(session.name)}">{session.number}. {text(session.name)}</b>'
+    return name + span(_jumps(session), "note")
+
+
+def _jumps(session: Seconds) -> str:
+    count = len(session.jumps)
+    if not count:
+        return "no jumps"
+    told = [
+        f"{session.minutes[jump.second]:.1f} min ({number(jump.step_dps, 2)})" for jump in session.jumps[:JUMPS_TOLD]
+    ]
+    more = " …" if count > JUMPS_TOLD else ""
+    return f"{count} jump{'s' * (count > 1)}: {', '.join(told)}{more}"
+
+
+def _spectrum_words(*, has_causes: bool) -> str:
+    return (
+        "<b>Spectrum of the rate error</b>, above half a hertz while it rests, or else turns steadily. Noise of the "
+        "sensor is a level line; a bias that wanders rises to the left; a vibration is a peak."
+        f"<br/>{marks(has_causes=has_causes, has_left=False)}"
+    )
