@@ -60,11 +60,11 @@ def _introduction(diagnosis: Diagnosis, sessions: Sequence[Seconds]) -> str:
 def _depends(every: Sequence[Against], *, has_causes: bool) -> str:
     """On what the rate error depends more than the simulator's does."""
     left = sorted(((shape_dps(one.x, one.left_dps), one.regressor.name) for one in every), reverse=True)
-    told = [f"{text(name)} ({significant(dps, 2)} deg/s RMS)" for dps, name in left[:NAMED] if dps > MATTERS_DPS]
-    what = "What the causes leave over" if has_causes else "The recordings less the simulator"
+    told = [f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in left[:NAMED] if dps > MATTERS_DPS]
+    what = "What is left over" if has_causes else "The difference"
     if not told:
-        return f"<b>{what}:</b> nothing that depends on anything drawn here."
-    return f"<b>{what}:</b> depends on, each taken by itself and the strongest first, {'; '.join(told)}."
+        return f"<b>{what} depends on</b> nothing that is drawn here."
+    return f"<b>{what} depends on</b> {'; '.join(told)}. Each is taken by itself, the strongest first."
 
 
 def _against_words(*, has_causes: bool) -> str:

@@ -141,17 +141,17 @@ def _closed(gap: Gap) -> list[tuple[str, str]]:
 
 
 def _yaw_tile(diagnosis: Diagnosis) -> str:
-    worth = diagnosis.worth
-    rows = [(NAMES[0], degrees(worth.e_real_deg)), (NAMES[1], degrees(worth.e_sim_before_deg))]
+    worth, before = diagnosis.worth, NAMES[1] if diagnosis.verdict.causes else "simulated"
+    rows = [(NAMES[0], degrees(worth.e_real_deg)), (before, degrees(worth.e_sim_before_deg))]
     rows += [(NAMES[2], degrees(worth.e_sim_after_deg))] * bool(diagnosis.verdict.causes)
     return tile("Mean yaw error of the same filter", rows)
 
 
 def _transfer_tile(diagnosis: Diagnosis) -> str:
-    worth = diagnosis.worth
+    worth, before = diagnosis.worth, NAMES[1] if diagnosis.verdict.causes else "simulated"
     rows = [
         (NAMES[2], degrees(sqrt(worth.pi_real_tuned_on_sim_after))),
-        (NAMES[1], degrees(sqrt(worth.pi_real_tuned_on_sim_before))),
+        (before, degrees(sqrt(worth.pi_real_tuned_on_sim_before))),
         (NAMES[0], degrees(sqrt(worth.pi_real_tuned_on_real))),
     ]
     return tile("Yaw error of real sessions (RMS), tuned on", rows if diagnosis.verdict.causes else rows[1:])

@@ -53,7 +53,8 @@ UNITS = {"1/h": "per hour"}
 
 def marks(*, has_causes: bool, has_left: bool = True) -> str:
     """The legend of all figures."""
-    return legend([REAL, BEFORE, *[AFTER] * has_causes, *[LEFT] * has_left])
+    simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulated")]
+    return legend([REAL, *simulated, *[LEFT] * has_left])
 
 
 def meaning(effect: Effect) -> str:
