@@ -16,6 +16,8 @@ from gyrodrift.session.session import load_session
 from gyrodrift.session.write import write_session
 from gyrodrift.simulate import write_sessions
 
+pytestmark = pytest.mark.timeout(600)
+
 MINUTES = 4.0
 
 

@@ -4,6 +4,7 @@ import fcntl
 import io
 import os
 import pty
+import select
 import struct
 import termios
 import tty
@@ -19,6 +20,9 @@ from gyrodrift.link.link import Link
 from gyrodrift.record import live_line
 from gyrodrift.record.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.record.recorder import Recorder
+
+
+QUIET_S = 0.2
 
 
 class Going:
@@ -57,7 +61,11 @@ class Terminal:
         self.master = -1
 
     def shown(self) -> str:
-        return os.read(self.master, 1 << 16).decode()
+        """All that has come; a pty hands on what is written in its own time."""
+        found = os.read(self.master, 1 << 16)
+        while select.select([self.master], [], [], QUIET_S)[0]:
+            found += os.read(self.master, 1 << 16)
+        return found.decode()
 
     def close(self) -> None:
         with suppress(OSError):  # what a dead terminal did not take
