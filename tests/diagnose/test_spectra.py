@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from gyrodrift.diagnose.spectra import Spectra, pooled
-from gyrodrift.session.session import Floats
 
 
 def spectra(count: int, step_hz: float, level: float) -> Spectra:
-    hz: Floats = step_hz * np.arange(1, count + 1)
+    hz = (step_hz * np.arange(1, count + 1)).astype(np.float64)
     return Spectra(hz, np.full(count, level), np.full(count, 2.0 * level), np.full(count, 3.0 * level))
 
 

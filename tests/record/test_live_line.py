@@ -21,7 +21,6 @@ from gyrodrift.record import live_line
 from gyrodrift.record.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.record.recorder import Recorder
 
-
 QUIET_S = 0.2
 
 
