@@ -58,23 +58,21 @@ def compared_of(diagnosis: Diagnosis) -> list[Compared]:
     change, spread = predicted(drawn)
     evidence = drawn.attribution.evidence
     z_before, z_after = together(evidence.z), together((evidence.difference - change) / spread)
-    found = []
-    for name in names:
-        at = NUMBER[name]
-        reading, by, middle = reading_of(name), scale[:, at], base[:, at]
-        after = _band(reading, middle + change[:, at], spread[:, at], by) if verdict.causes else None
-        found.append(
-            Compared(
-                signature=SIGNATURES[at],
-                unit=reading.unit,
-                z_before=float(z_before[at]),
-                z_after=float(left.get(name, z_after[at])),
-                real=reading.of((middle + evidence.difference[:, at]) / by),
-                before=_band(reading, middle, evidence.sigma[:, at], by),
-                after=after,
-            )
+
+    def compared(name: str) -> Compared:
+        at, reading = NUMBER[name], reading_of(name)
+        by, middle = scale[:, at], base[:, at]
+        return Compared(
+            signature=SIGNATURES[at],
+            unit=reading.unit,
+            z_before=float(z_before[at]),
+            z_after=float(left.get(name, z_after[at])),
+            real=reading.of((middle + evidence.difference[:, at]) / by),
+            before=_band(reading, middle, evidence.sigma[:, at], by),
+            after=_band(reading, middle + change[:, at], spread[:, at], by) if verdict.causes else None,
         )
-    return found
+
+    return [compared(name) for name in names]
 
 
 def predicted(drawn: Drawn) -> tuple[Floats, Floats]:

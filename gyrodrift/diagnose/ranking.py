@@ -30,7 +30,6 @@ class Ranked:
     name: str
     stage: str
     group: str
-    parameter: str
     value: float
     unit: str
     gain: float
@@ -68,7 +67,6 @@ def _ranked(drawn: Drawn, name: str) -> Ranked:
         name,
         candidate.stage,
         candidate.group,
-        candidate.parameter,
         float(getattr(candidate.make(cause.size), candidate.parameter)),
         unit_of(candidate.parameter),
         float(curves[at].max() - attribution.scores(()).sum()),

@@ -42,6 +42,8 @@ WIDE_IN = 3.1
 ERRORS = 2.0
 MARGIN = 0.05
 FEW = 4
+DECADE = 10.0
+"""A spectrum spans so much at least: the scatter of noise should look level."""
 
 
 def signature_svgs(compared: Sequence[Compared]) -> list[str]:
@@ -186,6 +188,8 @@ def spectrum_svg(parts: Sequence[Spectra], *, has_causes: bool) -> str:
                 axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, linewidth=1.4)
         axes.set_xlim(parts[0].hz[0], parts[-1].hz[-1])
         label_factors(axes.xaxis, *axes.get_xlim(), 8)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, max(high, DECADE * low))
         label_factors(axes.yaxis, *axes.get_ylim(), 5)
         axes.set(xlabel="frequency, Hz", ylabel="rate error, deg/s/√Hz")
         return as_svg(figure, "spectrum", "Spectrum of the rate error, real and simulated")

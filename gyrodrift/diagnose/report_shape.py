@@ -25,27 +25,36 @@ RANDOM = (
 
 def shape(diagnosis: Diagnosis) -> str:
     """The section."""
-    sessions = seconds_of(diagnosis)
-    every, has_causes = against(sessions), bool(diagnosis.verdict.causes)
+    sessions, has_causes = seconds_of(diagnosis), bool(diagnosis.verdict.causes)
+    every = against(sessions)
     is_random = any(cause.cause.answer.candidate.dice > 1 for cause in diagnosis.verdict.causes)
-    depends = RANDOM if is_random else _depends(every, has_causes=has_causes)
-    parts = [paragraph(_introduction(diagnosis, sessions)), paragraph(depends)]
-    if every:
-        svgs = against_svgs(every, has_causes=has_causes)
-        parts += [
-            figure(
-                _against_words(has_causes=has_causes),
-                panels([_against_name(one, has_causes=has_causes) for one in every], svgs),
-            )
-        ]
-    svgs = over_time_svgs(sessions, has_causes=has_causes)
-    parts += [figure(_time_words(has_causes=has_causes), panels([_session_name(one) for one in sessions], svgs))]
-    spectra = [pooled([one.slow for one in sessions]), pooled([one.quick for one in sessions])]
-    svg = spectrum_svg([one for one in spectra if len(one.hz)], has_causes=has_causes)
-    parts += [figure(_spectrum_words(has_causes=has_causes), svg)]
     return section(
-        "What the difference looks like" if diagnosis.verdict.where else "What rate errors look like", *parts
+        "What the difference looks like" if diagnosis.verdict.where else "What rate errors look like",
+        paragraph(_introduction(diagnosis, sessions)),
+        paragraph(RANDOM if is_random else _depends(every, has_causes=has_causes)),
+        _against_figure(every, has_causes=has_causes),
+        _time_figure(sessions, has_causes=has_causes),
+        _spectrum_figure(sessions, has_causes=has_causes),
     )
+
+
+def _against_figure(every: Sequence[Against], *, has_causes: bool) -> str:
+    if not every:
+        return ""
+    names = [_against_name(one, has_causes=has_causes) for one in every]
+    return figure(_against_words(has_causes=has_causes), panels(names, against_svgs(every, has_causes=has_causes)))
+
+
+def _time_figure(sessions: Sequence[Seconds], *, has_causes: bool) -> str:
+    names = [_session_name(one) for one in sessions]
+    return figure(_time_words(has_causes=has_causes), panels(names, over_time_svgs(sessions, has_causes=has_causes)))
+
+
+def _spectrum_figure(sessions: Sequence[Seconds], *, has_causes: bool) -> str:
+    both = [pooled([one.slow for one in sessions]), pooled([one.quick for one in sessions])]
+    spectra = [one for one in both if len(one.hz)]
+    words = _spectrum_words(has_causes=has_causes)
+    return figure(words, spectrum_svg(spectra, has_causes=has_causes)) if spectra else ""
 
 
 def _introduction(diagnosis: Diagnosis, sessions: Sequence[Seconds]) -> str:

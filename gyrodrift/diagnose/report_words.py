@@ -65,8 +65,7 @@ def meaning(effect: Effect) -> str:
 
 def size(value: float, unit: str) -> str:
     """A number with its unit."""
-    glue = "" if unit.startswith("%") else " "
-    return f"{number(value)}{glue}{text(UNITS.get(unit, unit))}".strip()
+    return f"{number(value)} {text(UNITS.get(unit, unit))}".strip()
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -99,13 +98,12 @@ def percent(share: float) -> str:
     if not isfinite(share):
         return UNKNOWN
     decimals = 0 if abs(share) >= 0.0995 or abs(share) < 0.0005 else 1
-    rounded = round(100.0 * share, decimals) + 0.0  # no minus before a 0
-    return f"{rounded:.{decimals}f} %".replace("-", "−")
+    return f"{fixed(100.0 * share, decimals)} %"
 
 
 def fixed(value: float, decimals: int) -> str:
-    """So many decimals, with a true minus."""
-    return f"{value:.{decimals}f}".replace("-", "−") if isfinite(value) else UNKNOWN
+    """So many decimals, with a true minus, which a 0 has not."""
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−") if isfinite(value) else UNKNOWN
 
 
 def quiet(html: str) -> str:

@@ -1,5 +1,6 @@
 """The rate error of sessions second by second, real and simulated, before and after the causes are added."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,7 +57,7 @@ def seconds_of(diagnosis: Diagnosis) -> list[Seconds]:
 def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> Seconds:
     design = subject.design
     certain = tuple(cause for cause in causes if cause.cause.answer.candidate.dice == 1)
-    before, after, steady = (_replayed(subject, some, number) for some in ((), causes, certain))
+    before, after, steady = _replays(subject, [(), causes, certain], number)
     real_dps = block_residual_dps(subject.seen, design)
     slow, quick = spectra_of(subject, before, after)
     left_dps = _level(real_dps - block_residual_dps(steady, design))
@@ -86,6 +87,15 @@ def minutes_of(subject: Subject) -> Floats:
 def _level(values_dps: Floats) -> Floats:
     level: Floats = values_dps - np.median(values_dps)
     return level
+
+
+def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int) -> list[Cleaned]:
+    """A replay for each set of causes; sets that are the same are played once."""
+    played: list[Cleaned] = []
+    for at, causes in enumerate(sets):
+        first = sets.index(causes)
+        played.append(played[first] if first < at else _replayed(subject, causes, seed))
+    return played
 
 
 def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
