@@ -47,6 +47,11 @@ class Cause:
         return self.answer.candidate.name
 
     @property
+    def is_strange(self) -> bool:
+        """Whether it is no effect of the catalogue."""
+        return self.answer.candidate.is_strange
+
+    @property
     def size(self) -> float:
         """In the units of the candidate's sizes."""
         return float(self.answer.candidate.sizes[self.at])
@@ -87,7 +92,7 @@ class Attribution:
             mean = cause.answer.mean[cause.at]
             change = _joined(change, mean)
             variance = variance + np.square(cause.answer.spread[cause.at])
-            allowance = allowance + _allowance(mean)
+            allowance = allowance + _allowance(mean, self.evidence.difference)
         return change + self._correction(frozenset(cause.answer for cause in causes)), variance, allowance
 
     def _correction(self, answers: frozenset[Answer]) -> Floats | float:
@@ -126,7 +131,7 @@ class Attribution:
             change = change + self._correction(both) - self._correction(both - {answer})
         off = self.evidence.difference - _joined(change, mean)
         widened = self.evidence.sigma**2 + variance + np.square(answer.spread[::step])[:, None]
-        return _score(off, widened, allowance + _allowance(mean))
+        return _score(off, widened, allowance + _allowance(mean, self.evidence.difference))
 
     def fitted(self, causes: Sequence[Cause], sessions: Sequence[int] | None = None) -> tuple[Cause, ...]:
         """The same candidates with the best sizes together, and each in the best of its variants."""
@@ -272,12 +277,21 @@ def _joined(change: Floats, more: Floats) -> Floats:
     return joined
 
 
-def _allowance(mean: Floats) -> Floats:
-    """Variance for not being the exact form: a share of the change itself, and of all that goes to the regressors."""
-    variance = np.square(OFF * mean)
-    leak = LEAK * np.linalg.norm(mean[..., :STATIC], axis=-1, keepdims=True)
-    variance[..., :STATIC] += leak**2
+def _allowance(mean: Floats, difference: Floats) -> Floats:
+    """Variance for not being the exact form: a share of the change itself, and of all that goes to the regressors.
+
+    But no more than of what there is to explain, or far too large a cause would excuse everything.
+    """
+    variance: Floats = np.square(OFF * np.minimum(np.abs(mean), np.abs(difference)))
+    leaks = LEAK * np.minimum(_static(mean), _static(difference))
+    variance[..., :STATIC] += leaks**2
     return variance
+
+
+def _static(change: Floats) -> Floats:
+    """(…, 1) length of what goes to the regressors."""
+    length: Floats = np.linalg.norm(change[..., :STATIC], axis=-1, keepdims=True)
+    return length
 
 
 def _score(off: Floats, variance: Floats, allowance: Floats) -> Floats:

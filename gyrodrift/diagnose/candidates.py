@@ -1,13 +1,14 @@
 """The rig's effects as candidate causes: in which sizes each is tried, and which of them look alike."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.signatures.signature import Signature
+from gyrodrift.diagnose import strangers
+from gyrodrift.diagnose.design import COLUMNS, STRANGE_COLUMNS
 from gyrodrift.session.session import Floats
 
 GROUPS: Mapping[str, str] = {
@@ -35,6 +36,34 @@ GROUPS: Mapping[str, str] = {
 }
 """Effects that are easily taken for each other; every other effect is a group of its own."""
 
+NEEDS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(
+        (
+            "scale_factor",
+            "scale_asymmetry",
+            "nonlinearity",
+            "vibration_rectification",
+            "g_sensitivity",
+            "encoder_eccentricity",
+            "encoder_quantization",
+            "encoder_slip",
+            "backlash",
+            "bandwidth",
+            "latency",
+            "saturation",
+            "deadband",
+            "stale_hold",
+        ),
+        ("motion",),
+    ),
+    "temp_bias": ("temperature",),
+    "temp_scale": ("motion", "temperature"),
+    "clock_drift": ("host",),
+    "usb_batching": ("host",),
+    "sample_drop": ("counter",),
+}
+"""What recordings have to hold for an effect to show in them: motion, temperature, host times, a counter."""
+
 PHASES_DEG = tuple(30.0 * step for step in range(12))
 WARMUP_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0)
 NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
@@ -54,6 +83,8 @@ class Hints:
         The steps that rates and angles come in.
     least_dps, largest_dps
         Rates other than zero that the device put out.
+    swing_s, ripple_order, angle_ripple_order
+        Of what is left of the rate: the clearest period in time, and parts of a turn.
     """
 
     line_hz: float
@@ -63,6 +94,9 @@ class Hints:
     angle_step_deg: float
     least_dps: float
     largest_dps: float
+    swing_s: float
+    ripple_order: int
+    angle_ripple_order: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +117,8 @@ class Candidate:
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
     noise_share
         What share of the scatter that the recording shows was there before this effect changed it.
-    needs
-        What a recording has to hold for it: host, counter, temperature, or nothing.
+    shape
+        Of what is no effect of the catalogue: what is added to the rate.
     """
 
     name: str
@@ -94,14 +128,19 @@ class Candidate:
     nodes: Floats
     sizes: Floats
     dice: int = 1
-    needs: str = ""
     phase_deg: float | None = None
     noise_share: float = 1.0
+    shape: strangers.Shape | None = None
 
     @property
     def group(self) -> str:
         """Which effects it looks like."""
         return GROUPS.get(self.name, self.name)
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What a recording has to hold for it."""
+        return NEEDS.get(self.name, ())
 
     @property
     def stage(self) -> str:
@@ -111,7 +150,7 @@ class Candidate:
     @property
     def is_strange(self) -> bool:
         """Whether it is no effect of the catalogue."""
-        return self.name not in CATALOGUE
+        return self.shape is not None
 
 
 def candidates(hints: Hints) -> list[Candidate]:
@@ -121,10 +160,10 @@ def candidates(hints: Hints) -> list[Candidate]:
         _signed("scale_asymmetry", "error_percent", 5.0, 0.005),
         _signed("nonlinearity", "error_percent_fs", 3.0, 0.003),
         _signed("vibration_rectification", "bias_dps_at_100_dps", 2.0, 0.002),
-        _signed("temp_bias", "slope_dps_per_c", 0.5, 0.0005, needs="temperature"),
-        _signed("temp_scale", "slope_percent_per_c", 0.5, 0.0005, needs="temperature"),
+        _signed("temp_bias", "slope_dps_per_c", 0.5, 0.0005),
+        _signed("temp_scale", "slope_percent_per_c", 0.5, 0.0005),
         *(_signed("warmup", "amplitude_dps", 3.0, 0.003, time_constant_s=tau_s) for tau_s in WARMUP_TAUS_S),
-        _signed("clock_drift", "ppm", 50000.0, 10.0, needs="host"),
+        _signed("clock_drift", "ppm", 50000.0, 10.0),
         *(_turned("g_sensitivity", "amplitude_dps", 1.0, 0.001, phase_deg) for phase_deg in PHASES_DEG),
         *(_turned("encoder_eccentricity", "amplitude_deg", 5.0, 0.005, phase_deg) for phase_deg in PHASES_DEG),
         _seen("deadband", "width_dps", hints.least_dps),
@@ -134,10 +173,8 @@ def candidates(hints: Hints) -> list[Candidate]:
         _sized("latency", "delay_ms", (0.3, 2.0, 8.0, 20.0, 50.0)),
         _sized("backlash", "play_deg", (0.01, 0.03, 0.1, 0.3, 1.0)),
         _sized("timestamp_jitter", "sigma_ms", (0.02, 0.06, 0.2, 0.6, 2.0, 5.0)),
-        _sized(
-            "usb_batching", "interval_ms", (1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0), needs="host"
-        ),
-        _sized("sample_drop", "share_percent", (0.01, 0.1, 1.0, 5.0), dice=2, needs="counter"),
+        _sized("usb_batching", "interval_ms", (1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0)),
+        _sized("sample_drop", "share_percent", (0.01, 0.1, 1.0, 5.0), dice=2),
         _sized("stale_hold", "share_percent", (0.02, 0.2, 2.0, 10.0), dice=2),
         _sized("bias_instability", "floor_dph", (3.0, 12.0, 50.0, 200.0), dice=4),
         _sized("rate_random_walk", "density_dps_rts", (0.0002, 0.001, 0.005, 0.02), dice=4),
@@ -146,14 +183,26 @@ def candidates(hints: Hints) -> list[Candidate]:
         _sized("encoder_slip", "per_hour", (6.0, 30.0, 120.0), dice=2, step_deg=hints.slip_deg),
         _sized("vibration", "amplitude_dps", (0.01, 0.03, 0.1, 0.3, 1.0, 3.0), frequency_hz=hints.line_hz),
     ]
-    return [*found, _encoder_quantization(hints.angle_step_deg)]
+    return [*found, _encoder_quantization(hints.angle_step_deg), *_strangers(hints)]
 
 
-def strange(signature: Signature, floor: float) -> Candidate:
-    """A dependence without an effect: how much of it there is, in multiples of what does not matter."""
-    up = floor * _between(3.0, 3000.0)
-    sizes = np.concatenate([-up[::-1], up])
-    return Candidate(f"?{signature.name}", "", _no_effect, "coefficient", sizes, sizes)
+def _strangers(hints: Hints) -> Iterator[Candidate]:
+    """Of regressors the size is in multiples of what does not matter."""
+    for column in COLUMNS:
+        if column.signature.name in STRANGE_COLUMNS:
+            up = column.floor * _between(3.0, 3000.0)
+            sizes = np.concatenate([-up[::-1], up])
+            shape = strangers.regressor(column.signature.name)
+            nodes = column.floor * np.array([-100.0, 100.0])
+            yield Candidate(f"?{column.signature.name}", "", _no_effect, "size", nodes, sizes, shape=shape)
+    periodic = {
+        "?swing": strangers.swing(hints.swing_s),
+        "?ripple": strangers.ripple(hints.ripple_order),
+        "?angle_ripple": strangers.angle_ripple(hints.angle_ripple_order),
+    }
+    for name, shape in periodic.items():
+        nodes = np.array([0.003, 0.01, 0.03, 0.1, 0.3])
+        yield Candidate(name, "", _no_effect, "size", nodes, _between(0.003, 0.3), dice=4, shape=shape)
 
 
 def _no_effect(_: float) -> Effect:
@@ -172,7 +221,7 @@ def _variant(fixed: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.4g}" for name, value in fixed.items())
 
 
-def _signed(name: str, parameter: str, most: float, least: float, needs: str = "", **fixed: float) -> Candidate:
+def _signed(name: str, parameter: str, most: float, least: float, **fixed: float) -> Candidate:
     """Exactly linear in its size: two runs say all."""
     up = _between(least, most)
     sizes = np.concatenate([-up[::-1], up])
@@ -183,8 +232,6 @@ def _signed(name: str, parameter: str, most: float, least: float, needs: str = "
         parameter,
         np.array([-most, most]) / 10.0,
         sizes,
-        1,
-        needs,
     )
 
 
@@ -197,12 +244,10 @@ def _turned(name: str, parameter: str, most: float, least: float, phase_deg: flo
     return Candidate(name, _variant(fixed), make, parameter, nodes, sizes, phase_deg=phase_deg)
 
 
-def _sized(
-    name: str, parameter: str, nodes: tuple[float, ...], dice: int = 1, needs: str = "", **fixed: float
-) -> Candidate:
+def _sized(name: str, parameter: str, nodes: tuple[float, ...], dice: int = 1, **fixed: float) -> Candidate:
     sizes = _between(nodes[0], nodes[-1])
     make = _effect(name, parameter, fixed)
-    return Candidate(name, _variant(fixed), make, parameter, np.array(nodes), sizes, dice, needs)
+    return Candidate(name, _variant(fixed), make, parameter, np.array(nodes), sizes, dice)
 
 
 def _bandwidth(noise_share: float) -> Candidate:

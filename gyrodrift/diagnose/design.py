@@ -97,6 +97,25 @@ SLOW_COLUMNS = frozenset(
 )
 """What a bias that wanders by itself may be taken for."""
 
+STRANGE_COLUMNS = frozenset(
+    {
+        "hinge_low",
+        "hinge_high",
+        "half_turn_sine",
+        "half_turn_cosine",
+        "half_turn_sine_rate",
+        "half_turn_cosine_rate",
+        "abs_acceleration",
+        "direction",
+        "moving",
+        "after_turn",
+        "total_angle",
+        "time_rate",
+        "time",
+    }
+)
+"""On which no effect of the catalogue depends by itself."""
+
 NEW_SHARE = 1e-3
 """A column that is made of those before it but for less than this says nothing new."""
 
@@ -120,10 +139,14 @@ class Design:
         Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal.
     basis, floors
         Shape (blocks, columns): regressors made orthonormal; (columns,): floors in units of the coefficients on them.
-    patterns
-        Shape (columns, columns): the coefficients on the basis that one unit of each regressor makes, a row each.
+    strange
+        Of STRANGE_COLUMNS: the regressor at each sample, shape (n,).
     lag_basis, lag_floors
         The same for what the rate does within a second, shape (n, columns).
+    warming_basis, warming_floors
+        The same for the change of the temperature from one mean of WARMING_BLOCKS to the next.
+    turn_basis, turn_rate_basis
+        Of sines of multiples of the angle, and of these times the rate: shape (blocks, some), orthonormal.
     """
 
     motion: ReplayedMotion
@@ -143,9 +166,13 @@ class Design:
     quick_basis: Floats
     basis: Floats
     floors: Floats
-    patterns: Floats
+    strange: dict[str, Floats]
     lag_basis: Floats
     lag_floors: Floats
+    warming_basis: Floats
+    warming_floors: Floats
+    turn_basis: Floats
+    turn_rate_basis: Floats
 
 
 def design_of(real: Cleaned) -> Design:
@@ -159,9 +186,11 @@ def design_of(real: Cleaned) -> Design:
     at_rest: Mask = maximum_filter1d(np.abs(speed_dps), edge) < REST_DPS
     slowest = minimum_filter1d(np.abs(speed_dps), block)
     fastest = maximum_filter1d(np.abs(speed_dps), block)
-    regressors = _regressors(motion, speed_dps, block)
+    columns = _columns(motion, speed_dps)
+    regressors = np.column_stack([means(column, block) for column in columns])
     basis, floors = _orthonormal(regressors, np.array([column.floor for column in COLUMNS]), CONSTANT)
     lag_basis, lag_floors = _lag_basis(motion, real.encoder_deg)
+    warming_basis, warming_floors = _warming_basis(motion, block)
     block_rate_dps = means(motion.rate_dps, block)
     return Design(
         motion=motion,
@@ -181,9 +210,17 @@ def design_of(real: Cleaned) -> Design:
         quick_basis=_quick_basis(regressors),
         basis=basis,
         floors=floors,
-        patterns=(basis.T @ regressors[:, CONSTANT:]).T,
+        strange={
+            column.signature.name: values
+            for column, values in zip(COLUMNS, columns[CONSTANT:], strict=True)
+            if column.signature.name in STRANGE_COLUMNS
+        },
         lag_basis=lag_basis,
         lag_floors=lag_floors,
+        warming_basis=warming_basis,
+        warming_floors=warming_floors,
+        turn_basis=_turns(motion, np.ones(samples), block),
+        turn_rate_basis=_turns(motion, motion.rate_dps, block),
     )
 
 
@@ -212,6 +249,11 @@ LAG_SMOOTH_S = 0.02
 SIXTH_ORDER = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 """Central difference over seven points: a tone of a tenth of the sample rate comes out 0.05 % too weak."""
 
+WARMING_BLOCKS = 20
+WARMING_SIGNATURES = (Signature("warming", "environment", "warm", "the bias changes when the temperature changes"),)
+WARMING_FLOOR, LEAST_WARMING_DPS = 6e-4, 4e-3
+"""A bias that wanders by itself may go along with the temperature, but its steps do not go along with each of its."""
+
 LAG_CONSTANTS = 3
 LAG_SIGNATURES = (
     Signature("lag", "sensor", "accelerating", "the rate lags behind the encoder"),
@@ -231,6 +273,27 @@ def _lag_basis(motion: ReplayedMotion, encoder_deg: Floats) -> tuple[Floats, Flo
     return _orthonormal(columns, np.array(LAG_FLOORS), LAG_CONSTANTS)
 
 
+def _warming_basis(motion: ReplayedMotion, block: int) -> tuple[Floats, Floats]:
+    steps_c = np.diff(means(motion.sensor_c, block * WARMING_BLOCKS))[:, None]
+    basis, floors = _orthonormal(steps_c, np.array([WARMING_FLOOR]), 0)
+    return basis, np.hypot(floors, LEAST_WARMING_DPS)
+
+
+TURN_ORDERS = (3, 8)
+"""Parts of a turn; halves and wholes are regressors."""
+
+
+def _turns(motion: ReplayedMotion, weight: Floats, block: int) -> Floats:
+    once = np.exp(1j * np.deg2rad(motion.angle_deg))
+    columns = []
+    turned = weight * once**2
+    for _ in range(TURN_ORDERS[0], TURN_ORDERS[1] + 1):
+        turned = turned * once
+        columns += [means(turned.real, block), means(turned.imag, block)]
+    basis, _ = _orthonormal(np.column_stack(columns), np.ones(len(columns)), 0)
+    return basis
+
+
 def _orthonormal(columns: Floats, floors: Floats, dropped: int) -> tuple[Floats, Floats]:
     """An orthonormal basis without its first columns, and how much of it floor-sized coefficients make, (columns,)."""
     norms = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
@@ -248,8 +311,8 @@ def _quick_basis(regressors: Floats) -> Floats:
     return basis * (np.abs(np.diag(triangle)) > NEW_SHARE)
 
 
-def _regressors(motion: ReplayedMotion, speed_dps: Floats, block: int) -> Floats:
-    """Block means of everything in COLUMNS with a constant before, shape (blocks, 1 + columns)."""
+def _columns(motion: ReplayedMotion, speed_dps: Floats) -> list[Floats]:
+    """A constant and everything in COLUMNS at each sample, shape (n,) each."""
     rate_dps, period_s = motion.rate_dps, motion.period_s
     t_s = np.arange(len(rate_dps)) * period_s
     powered_s = t_s + motion.powered_s
@@ -259,7 +322,7 @@ def _regressors(motion: ReplayedMotion, speed_dps: Floats, block: int) -> Floats
     way = _last_direction(speed_dps)
     acceleration = np.gradient(speed_dps, period_s)
     since_s = _since_change(way, period_s)
-    columns = [
+    return [
         np.ones(len(t_s)),
         rate_dps,
         np.abs(rate_dps),
@@ -290,7 +353,6 @@ def _regressors(motion: ReplayedMotion, speed_dps: Floats, block: int) -> Floats
         motion.angle_deg / 360.0,
         share * rate_dps,
     ]
-    return np.column_stack([means(column, block) for column in columns])
 
 
 def _last_direction(speed_dps: Floats) -> Floats:

@@ -17,6 +17,7 @@ from gyrodrift.diagnose.recording import Recording
 from gyrodrift.diagnose.replay import Subject, subject_of
 from gyrodrift.diagnose.responses import Table, hints_of
 from gyrodrift.diagnose.second import SecondOpinion, second_opinion
+from gyrodrift.diagnose.signatures.measure import measure
 from gyrodrift.diagnose.verdict import Verdict, detectable, verdict_of
 from gyrodrift.diagnose.worth import Worth, worth_of
 from gyrodrift.errors import DataError
@@ -128,16 +129,13 @@ def _testable(
 ) -> tuple[list[Candidate], dict[str, str]]:
     """Candidates that the recordings can speak of; those they cannot, with why."""
     lacking = {
-        "host": all(recording.host_s is not None for recording in recordings),
-        "temperature": all(recording.temp_c is not None for recording in recordings),
-        "counter": all(recording.has_counter for recording in recordings),
+        "motion": ("no motion", not any(recording.moves for recording in recordings)),
+        "host": ("no host times", any(recording.host_s is None for recording in recordings)),
+        "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
+        "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
     }
     untestable = {
-        candidate.name: {"host": "no host times", "temperature": "no temperature", "counter": "no counter"}[
-            candidate.needs
-        ]
-        for candidate in every
-        if candidate.needs and not lacking[candidate.needs]
+        candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]
     }
     tried = [c for c in every if c.name not in untestable and c.name not in withheld]
     return tried, untestable
@@ -145,21 +143,22 @@ def _testable(
 
 def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[Table]) -> Floats:
     """(sessions, F) what a whole set of causes does to the signatures."""
-    known = [cause for cause in causes if not cause.answer.candidate.is_strange]
-    effects = tuple(cause.answer.candidate.make(cause.size) for cause in known)
+    effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes if not cause.is_strange)
     share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
     runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE
-    rest = sum(cause.answer.mean[cause.at] for cause in causes if cause.answer.candidate.is_strange)
-    found: Floats = rest + np.array(
-        [
-            np.mean(
-                [subject.with_noise(share).simulated(effects, seed).values - table.runs[seed] for seed in range(runs)],
-                axis=0,
-            )
-            for subject, table in zip(subjects, tables, strict=True)
-        ]
-    )
-    return found
+
+    def played(subject: Subject, seed: int) -> Floats:
+        seen = subject.with_noise(share).replayed(effects, seed)
+        for cause in causes:
+            if cause.answer.candidate.shape is not None:
+                seen = subject.with_shape(cause.answer.candidate.shape, cause.size, seed, seen)
+        return measure(seen, subject.design, subject.facts).values
+
+    changes = [
+        np.mean([played(subject, seed) - table.runs[seed] for seed in range(runs)], axis=0)
+        for subject, table in zip(subjects, tables, strict=True)
+    ]
+    return np.array(changes)
 
 
 def _calibration(base: Base, subjects: Sequence[Subject]) -> dict[str, dict[str, float]]:

@@ -1,12 +1,12 @@
 """The tables of all sessions in one place: how far each signature is off, and what each candidate would do to it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.diagnose.candidates import Candidate, strange
-from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
+from gyrodrift.diagnose.candidates import Candidate
+from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES, WARMING_SIGNATURES
 from gyrodrift.diagnose.recording import Mask
 from gyrodrift.diagnose.responses import Table, key, simulated_key
 from gyrodrift.diagnose.signatures.measure import SIGNATURES
@@ -16,31 +16,15 @@ STATIC = len(COLUMNS)
 """The first signatures: coefficients on one orthonormal basis, all in deg/s."""
 
 LINEAR: Mask = np.array(
-    [number < STATIC + len(LAG_SIGNATURES) or s.name == "clock_ratio" for number, s in enumerate(SIGNATURES)]
+    [
+        number < STATIC + len(LAG_SIGNATURES) + len(WARMING_SIGNATURES) or s.name == "clock_ratio"
+        for number, s in enumerate(SIGNATURES)
+    ]
 )
-STRANGE = frozenset(
-    {
-        "hinge_low",
-        "hinge_high",
-        "half_turn_sine",
-        "half_turn_cosine",
-        "half_turn_sine_rate",
-        "half_turn_cosine_rate",
-        "abs_acceleration",
-        "direction",
-        "moving",
-        "after_turn",
-        "total_angle",
-        "time_rate",
-        "time",
-    }
-)
-"""Regressors on which no effect of the catalogue depends by itself."""
-
 LOGARITHMS = (
     "wander",
     *("walk_1", "walk_2", "walk_5", "walk_6"),
-    *("noise", "angle_noise", "scatter", "line"),
+    *("noise", "angle_noise", "ripple", "angle_ripple", "swing", "scatter", "line"),
     *("stamp_scatter", "arrival_scatter"),
 )
 IS_LOG: Mask = np.array([s.name.startswith(LOGARITHMS) for s in SIGNATURES])
@@ -99,13 +83,14 @@ def evidence_of(tables: Sequence[Table], asked: Sequence[Candidate]) -> Evidence
     spread = np.sqrt(np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1))
     floors = np.array([table.floors for table in tables])
     sigma = np.sqrt(spread**2 + floors**2)
+    sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     runs = len(nulls) // len(tables)
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=np.array([table.difference for table in tables]) - centre,
         sigma=sigma,
         nulls=(nulls - centre) / np.repeat(sigma, runs, axis=0),
-        answers=(*(_answer(tables, candidate) for candidate in asked), *_strange(tables)),
+        answers=tuple(_answer(tables, candidate) for candidate in asked),
     )
 
 
@@ -117,17 +102,6 @@ def _answer(tables: Sequence[Table], candidate: Candidate) -> Answer:
         return _random(seen, candidate)
     nodes = seen[:, :, 0].transpose(1, 0, 2)
     return Answer(candidate, _at_sizes(candidate, nodes), np.zeros((len(candidate.sizes), seen.shape[-1])))
-
-
-def _strange(tables: Sequence[Table]) -> Iterator[Answer]:
-    """Dependences that no effect of the catalogue has, each as a candidate of its own, so that none is bent to them."""
-    for number, column in enumerate(COLUMNS):
-        if column.signature.name in STRANGE:
-            units = np.array([np.append(t.patterns[number], np.zeros(len(SIGNATURES) - STATIC)) for t in tables])
-            candidate = strange(column.signature, column.floor)
-            yield Answer(
-                candidate, candidate.sizes[:, None, None] * units, np.zeros((len(candidate.sizes), units.shape[1]))
-            )
 
 
 def _random(seen: Floats, candidate: Candidate) -> Answer:

@@ -8,9 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 from gyrodrift.diagnose.recording import Recording, filled
 from gyrodrift.session.session import Floats
 
-MOVES_DEG = 5.0
-"""An encoder that stays within this has nothing to say of a moving gyro."""
-
+LEAST_S = 60.0
 GYRO_MOVES_DPS = 10.0
 LIKE = 0.8
 """Rates of gyro and encoder of one axis correlate at least so well."""
@@ -49,7 +47,11 @@ def pass_gates(recording: Recording) -> Passed:
     gyro_dps = _smooth(filled(recording.rate_dps), recording)
     encoder_dps = _smooth(np.gradient(angle_deg, recording.period_s), recording)
     name, remarks = recording.name, []
-    if np.ptp(angle_deg) < MOVES_DEG:
+    if recording.seconds < LEAST_S:
+        return Passed(
+            None, (f"{name}: is {recording.seconds:.0f} s long; nothing is told in less than {LEAST_S:.0f} s",)
+        )
+    if not recording.moves:
         if np.ptp(gyro_dps) > GYRO_MOVES_DPS:
             return Passed(None, (f"{name}: the encoder does not move while the gyro does: is it connected?",))
         remarks.append(f"{name}: nothing moves in it; it tells of rest, clock and link alone")

@@ -18,6 +18,9 @@ WRAP = 1 << 16
 MISSED = 1.6
 """Without a counter, a step of the clock this many periods long stands for samples that are missing."""
 
+MOVES_DEG = 5.0
+"""An encoder that stays within this has nothing to say of a moving gyro."""
+
 SPARSE = 3
 """A counter that speaks of more than this many times the samples there are is not one."""
 
@@ -51,6 +54,11 @@ class Recording:
     repeated: int
     disordered: int
     has_counter: bool
+
+    @property
+    def moves(self) -> bool:
+        """Whether the encoder turned by more than it may creep at rest."""
+        return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > MOVES_DEG)
 
     @property
     def seconds(self) -> float:

@@ -16,8 +16,12 @@ from gyrodrift.diagnose.signatures.measure import Facts, measure
 from gyrodrift.diagnose.signatures.noise import white_dps
 from gyrodrift.diagnose.signatures.residual import block_residual_dps
 from gyrodrift.diagnose.signatures.signature import Measured
+from gyrodrift.diagnose.strangers import Shape
 from gyrodrift.session.session import Floats, Session
 from gyrodrift.simulate import as_recorded
+
+SHAPES = 1
+"""Tells their dice from those of effects, which go by their names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +67,33 @@ class Subject:
         )
         rate_dps = without.rate_dps
         for effect in effects:
-            rate_dps = effect.begin(np.random.default_rng([seed, crc32(effect.name.encode())]), 1.0 / motion.period_s)(
-                rate_dps, truth
-            )
+            rng = np.random.default_rng([self._dice(seed), crc32(effect.name.encode())])
+            rate_dps = effect.begin(rng, 1.0 / motion.period_s)(rate_dps, truth)
         return replace(without, rate_dps=rate_dps)
+
+    def with_shape(self, shape: Shape, size: float, seed: int, without: Cleaned) -> Cleaned:
+        """What a simulation is with something added to its rate that is no effect."""
+        added_dps = shape(self.design, np.random.default_rng([self._dice(seed), SHAPES]))
+        return replace(without, rate_dps=without.rate_dps + size * added_dps)
+
+    def _dice(self, seed: int) -> int:
+        """No two sessions throw the same."""
+        return crc32(self.seen.recording.name.encode()) + seed
 
     def session(self, effects: tuple[Effect, ...], seed: int) -> Session:
         """The rig with more effects, driven through the recording's motion, as a host would have recorded it."""
         rig = self.rig.model_copy(update={"effects": (*self.rig.effects, *effects)})
-        block = next(play(rig, self.design.motion, seed, block_samples=self.design.samples))
+        block = next(play(rig, self.design.motion, self._dice(seed), block_samples=self.design.samples))
         return as_recorded(block, rig.base, self.seen.recording.name)
 
     def _played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
-        return recording_of(self.session(effects, seed), self.design.samples)
+        """A simulation holds what the recording holds: arrivals or numbers that it lacks are no difference."""
+        recording, session = self.seen.recording, self.session(effects, seed)
+        if recording.host_s is None:
+            session = replace(session, t_host_s=None)
+        if not recording.has_counter:
+            session = replace(session, seq=None)
+        return recording_of(session, self.design.samples)
 
 
 def subject_of(recording: Recording, rig: Rig) -> Subject:

@@ -10,6 +10,7 @@ import numpy as np
 
 from gyrodrift.diagnose.candidates import Candidate, Hints
 from gyrodrift.diagnose.clean import Cleaned, step_of
+from gyrodrift.diagnose.design import TURN_ORDERS
 from gyrodrift.diagnose.recording import Recording
 from gyrodrift.diagnose.replay import Subject, subject_of
 from gyrodrift.diagnose.signatures import residual
@@ -41,7 +42,7 @@ RATE_ONLY = frozenset(
 )
 """They add to the rate something that is slow beside a sample: its noise, its numbers and its times stay."""
 
-SPIKE_DPS, SLIP_DEG, LINE_HZ = 20.0, 0.5, 20.0
+SPIKE_DPS, SLIP_DEG, LINE_HZ, SWING_S = 20.0, 0.5, 20.0, 100.0
 """Of candidates for which the recordings show nothing."""
 
 
@@ -55,8 +56,6 @@ class Table:
         (runs, F) signatures of the latter, one throw of the dice each.
     nulls
         (runs, F) the same differences where the recording is the rig itself.
-    patterns
-        (columns, columns) what a unit of each regressor does to the first signatures.
     answers
         Of each candidate that was simulated: (nodes, dice, F), change of the signatures when it is added.
     """
@@ -66,7 +65,6 @@ class Table:
     floors: Floats
     runs: Floats
     nulls: Floats
-    patterns: Floats
     answers: dict[str, Floats]
 
 
@@ -92,7 +90,7 @@ def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate])
             answers[key(candidate)] = np.array(nodes)
     base = runs.mean(axis=0)
     nulls = np.array([_null(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
-    return Table(recording.name, own.values - base, own.floors, runs, nulls, subject.design.patterns, answers)
+    return Table(recording.name, own.values - base, own.floors, runs, nulls, answers)
 
 
 def _answers(
@@ -106,6 +104,9 @@ def _answers(
 
 def _with(subject: Subject, candidate: Candidate, size: float, seed: int, played: Cleaned, without: Floats) -> Floats:
     """Signatures with a candidate; those that it cannot touch are taken over."""
+    if candidate.shape is not None:
+        slow = residual.measure(subject.with_shape(candidate.shape, size, seed, played), subject.design).values
+        return np.concatenate([slow, without[len(slow) :]])
     effects = (candidate.make(size),)
     if candidate.name in RATE_ONLY:
         slow = residual.measure(subject.with_rate(effects, seed, played), subject.design).values
@@ -131,12 +132,20 @@ def _near_zero(cleaned: Cleaned) -> Floats:
     return near if np.any(near != 0.0) else rates[np.isfinite(rates) & (rates != 0.0)]
 
 
+def _order(shares: Floats) -> int:
+    """Which part of a turn takes most, its sine and its cosine together."""
+    return TURN_ORDERS[0] + int(np.argmax(shares.reshape(-1, 2).sum(axis=1)))
+
+
 def hints_of(seen: Sequence[tuple[Cleaned, Subject]]) -> Hints:
     """The middle of what the sessions show, or what is usual where they show nothing."""
     lines = [line_of(cleaned, subject.design)[1] for cleaned, subject in seen]
     slow = [_near_zero(cleaned) for cleaned, _ in seen]
     spikes = np.concatenate([np.abs(cleaned.spikes_dps) for cleaned, _ in seen])
     slips = np.concatenate([np.abs(cleaned.slips_deg) for cleaned, _ in seen])
+    lefts = [(residual.left_dps(cleaned, subject.design), subject.design) for cleaned, subject in seen]
+    turns = np.mean([residual.ripple_of(left, design.turn_basis) for left, design in lefts], axis=0)
+    angles = np.mean([residual.ripple_of(left, design.turn_rate_basis) for left, design in lefts], axis=0)
     return Hints(
         line_hz=float(np.median(lines)) or LINE_HZ,
         rate_step_dps=float(np.median([step_of(rates) for rates in slow])),
@@ -145,4 +154,7 @@ def hints_of(seen: Sequence[tuple[Cleaned, Subject]]) -> Hints:
         largest_dps=max(float(np.abs(cleaned.rate_dps).max()) for cleaned, _ in seen),
         spike_dps=float(np.median(spikes)) if len(spikes) else SPIKE_DPS,
         slip_deg=float(np.median(slips)) if len(slips) else SLIP_DEG,
+        swing_s=float(np.median([residual.swing_of(left)[1] for left, _ in lefts])) or SWING_S,
+        ripple_order=_order(turns),
+        angle_ripple_order=_order(angles),
     )

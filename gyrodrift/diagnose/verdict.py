@@ -103,7 +103,7 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
     after_z = _after(attribution, found)
     before, after = together(evidence.z), together(after_z)
     is_off = np.abs(before) > STANDS_OUT
-    strangers = [cause for cause in found.causes if cause.answer.candidate.is_strange]
+    strangers = [cause for cause in found.causes if cause.is_strange]
     leftover = (*_strange(attribution, found, strangers), *_odd(after, LEFT_OVER))
     causes = _named(attribution, found, before, after)
     kind = _kind(causes, is_off, before, after, leftover)
@@ -112,7 +112,7 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
         causes=causes,
         where=_odd(before, STANDS_OUT),
         leftover=leftover if causes else _odd(before, STANDS_OUT),
-        gap=_gap(evidence, after_z if causes else evidence.z),
+        gap=_gap(evidence, after_z if causes else evidence.z, may_shrink=kind is not Kind.NONE),
         after_z=after_z,
     )
 
@@ -193,7 +193,7 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
     explained = max(_explained(is_off, before, after), 0.0)
     named = []
     for cause in found.causes:
-        if cause.answer.candidate.is_strange:
+        if cause.is_strange:
             continue
         kept = tuple(other for other in found.causes if other is not cause)
         rivals = _rivals(attribution, found, cause, kept)
@@ -215,7 +215,8 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
                 tied_with=tuple(name for name, behind in rivals if behind > -TIED),
             )
         )
-    return tuple(sorted(named, key=lambda one: -one.probability))
+    # Of causes that are as good as equally probable, first what is not left to chance.
+    return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.answer.candidate.dice)))
 
 
 def _over_nothing(attribution: Attribution, found: Found) -> float:
@@ -292,10 +293,11 @@ def _parameters(attribution: Attribution, found: Found, cause: Cause) -> tuple[P
     return tuple(found_parameters)
 
 
-def _gap(evidence: Evidence, after_z: Floats) -> Gap:
+def _gap(evidence: Evidence, after_z: Floats, *, may_shrink: bool) -> Gap:
+    """Where there is no gap, chance has nothing to close."""
     before, after = _by_session(evidence.z), _by_session(after_z)
     floor = float(np.sqrt(np.square(_by_session(evidence.nulls)).mean()))
-    whole = _shrink(before, after, floor)
+    whole = _shrink(before, after, floor) if may_shrink else None
     dice = np.random.default_rng(0)
     drawn = dice.integers(len(before), size=(BOOTSTRAPS, len(before)))
     spread = [_shrink(before[rows], after[rows], floor) for rows in drawn]

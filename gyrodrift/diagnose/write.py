@@ -112,7 +112,8 @@ def headline(diagnosis: Diagnosis) -> str:
         case Kind.EFFECT:
             return f"effect: the sessions differ from the simulator by {names}"
         case Kind.PARTLY:
-            return f"partly: {names} explains some of the difference, and something is left over"
+            explain = "explains" if len(diagnosis.verdict.causes) == 1 else "explain"
+            return f"partly: {names} {explain} some of the difference, and something is left over"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator by something that none of its effects explains"
 

@@ -80,3 +80,19 @@ def test_clocks_that_contradict_each_other_are_told() -> None:
     passed = pass_gates(replace(whole, device_s=whole.device_s * 2.0))
     assert passed.recording is not None
     assert "which is right?" in passed.remarks[0]
+
+
+def test_a_recording_that_only_rests_is_told_of() -> None:
+    """It is of use for all that shows at rest."""
+    still = recording(np.zeros(len(T_S)), np.zeros(len(T_S)))
+    passed = pass_gates(still)
+    assert passed.recording is still
+    assert "nothing moves" in " ".join(passed.remarks)
+
+
+def test_a_short_recording_is_refused() -> None:
+    """Nothing slow shows in half a minute."""
+    short = Session("short", T_S[:3000], TRUE_DPS[:3000], encoder_deg=ANGLE_DEG[:3000])
+    passed = pass_gates(recording_of(short))
+    assert passed.recording is None
+    assert "30 s long" in " ".join(passed.remarks)

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from gyrodrift.diagnose.clean import Cleaned, granularity
-from gyrodrift.diagnose.design import Design
+from gyrodrift.diagnose.design import Design, means
 from gyrodrift.diagnose.recording import Mask
 from gyrodrift.diagnose.signatures.signature import Measured, Signature
 from gyrodrift.session.session import Floats
@@ -18,6 +18,14 @@ TAIL_SIGMAS = 5.0
 NEAR_ZERO_DPS = 3.0
 SMALLEST = 3
 """A dead band may leak twice."""
+
+WHITE_BAND = (0.02, 0.12)
+"""Shares of the sample rate: above what 1/f noise adds at rest, below what most filters take away."""
+
+GRAIN_OF_NOISE = 0.3
+"""Noise that is less than this share of a count does not show at rest."""
+
+LEAST_POINTS, FEW_SECONDS = 25, 20
 
 LEAST_POWER = 1e-6
 """Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a tone to stand out of."""
@@ -42,6 +50,7 @@ SIGNATURES = (
         for points in MOVING_POINTS
     ),
     Signature("line", "sensor", "rest", "a tone stands out of the noise at rest"),
+    Signature("noise_uneven", "sensor", "rest", "the noise comes in bursts"),
     Signature("tails_rest", "sensor", "rest", "the noise at rest has wild values"),
     Signature("tails_moving", "sensor", "moving", "the noise in motion has wild values"),
     Signature("spike_share", "sensor", "always", "single samples are wild"),
@@ -51,6 +60,7 @@ SIGNATURES = (
     Signature("zero_share", "sensor", "slow", "the rate reads exactly zero too often"),
     Signature("least_rate", "sensor", "slow", "small rates do not occur"),
     Signature("rate_step", "sensor", "always", "the rate comes in coarser steps than the rig says"),
+    Signature("values", "sensor", "always", "fewer different values come than should"),
     Signature("reach", "sensor", "fast", "the largest rates do not reach those of the encoder"),
     Signature("angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says"),
     Signature("angle_noise", "encoder", "moving", "the angle scatters from sample to sample"),
@@ -62,15 +72,26 @@ FLOORS = np.array(
     [0.08] * len(REST_POINTS)
     + [0.1] * len(MOVING_POINTS)
     + [0.15] * len(MOVING_POINTS)
-    + [0.5, 0.01, 0.01, 0.008, 0.02, 0.01, 0.02, 0.01, 0.5, 0.15, 0.005, 0.15, 0.2, 0.4, 0.3]
+    + [0.5, 0.15, 0.01, 0.01, 0.008, 0.02, 0.01, 0.02, 0.01, 0.5, 0.15, 0.03, 0.005, 0.15, 0.2, 0.4, 0.3]
 )
 
 
 def white_dps(seen: Cleaned, design: Design, dps_per_lsb: float) -> float:
-    """Standard deviation of the white part of a sample, deg/s: from means of four and eight samples at rest."""
+    """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any tone in it."""
+    windows = _windows(seen.rate_dps, design.at_rest)
+    if len(windows) >= FEW_WINDOWS:
+        first, last = (round(share * WINDOW) for share in WHITE_BAND)
+        level = float(np.median(_spectrum(windows)[:, first:last]) / np.log(2.0))
+        found = np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2))
+        if found > GRAIN_OF_NOISE * dps_per_lsb:
+            return float(found)
     spread = [_spread(seen.rate_dps, design.at_rest, points, 2) * points / 6.0 for points in (4, 8)]
     found = float(np.sqrt(max(sum(spread) / len(spread), 0.0)))
-    return found if found > 0.3 * dps_per_lsb else float(np.sqrt(_spread(seen.rate_dps, design.is_slow, 4, 3) / 5.0))
+    return (
+        found
+        if found > GRAIN_OF_NOISE * dps_per_lsb
+        else float(np.sqrt(_spread(seen.rate_dps, design.is_slow, 4, 3) / 5.0))
+    )
 
 
 def measure(seen: Cleaned, design: Design, dps_per_lsb: float, cpr: int) -> Measured:
@@ -85,6 +106,7 @@ def measure(seen: Cleaned, design: Design, dps_per_lsb: float, cpr: int) -> Meas
         *(value - level for value in slow),
         *(value - level for value in fast),
         line_of(seen, design)[0],
+        _uneven(seen.rate_dps, design),
         _tails(seen.rate_dps, design.at_rest),
         _tails(seen.rate_dps, design.is_steady),
         _root_share(len(seen.spikes_dps), design.samples),
@@ -101,11 +123,10 @@ def line_of(seen: Cleaned, design: Design) -> tuple[float, float, float]:
         windows = _windows(seen.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return 0.0, 0.0, 0.0
-    taper = np.hanning(WINDOW)
-    power = np.median(np.abs(np.fft.rfft((windows - windows.mean(axis=1, keepdims=True)) * taper)) ** 2, axis=0)[3:]
+    power = np.median(_spectrum(windows), axis=0)[3:]
     around = median_filter(power, LINE_POINTS, mode="nearest") + LEAST_POWER
     best = int(np.argmax(power / around))
-    amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / taper.sum()
+    amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()
     return float(np.log(power[best] / around[best] + 1.0)), (best + 3) / (WINDOW * design.period_s), float(amplitude)
 
 
@@ -116,6 +137,24 @@ def _windows(values: Floats, allowed: Mask) -> Floats:
     inside = starts[total[starts + WINDOW] - total[starts] == WINDOW]
     windows: Floats = values[inside[:, None] + np.arange(WINDOW)]
     return windows
+
+
+def _spectrum(windows: Floats) -> Floats:
+    """Power of each, shape (windows, frequencies)."""
+    level = windows - windows.mean(axis=1, keepdims=True)
+    power: Floats = np.abs(np.fft.rfft(level * np.hanning(WINDOW))) ** 2
+    return power
+
+
+def _uneven(rate_dps: Floats, design: Design) -> float:
+    """Logarithm of how much more than usual the noisiest tenth of all seconds scatters."""
+    points = max(design.block, LEAST_POINTS)
+    calm = means((design.at_rest | design.is_steady)[2:].astype(np.float64), points) > 0.9
+    squares = means(np.square(np.diff(rate_dps, 2)), points)[calm]
+    if len(squares) < FEW_SECONDS:
+        return 0.0
+    usual, much = np.quantile(squares, [0.5, 0.9])
+    return float(np.log((much + LEAST_POWER) / (usual + LEAST_POWER)))
 
 
 def _spread(values: Floats, allowed: Mask, points: int, order: int) -> float:
@@ -170,7 +209,8 @@ def _numbers(seen: Cleaned, design: Design, dps_per_lsb: float) -> list[float]:
     fastest = float(np.abs(design.speed_dps).max())
     reach = (top * dps_per_lsb + 1.0) / (fastest + 1.0)
     zeros = _root_share(int(np.count_nonzero(small == 0.0)), len(small))
-    return [*shares, zeros, np.log2(max(least, 1.0)), np.log2(max(step, 1.0)), np.log(reach)]
+    different = np.log(len(np.unique(counts[there])) + 1.0)
+    return [*shares, zeros, np.log2(max(least, 1.0)), np.log2(max(step, 1.0)), different, np.log(reach)]
 
 
 def smallest(sizes: Floats) -> float:

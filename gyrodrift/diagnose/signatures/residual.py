@@ -6,6 +6,8 @@ from gyrodrift.diagnose.clean import Cleaned
 from gyrodrift.diagnose.design import (
     COLUMNS,
     LAG_SIGNATURES,
+    WARMING_BLOCKS,
+    WARMING_SIGNATURES,
     Design,
     means,
     smoothed,
@@ -23,6 +25,7 @@ JUMP_MEAN = 4
 SIGNATURES = (
     *(column.signature for column in COLUMNS),
     *LAG_SIGNATURES,
+    *WARMING_SIGNATURES,
     *(
         Signature(f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s")
         for count in SLOW_MEANS
@@ -30,7 +33,9 @@ SIGNATURES = (
     Signature("wander_rest", "sensor", "rest", "the bias wanders while it rests"),
     Signature("step", "sensor", "late", "the bias jumps"),
     Signature("two_levels", "sensor", "always", "the bias sits on two levels"),
-    Signature("cycle", "sensor", "always", "the bias swings with a period"),
+    Signature("swing", "sensor", "always", "the bias swings with a period"),
+    Signature("ripple", "sensor", "moving", "the bias changes several times per turn"),
+    Signature("angle_ripple", "encoder", "moving", "the angle errs several times per turn"),
     *(
         Signature(f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s")
         for count in WALK_MEANS
@@ -49,11 +54,16 @@ LEAST_DPS = 2e-3
 shares of nothing."""
 
 SLOW_FLOORS = np.array(
-    [LOG_FLOOR] * (len(SLOW_MEANS) + 1) + [1.0, 0.3, 0.5] + [LOG_FLOOR] * len(WALK_MEANS) + [0.3, 0.3] + [LOG_FLOOR] * 2
+    [LOG_FLOOR] * (len(SLOW_MEANS) + 1)
+    + [1.0, 0.3, 0.5, 0.3, 0.3]
+    + [LOG_FLOOR] * len(WALK_MEANS)
+    + [0.3, 0.3]
+    + [LOG_FLOOR] * 2
 )
 
 STEP_EDGE = 8
-CYCLE_LEAST = 3
+SWING_MEAN, SWING_PERIODS_S, SWING_FINE = 5, (40.0, 200.0), 8
+SWING_LEAST = 0.02
 
 
 def block_residual_dps(seen: Cleaned, design: Design) -> Floats:
@@ -66,18 +76,37 @@ def block_residual_dps(seen: Cleaned, design: Design) -> Floats:
     return residual_dps
 
 
+def _centred_dps(seen: Cleaned, design: Design) -> Floats:
+    residual_dps = block_residual_dps(seen, design)
+    level = np.median(residual_dps[design.block_at_rest]) if design.block_at_rest.any() else 0.0
+    centred: Floats = residual_dps - level
+    return centred
+
+
+def _left_dps(residual_dps: Floats, static: Floats, design: Design) -> Floats:
+    left: Floats = residual_dps - residual_dps.mean() - design.basis @ static
+    return left
+
+
+def left_dps(seen: Cleaned, design: Design) -> Floats:
+    """What the regressors leave of the block residuals, deg/s, shape (blocks,)."""
+    residual_dps = _centred_dps(seen, design)
+    return _left_dps(residual_dps, design.basis.T @ residual_dps, design)
+
+
 def measure(seen: Cleaned, design: Design) -> Measured:
     """SIGNATURES of a recording or of a simulation."""
-    residual_dps = block_residual_dps(seen, design)
-    residual_dps = residual_dps - np.median(residual_dps[design.block_at_rest] if design.block_at_rest.any() else 0.0)
+    residual_dps = _centred_dps(seen, design)
     static = design.basis.T @ residual_dps
     away_dps = smoothed(seen.rate_dps, design.period_s) - smoothed_difference(seen.encoder_deg, design.period_s)
     lags = design.lag_basis.T @ away_dps
-    left_dps = residual_dps - residual_dps.mean() - design.basis @ static
-    walk_dps = residual_dps - design.quick_basis @ (design.quick_basis.T @ residual_dps)
-    slow = np.concatenate([_slow(left_dps, design), _walk(walk_dps, design), _scatter(left_dps, design)])
+    left = _left_dps(residual_dps, static, design)
+    steady_dps = _steady(residual_dps - design.quick_basis @ (design.quick_basis.T @ residual_dps), design)
+    warming = design.warming_basis.T @ np.diff(means(steady_dps, WARMING_BLOCKS))
+    slow = np.concatenate([_slow(left, design), _walk(steady_dps), _scatter(left, design)])
     return Measured(
-        np.concatenate([static, lags, slow]), np.concatenate([design.floors, design.lag_floors, SLOW_FLOORS])
+        np.concatenate([static, lags, warming, slow]),
+        np.concatenate([design.floors, design.lag_floors, design.warming_floors, SLOW_FLOORS]),
     )
 
 
@@ -88,15 +117,21 @@ def _slow(left_dps: Floats, design: Design) -> Floats:
     limit_dps = 4.0 * 1.4826 * float(np.median(np.abs(left_dps))) + LEAST_DPS
     held_dps = np.clip(left_dps, -limit_dps, limit_dps)
     even_dps = np.where(design.block_is_even, held_dps, 0.0)
-    values += [_step(even_dps), _two_levels(held_dps[design.block_is_even]), _cycle(even_dps)]
+    values += [_step(even_dps), _two_levels(held_dps[design.block_is_even]), swing_of(even_dps)[0]]
+    values += [_ripple(left_dps, basis) for basis in (design.turn_basis, design.turn_rate_basis)]
     return np.array(values)
 
 
-def _walk(walk_dps: Floats, design: Design) -> Floats:
-    """The bias by itself, slow regressors left in it, over the seconds that rest or turn steadily."""
-    place = np.arange(len(walk_dps))
+def _steady(bias_dps: Floats, design: Design) -> Floats:
+    """The bias by itself, slow regressors left in it, as it is in the seconds that rest or turn steadily."""
+    place = np.arange(len(bias_dps))
     even = design.block_is_even
-    steady_dps = np.interp(place, place[even], walk_dps[even]) if even.any() else walk_dps
+    steady_dps: Floats = np.interp(place, place[even], bias_dps[even]) if even.any() else bias_dps
+    return steady_dps
+
+
+def _walk(steady_dps: Floats) -> Floats:
+    """How the bias by itself wanders and jumps."""
     values = [_log_variance(np.diff(means(steady_dps, count))) for count in WALK_MEANS]
     steps_dps = np.diff(means(steady_dps, JUMP_MEAN))
     spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
@@ -137,8 +172,30 @@ def _two_levels(left_dps: Floats) -> float:
     return float(np.clip(np.mean((slow - slow.mean()) ** 4) / variance**2 - 3.0, -2.0, 2.0)) if len(slow) > 8 else 0.0
 
 
-def _cycle(left_dps: Floats) -> float:
-    """Logarithm of the strongest line below a fifth of a hertz over the mean of all."""
-    power = np.abs(np.fft.rfft(left_dps)) ** 2
-    low = power[CYCLE_LEAST : max(CYCLE_LEAST + 2, len(left_dps) // 5)]
-    return float(np.log(low.max() / (low.mean() + len(left_dps) * LEAST_DPS**2) + 1.0))
+def swing_of(bias_dps: Floats, block_s: float = 1.0) -> tuple[float, float]:
+    """The best sine within SWING_PERIODS_S: logarithm of what it takes over what it leaves, and its period, s."""
+    slow_dps = means(bias_dps, SWING_MEAN)
+    if len(slow_dps) < SWING_MEAN:
+        return 0.0, 0.0
+    place = np.linspace(-1.0, 1.0, len(slow_dps))
+    slow_dps = slow_dps - np.polyval(np.polyfit(place, slow_dps, 1), place)
+    points = SWING_FINE * len(slow_dps)
+    power = np.abs(np.fft.rfft(slow_dps, points)) ** 2
+    period_s = points * SWING_MEAN * block_s / np.maximum(np.arange(len(power)), 0.5)
+    power[(period_s < SWING_PERIODS_S[0]) | (period_s > SWING_PERIODS_S[1])] = 0.0
+    best = int(np.argmax(power))
+    total = float(slow_dps @ slow_dps) + len(slow_dps) * LEAST_DPS**2
+    share = min(2.0 * float(power[best]) / len(slow_dps) / total, 1.0)
+    return float(np.log((share + SWING_LEAST) / (1.0 - share + SWING_LEAST))), float(period_s[best])
+
+
+def ripple_of(left_dps: Floats, basis: Floats) -> Floats:
+    """Share of the mean square that each column of an orthonormal basis takes; shape (columns,)."""
+    return np.square(basis.T @ left_dps) / (float(left_dps @ left_dps) + len(left_dps) * LEAST_DPS**2)
+
+
+def _ripple(left_dps: Floats, basis: Floats) -> float:
+    """Logarithm of what a basis takes for each of its columns, over what it leaves for each other dimension."""
+    share = min(float(ripple_of(left_dps, basis).sum()), 1.0 - 1e-6)
+    others = max(1, len(left_dps) - basis.shape[1])
+    return float(np.log1p(share / basis.shape[1] / ((1.0 - share) / others)))
