@@ -23,6 +23,9 @@ GAIN = 6.0
 STANDARD_ERRORS = 1.0
 """A cause has to raise the score of sessions left out by GAIN and by so many standard errors of the gain."""
 
+STRANGE_COST = 4.0
+"""What no effect of the catalogue does has to explain more by so much than what one of them does."""
+
 CAUSES_MOST = 4
 ANCHORS = 2
 SWEEPS = 3
@@ -72,6 +75,11 @@ class Found:
     def names(self) -> tuple[str, ...]:
         """Of the effects."""
         return tuple(cause.name for cause in self.causes)
+
+    @property
+    def total(self) -> float:
+        """Of all sessions, less the price of what no effect does."""
+        return float(self.scores.sum()) - STRANGE_COST * sum(cause.is_strange for cause in self.causes)
 
 
 class Attribution:
@@ -178,7 +186,7 @@ class Attribution:
         totals = [self.scores((*found.causes, cause)).sum() for cause in tried]
         order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
         judged = [self.judged((*found.causes, tried[number])) for number in order]
-        return sorted(judged, key=lambda one: -one.scores.sum())
+        return sorted(judged, key=lambda one: -one.total)
 
     def names(self) -> list[str]:
         """Of the candidates, each once."""
@@ -203,7 +211,7 @@ class Attribution:
                 seen[names] = self.judged(pair)
             if len(seen) == 2:
                 break
-        return sorted(seen.values(), key=lambda one: -one.scores.sum())
+        return sorted(seen.values(), key=lambda one: -one.total)
 
     def search(self) -> Found:
         """The set that no addition, exchange or removal makes better by enough."""
@@ -216,7 +224,7 @@ class Attribution:
                 break
             found = more[0]
             if len(found.causes) == 1:
-                found = max([found, *self.pairs_that_pay(found)], key=lambda one: one.scores.sum())
+                found = max([found, *self.pairs_that_pay(found)], key=lambda one: one.total)
             elif len(found.causes) > 1:
                 found = self._exchanged(found)
         return self._without_idle(found)
@@ -229,7 +237,7 @@ class Attribution:
         """Whether a longer set gains enough on sessions left out, and not by making everything uncertain."""
         gains = longer.scores - shorter.scores
         error = float(gains.std(ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
-        if float(gains.sum()) <= GAIN + STANDARD_ERRORS * error:
+        if longer.total - shorter.total <= GAIN + STANDARD_ERRORS * error:
             return False
         added = [cause for cause in longer.causes if cause.name not in shorter.names]
         return all(self._told(longer.causes, cause) > GAIN for cause in added)
@@ -250,7 +258,7 @@ class Attribution:
             kept = found.causes[:number] + found.causes[number + 1 :]
             base = Found(kept, found.scores)
             more = self.with_one_more(base)
-            if more and more[0].scores.sum() > best.scores.sum():
+            if more and more[0].total > best.total:
                 best = more[0]
         return best
 
@@ -258,7 +266,7 @@ class Attribution:
         """Drop what no longer pays beside the others."""
         while len(found.causes) > 1:
             shorter = [self.judged(_without(found.causes, cause)) for cause in found.causes]
-            best = max(shorter, key=lambda one: one.scores.sum())
+            best = max(shorter, key=lambda one: one.total)
             if self._pays(found, best):
                 return found
             found = best

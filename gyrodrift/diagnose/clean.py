@@ -25,6 +25,13 @@ CLOSEST = 4
 """But for so many pairs that are closer by chance, the closest values lie a step apart."""
 
 
+NEXT_LEVEL = 1.6
+"""Steps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
+
+RETURNED = 0.4
+"""A jump is taken back when the next sample jumps the other way by as much, but for this share."""
+
+
 @dataclass(frozen=True, slots=True)
 class Cleaned:
     """A recording without holes, wild samples and jumps, and what they were.
@@ -33,6 +40,8 @@ class Cleaned:
         Shape (n,).
     spikes_dps, slips_deg
         One entry each, signed.
+    slips_back
+        How many jumps the very next sample takes back.
     """
 
     recording: Recording
@@ -40,6 +49,7 @@ class Cleaned:
     encoder_deg: Floats
     spikes_dps: Floats
     slips_deg: Floats
+    slips_back: int
 
     @property
     def motion(self) -> ReplayedMotion:
@@ -62,20 +72,24 @@ def cleaned(recording: Recording) -> Cleaned:
     is_spike &= np.isfinite(recording.rate_dps)
     spikes_dps = out_dps[is_spike]
     rate_dps = filled(np.where(is_spike, np.nan, rate_dps)) if len(spikes_dps) else rate_dps
-    slips_deg, encoder_deg = _without_slips(recording, rate_dps, encoder_deg)
-    return Cleaned(recording, rate_dps, encoder_deg, spikes_dps, slips_deg)
+    jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg)
+    slips_deg = jumps_deg[jumps_deg != 0.0]
+    if len(slips_deg):
+        encoder_deg = encoder_deg - np.cumsum(jumps_deg)
+    first, then = jumps_deg[:-1], jumps_deg[1:]
+    back = (first * then < 0.0) & (np.abs(first + then) < RETURNED * np.abs(first))
+    return Cleaned(recording, rate_dps, encoder_deg, spikes_dps, slips_deg, int(np.count_nonzero(back)))
 
 
-def _without_slips(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Floats, Floats]:
+def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Floats:
+    """By how much the angle jumps at each sample, 0 where it does not; shape (n,)."""
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
     out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, SLIP_POINTS)])
     least_deg = COUNTS_OF_A_SLIP * granularity(recording.encoder_deg)
     is_slip: Mask = np.abs(out_deg) > np.maximum(SLIP_SIGMAS * _sigma(out_deg, recording), least_deg)
-    if not is_slip.any():
-        return np.zeros(0), encoder_deg
-    jumps_deg = np.where(is_slip, out_deg, 0.0)
-    return out_deg[is_slip], encoder_deg - np.cumsum(jumps_deg)
+    jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
+    return jumps_deg
 
 
 def granularity(values: Floats) -> float:
@@ -92,7 +106,7 @@ def step_of(values: Floats) -> float:
     if grain == 0.0:
         return 0.0
     gaps = np.diff(levels)
-    near = gaps < 1.5 * grain
+    near = gaps < NEXT_LEVEL * grain
     return float(gaps[near].mean())
 
 

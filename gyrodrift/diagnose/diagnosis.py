@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firmware_sim.bench import COUNTS_MOST
 from firmware_sim.rig import Base, Rig
 from gyrodrift.diagnose.attribute import Attribution, Cause, Found
 from gyrodrift.diagnose.candidates import Candidate, candidates
@@ -77,6 +78,7 @@ def diagnose(asked: Asked) -> Diagnosis:
     """
     begun_s = time.monotonic()
     paths, recordings, remarks = _recordings(asked.paths)
+    remarks += _beyond_the_rig(recordings, asked.rig.base)
     subjects = [subject_of(recording, asked.rig) for recording in recordings]
     hints = hints_of([(subject.seen, subject) for subject in subjects])
     tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
@@ -122,6 +124,16 @@ def _recordings(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], lis
     if not recordings:
         raise DataError("; ".join(remarks))
     return paths, recordings, remarks
+
+
+def _beyond_the_rig(recordings: Sequence[Recording], base: Base) -> list[str]:
+    """Rates that the rig cannot put out: its own would be clipped."""
+    most_dps = COUNTS_MOST * base.dps_per_lsb
+    largest_dps = max(float(np.nanmax(np.abs(recording.rate_dps))) for recording in recordings)
+    if largest_dps <= most_dps:
+        return []
+    holds = f"16 bits of {base.dps_per_lsb:g} deg/s hold {most_dps:.3g} deg/s"
+    return [f"the sessions reach {largest_dps:.3g} deg/s, and {holds}: is the rig's dps_per_lsb right?"]
 
 
 def _testable(

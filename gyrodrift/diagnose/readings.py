@@ -5,10 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES
+from gyrodrift.diagnose.design import COLUMNS, LAG_SIGNATURES, WARMING_SIGNATURES
 from gyrodrift.session.session import Floats
 
-REGRESSIONS = frozenset(signature.name for signature in (*(one.signature for one in COLUMNS), *LAG_SIGNATURES))
+REGRESSIONS = frozenset(
+    one.name for one in (*(column.signature for column in COLUMNS), *LAG_SIGNATURES, *WARMING_SIGNATURES)
+)
 LARGEST = 50.0
 """An exponent beyond which a number is no longer read as one."""
 
@@ -81,7 +83,7 @@ READINGS = (
     ("drop_runs", Reading("samples", _exponential)),
     (("least_rate", "rate_step", "angle_step"), Reading("counts", _doubled)),
     ("reach", Reading("of the encoder's", _exponential)),
-    ("slip_count", Reading("jumps", _square)),
+    (("slip_count", "slip_back"), Reading("jumps", _square)),
     ("slip_size", Reading("counts", _doubled_above_one)),
     ("clock_ratio", Reading("ppm", _ppm)),
     ("stamp_tails", Reading("% of samples", _percent)),

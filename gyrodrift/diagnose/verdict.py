@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
+from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.attribute import GAIN, Attribution, Cause, Found
 from gyrodrift.diagnose.evidence import Evidence
@@ -21,12 +23,14 @@ WORST_Z = 20.0
 EXPLAINED = 0.4
 """A cause that takes away less of what stands out than this is no explanation."""
 
-TIED = 3.0
+TIED, TIED_SHARE = 3.0, 0.025
 PLAUSIBLE = 2.0
-"""In logarithms of likelihood: alternatives within TIED are tied, sizes within PLAUSIBLE belong to the interval."""
+"""In logarithms of likelihood: alternatives within TIED are tied, sizes within PLAUSIBLE belong to the interval. Of the
+same group they are tied within TIED_SHARE of what the cause explains as well: effects that look alike differ most in
+what is not exact in either."""
 
 BOOTSTRAPS = 2000
-SURE, SLOPE = 8.0, 0.35
+PROBABILITY = np.array([-1.0, 1.0, -1.5, -2.0, -1.0])
 
 
 class Kind(StrEnum):
@@ -104,14 +108,19 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
     before, after = together(evidence.z), together(after_z)
     is_off = np.abs(before) > STANDS_OUT
     strangers = [cause for cause in found.causes if cause.is_strange]
-    leftover = (*_strange(attribution, found, strangers), *_odd(after, LEFT_OVER))
+    strange = _strange(attribution, found, strangers)
+    leftover = _worst_first([*strange, *_odd(after, LEFT_OVER)])
     causes = _named(attribution, found, before, after)
     kind = _kind(causes, is_off, before, after, leftover)
+    where = _odd(before, STANDS_OUT)
+    if kind is Kind.UNKNOWN and strangers:
+        first = strange[0]  # what it depends on says more than what else that moves
+        where = (first, *(odd for odd in where if odd.signature != first.signature))
     return Verdict(
         kind=kind,
         causes=causes,
-        where=_odd(before, STANDS_OUT),
-        leftover=leftover if causes else _odd(before, STANDS_OUT),
+        where=where,
+        leftover=leftover if causes else where,
         gap=_gap(evidence, after_z if causes else evidence.z, may_shrink=kind is not Kind.NONE),
         after_z=after_z,
     )
@@ -152,7 +161,15 @@ def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause])
         number = NUMBER[cause.name.removeprefix("?")]
         one = SIGNATURES[number]
         odd.append(Odd(one.stage, one.name, one.regime, one.says, float(z[number]), 1.0))
-    return sorted(odd, key=lambda one: -abs(one.z))
+    return odd
+
+
+def _worst_first(odd: Sequence[Odd]) -> tuple[Odd, ...]:
+    """Each signature once."""
+    by_name: dict[str, Odd] = {}
+    for one in sorted(odd, key=lambda one: -abs(one.z)):
+        by_name.setdefault(one.signature, one)
+    return tuple(by_name.values())
 
 
 def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
@@ -190,45 +207,76 @@ def _explained(is_off: Mask, before: Floats, after: Floats) -> float:
 
 def _named(attribution: Attribution, found: Found, before: Floats, after: Floats) -> tuple[NamedCause, ...]:
     is_off = np.abs(before) > STANDS_OUT
-    explained = max(_explained(is_off, before, after), 0.0)
+    left = float(np.clip(1.0 - _explained(is_off, before, after), 0.0, 1.0))
     named = []
     for cause in found.causes:
         if cause.is_strange:
             continue
         kept = tuple(other for other in found.causes if other is not cause)
-        rivals = _rivals(attribution, found, cause, kept)
         lost = (
             float(found.scores.sum() - attribution.judged(kept).scores.sum())
             if kept
             else _over_nothing(attribution, found)
         )
-        sure = 1.0 / (1.0 + np.exp(-SLOPE * (lost - SURE)))
-        weights = np.exp([rival[1] / 2.0 for rival in rivals])
-        probability = sure * (0.5 + 0.5 * explained) / (1.0 + float(weights.sum()))
+        rivals = _rivals(attribution, found, cause, kept, lost)
+        weight = float(np.exp([rival[1] / 2.0 for rival in rivals]).sum())
+        tells = Tells(lost, weight, left, is_random=cause.answer.candidate.dice > 1)
         named.append(
             NamedCause(
                 cause=cause,
                 effect=effect_of(attribution, found, cause),
                 group=cause.answer.candidate.group,
-                probability=float(np.clip(probability, 0.01, 0.99)),
+                probability=probability_of(tells),
                 parameters=_parameters(attribution, found, cause),
-                tied_with=tuple(name for name, behind in rivals if behind > -TIED),
+                tied_with=tuple(name for name, behind in rivals if behind > -TIED and name in CATALOGUE),
             )
         )
     # Of causes that are as good as equally probable, first what is not left to chance.
     return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.answer.candidate.dice)))
 
 
+class Tells(NamedTuple):
+    """What the probability of a cause goes by.
+
+    gain
+        Logarithm of the likelihood on sessions kept apart that is lost without it.
+    rivals
+        How much others could take its place: 1 for one that does as well.
+    left
+        Share of what stands out that all causes together leave.
+    is_random
+        Whether chance plays a part in it, so that it fits much.
+    """
+
+    gain: float
+    rivals: float
+    left: float
+    is_random: bool
+
+
+def probability_of(tells: Tells) -> float:
+    """That the cause acts: a logistic curve with weights fitted to development cases of the blind check."""
+    columns = np.array([1.0, np.log(max(tells.gain, 1.0)), np.log1p(tells.rivals), tells.left, tells.is_random])
+    return float(np.clip(1.0 / (1.0 + np.exp(-columns @ PROBABILITY)), 0.01, 0.99))
+
+
 def _over_nothing(attribution: Attribution, found: Found) -> float:
     return float(found.scores.sum() - attribution.nothing.scores.sum())
 
 
-def _rivals(attribution: Attribution, found: Found, cause: Cause, kept: tuple[Cause, ...]) -> list[tuple[str, float]]:
-    """Other candidates in the place of a cause, and by how much they score less (negative)."""
-    others = attribution.with_one_more(Found(kept, found.scores))
-    taken = {cause.name, *(other.name for other in kept)}
-    rivals = [(one.causes[-1].name, float(one.scores.sum() - found.scores.sum())) for one in others]
-    return [(name, min(behind, 0.0)) for name, behind in rivals if name not in taken and behind > -4.0 * TIED]
+def _rivals(
+    attribution: Attribution, found: Found, cause: Cause, kept: tuple[Cause, ...], lost: float
+) -> list[tuple[str, float]]:
+    """Other candidates in the place of a cause, and by how much they score less (negative), in a scale of TIED."""
+    group, taken = cause.answer.candidate.group, {cause.name, *(other.name for other in kept)}
+    rivals = []
+    for one in attribution.with_one_more(Found(kept, found.scores)):
+        rival = one.causes[-1]
+        wide = max(TIED, TIED_SHARE * lost) if rival.answer.candidate.group == group else TIED
+        behind = min(one.total - found.total, 0.0) * TIED / wide
+        if rival.name not in taken and behind > -4.0 * TIED:
+            rivals.append((rival.name, behind))
+    return rivals
 
 
 def profile(attribution: Attribution, found: Found, cause: Cause) -> tuple[Floats, Floats]:

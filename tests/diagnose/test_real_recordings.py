@@ -1,0 +1,64 @@
+"""Recordings of real sensors, each with one thing about it that is known."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from support import Recordings
+
+from gyrodrift.cli import main
+
+pytestmark = pytest.mark.timeout(600)
+
+
+def diagnosed(paths: list[Path], base: dict[str, float], folder: Path) -> dict[str, Any]:
+    """The verdict beside a rig of these facts."""
+    rig = folder / "rig.yaml"
+    usual = {"noise_dps_rthz": 0.005, "bias_dps": 0.5, "encoder_cpr": 36000, "host_delay_s": 0.002}
+    rig.write_text(yaml.safe_dump({"base": usual | base, "effects": []}))
+    words = ["diagnose", *map(str, paths), "--rig", str(rig), "--out", str(folder / "out"), "--jobs", "2"]
+    assert main(words) == 0
+    found: dict[str, Any] = json.loads((folder / "out" / "gap.json").read_text())
+    return found
+
+
+def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:
+    """The line is found as steps of the bias against steps of the temperature have it; the rest is left over."""
+    gap = diagnosed(
+        [recordings.data / "temperature_sweep.csv"], {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path
+    )
+    assert gap["verdict"] == "partly"
+    assert gap["causes"][0]["effect"] == "temp_bias"
+    assert gap["causes"][0]["parameters"]["slope_dps_per_c"]["value"] == pytest.approx(0.0062, rel=0.3)
+    assert gap["leftover"]
+    assert gap["untestable"]["scale_factor"] == "no motion"
+    assert gap["untestable"]["clock_drift"] == "no host times"
+
+
+def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
+    """Of a sensor that lay still; bunches are 48.8 ms apart in the mean."""
+    gap = diagnosed(
+        [recordings.data / "mpu6050_still.csv"], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path
+    )
+    assert gap["causes"][0]["effect"] == "usb_batching"
+    assert gap["causes"][0]["parameters"]["interval_ms"]["value"] == pytest.approx(48.8, rel=0.2)
+    assert gap["where"][0]["stage"] == "link"
+
+
+def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Recordings) -> None:
+    """Whatever is named, most is left over."""
+    paths = [recordings.data / f"broad_{number}.csv" for number in ("01", "06", "14")]
+    gap = diagnosed(paths, {"sample_rate_hz": 285.7, "dps_per_lsb": 0.061, "encoder_cpr": 3600000}, tmp_path)
+    assert gap["verdict"] in {"partly", "unknown"}
+    assert gap["gap"]["shrink"] is None or gap["gap"]["shrink"] < 0.6
+    assert len(gap["leftover"]) > 5
+
+
+def test_a_rig_that_cannot_hold_the_rates_is_told_of(
+    tmp_path: Path, recordings: Recordings, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its own output would be clipped."""
+    diagnosed([recordings.data / "temperature_sweep.csv"], {"sample_rate_hz": 2.0, "dps_per_lsb": 1e-5}, tmp_path)
+    assert "is the rig's dps_per_lsb right?" in capsys.readouterr().err
