@@ -28,9 +28,6 @@ CLOSEST = 4
 NEXT_LEVEL = 1.6
 """Steps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
 
-RETURNED = 0.4
-"""A jump is taken back when the next sample jumps the other way by as much, but for this share."""
-
 
 @dataclass(frozen=True, slots=True)
 class Cleaned:
@@ -40,8 +37,6 @@ class Cleaned:
         Shape (n,).
     spikes_dps, slips_deg
         One entry each, signed.
-    slips_back
-        How many jumps the very next sample takes back.
     """
 
     recording: Recording
@@ -49,7 +44,6 @@ class Cleaned:
     encoder_deg: Floats
     spikes_dps: Floats
     slips_deg: Floats
-    slips_back: int
 
     @property
     def motion(self) -> ReplayedMotion:
@@ -76,9 +70,7 @@ def cleaned(recording: Recording) -> Cleaned:
     slips_deg = jumps_deg[jumps_deg != 0.0]
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
-    first, then = jumps_deg[:-1], jumps_deg[1:]
-    back = (first * then < 0.0) & (np.abs(first + then) < RETURNED * np.abs(first))
-    return Cleaned(recording, rate_dps, encoder_deg, spikes_dps, slips_deg, int(np.count_nonzero(back)))
+    return Cleaned(recording, rate_dps, encoder_deg, spikes_dps, slips_deg)
 
 
 def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Floats:

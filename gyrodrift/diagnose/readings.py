@@ -83,7 +83,7 @@ READINGS = (
     ("drop_runs", Reading("samples", _exponential)),
     (("least_rate", "rate_step", "angle_step"), Reading("counts", _doubled)),
     ("reach", Reading("of the encoder's", _exponential)),
-    (("slip_count", "slip_back"), Reading("jumps", _square)),
+    ("slip_count", Reading("jumps", _square)),
     ("slip_size", Reading("counts", _doubled_above_one)),
     ("clock_ratio", Reading("ppm", _ppm)),
     ("stamp_tails", Reading("% of samples", _percent)),

@@ -30,7 +30,9 @@ same group they are tied within TIED_SHARE of what the cause explains as well: e
 what is not exact in either."""
 
 BOOTSTRAPS = 2000
-PROBABILITY = np.array([-1.0, 1.0, -1.5, -2.0, -1.0])
+PROBABILITY = np.array([2.8, -4.0, -6.0, -1.8])
+"""A logistic curve over a constant and what Tells holds: fitted to 154 causes named in development cases of the blind
+check, of which three in four were right. How much a cause gains says nothing more once it gains enough to be named."""
 
 
 class Kind(StrEnum):
@@ -220,7 +222,7 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
         )
         rivals = _rivals(attribution, found, cause, kept, lost)
         weight = float(np.exp([rival[1] / 2.0 for rival in rivals]).sum())
-        tells = Tells(lost, weight, left, is_random=cause.answer.candidate.dice > 1)
+        tells = Tells(weight, left, is_random=cause.answer.candidate.dice > 1)
         named.append(
             NamedCause(
                 cause=cause,
@@ -238,8 +240,6 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
 class Tells(NamedTuple):
     """What the probability of a cause goes by.
 
-    gain
-        Logarithm of the likelihood on sessions kept apart that is lost without it.
     rivals
         How much others could take its place: 1 for one that does as well.
     left
@@ -248,15 +248,14 @@ class Tells(NamedTuple):
         Whether chance plays a part in it, so that it fits much.
     """
 
-    gain: float
     rivals: float
     left: float
     is_random: bool
 
 
 def probability_of(tells: Tells) -> float:
-    """That the cause acts: a logistic curve with weights fitted to development cases of the blind check."""
-    columns = np.array([1.0, np.log(max(tells.gain, 1.0)), np.log1p(tells.rivals), tells.left, tells.is_random])
+    """That the cause acts."""
+    columns = np.array([1.0, np.log1p(tells.rivals), tells.left, tells.is_random])
     return float(np.clip(1.0 / (1.0 + np.exp(-columns @ PROBABILITY)), 0.01, 0.99))
 
 

@@ -65,7 +65,6 @@ SIGNATURES = (
     Signature("angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says"),
     Signature("angle_noise", "encoder", "moving", "the angle scatters from sample to sample"),
     Signature("slip_count", "encoder", "always", "the angle jumps"),
-    Signature("slip_back", "link", "moving", "the angle jumps and is back with the next sample"),
     Signature("slip_size", "encoder", "always", "the jumps of the angle are large"),
 )
 
@@ -73,7 +72,7 @@ FLOORS = np.array(
     [0.08] * len(REST_POINTS)
     + [0.1] * len(MOVING_POINTS)
     + [0.22] * len(MOVING_POINTS)
-    + [0.5, 0.15, 0.01, 0.01, 0.008, 0.02, 0.01, 0.035, 0.01, 0.5, 0.15, 0.15, 0.005, 0.15, 0.2, 0.4, 0.4, 0.3]
+    + [0.5, 0.15, 0.01, 0.01, 0.008, 0.02, 0.01, 0.035, 0.01, 0.5, 0.15, 0.15, 0.005, 0.15, 0.2, 0.4, 0.3]
 )
 
 
@@ -226,4 +225,4 @@ def _angles(seen: Cleaned, design: Design, cpr: int) -> list[float]:
     scatter = _log(_spread(seen.encoder_deg, design.is_fast | design.is_slow, 1, 3) / 20.0, count_deg**2 / 12.0)
     slips = np.abs(seen.slips_deg)
     size = float(np.log2(1.0 + np.median(slips) / count_deg)) if len(slips) else 0.0
-    return [np.log2(step), scatter, np.sqrt(len(slips)), np.sqrt(seen.slips_back), size]
+    return [np.log2(step), scatter, np.sqrt(len(slips)), size]
