@@ -93,7 +93,8 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         lines.append("left over: " + "; ".join(f"{odd.says} ({odd.stage})" for odd in verdict.leftover[:SHOWN]))
     shrink = "" if gap.shrink is None else f", {100.0 * gap.shrink:.0f} % of what can be closed"
     gaps = f"{gap.before:.2f} before, {gap.after:.2f} after, {gap.floor:.2f} without one"
-    lines.append(f"gap on sessions kept apart: {gaps}{shrink}")
+    judged = "sessions kept apart" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
+    lines.append(f"gap on {judged}: {gaps}{shrink}")
     lines.append(
         f"yaw error: {worth.e_real_deg:.3g} deg real; simulated {worth.e_sim_before_deg:.3g} before, "
         f"{worth.e_sim_after_deg:.3g} after"
