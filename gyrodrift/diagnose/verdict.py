@@ -1,7 +1,7 @@
 """From scores to words: what stands out, which causes with what probability, what is left, how far the gap shrank."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -76,7 +76,7 @@ class Odd:
     regime: str
     says: str
     z: float
-    share: float
+    share: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
     where = _odd(before, STANDS_OUT)
     if kind is Kind.UNKNOWN and strangers:
         first = strange[0]  # what it depends on says more than what else that moves
-        where = (first, *(odd for odd in where if odd.signature != first.signature))
+        where = _shared([first, *(odd for odd in where if odd.signature != first.signature)])
     return Verdict(
         kind=kind,
         causes=causes,
@@ -162,7 +162,7 @@ def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause])
         z = together((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + allowance))
         number = NUMBER[cause.name.removeprefix("?")]
         one = SIGNATURES[number]
-        odd.append(Odd(one.stage, one.name, one.regime, one.says, float(z[number]), 1.0))
+        odd.append(Odd(one.stage, one.name, one.regime, one.says, float(z[number])))
     return odd
 
 
@@ -171,22 +171,29 @@ def _worst_first(odd: Sequence[Odd]) -> tuple[Odd, ...]:
     by_name: dict[str, Odd] = {}
     for one in sorted(odd, key=lambda one: -abs(one.z)):
         by_name.setdefault(one.signature, one)
-    return tuple(by_name.values())
+    return _shared(list(by_name.values()))
+
+
+def _shared(odd: Sequence[Odd]) -> tuple[Odd, ...]:
+    """With the share that each has in all of them."""
+    squares = [min(abs(one.z), WORST_Z) ** 2 for one in odd]
+    total = sum(squares) or 1.0
+    return tuple(replace(one, share=square / total) for one, square in zip(odd, squares, strict=True))
 
 
 def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
     order = [int(number) for number in np.argsort(-np.abs(deviates)) if abs(deviates[number]) > threshold]
-    total = float(np.square(np.minimum(np.abs(deviates), WORST_Z)).sum()) or 1.0
-    return tuple(
-        Odd(
-            SIGNATURES[number].stage,
-            SIGNATURES[number].name,
-            SIGNATURES[number].regime,
-            SIGNATURES[number].says,
-            float(deviates[number]),
-            min(abs(float(deviates[number])), WORST_Z) ** 2 / total,
-        )
-        for number in order
+    return _shared(
+        [
+            Odd(
+                SIGNATURES[number].stage,
+                SIGNATURES[number].name,
+                SIGNATURES[number].regime,
+                SIGNATURES[number].says,
+                float(deviates[number]),
+            )
+            for number in order
+        ]
     )
 
 
