@@ -47,10 +47,14 @@ def missing_in(path: Path) -> list[int]:
     return [json.loads(text)["missing"] for text in messages]
 
 
-def record_many(recording: Recorder, count: int) -> None:
+def record_until_it_fails(recording: Recorder, count: int) -> None:
+    """The disk has a thread of its own, which fails in its own time."""
     for first in range(0, count, 100):
         recording.take(samples(first, 100))
         recording.do_chores(0.0)
+    file = recording._disk
+    until(lambda: file is not None and file.is_finished)
+    recording.do_chores(0.0)
 
 
 def until(is_done: Callable[[], bool]) -> None:
@@ -163,7 +167,7 @@ def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> Non
     with small_disk(out, "64k"):
         recording = Recorder(RecordOptions(out), link)
         with pytest.raises(RecordingError, match="No space left on device; 65536 bytes of it are written"):
-            record_many(recording, 100_000)
+            record_until_it_fails(recording, 3000)
         with pytest.raises(RecordingError):
             recording.close()
         (path,) = out.iterdir()
