@@ -122,15 +122,21 @@ class DiskFile:
         while not self._queue.empty():
             self._write(self._queue.get() or b"")
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self.path.open("xb") as copy:
-                self._file.seek(0)
-                shutil.copyfileobj(self._file, copy)
-                copy.flush()
-                os.fsync(copy.fileno())
+            try:
+                self._put_back()
+            except OSError:  # the folder went away meanwhile: removing a tree takes a moment
+                self._put_back()
         except OSError as error:
             raise RecordingError(f"{why}, and could not be put back: {error.strerror}") from error
         raise RecordingError(f"{why}; it was put back with all that was recorded")
+
+    def _put_back(self) -> None:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        with self.path.open("xb") as copy:
+            self._file.seek(0)
+            shutil.copyfileobj(self._file, copy)
+            copy.flush()
+            os.fsync(copy.fileno())
 
 
 def _sync_folder(folder: Path) -> None:
