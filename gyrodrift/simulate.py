@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from firmware_sim.bench import Block, measure
-from firmware_sim.motion import Profile
+from firmware_sim.bench import Block, Motion, measure
 from firmware_sim.rig import Base, Rig
 from gyrodrift.files import write_whole
 from gyrodrift.session.session import Floats, Session
@@ -21,7 +20,7 @@ class Simulation:
     """What determines a simulated session to the last byte."""
 
     rig: Rig
-    profile: Profile
+    profile: Motion
     seed: int
     number: int = 0
     minutes: float = 10.0
@@ -63,7 +62,7 @@ def as_recorded(block: Block, base: Base, name: str) -> Session:
 
 
 def write_sessions(
-    rig: Rig, profile: Profile, folder: Path, seed: int, sessions: int, minutes: float, ending: str = "mcap"
+    rig: Rig, profile: Motion, folder: Path, seed: int, sessions: int, minutes: float, ending: str = "mcap"
 ) -> Iterator[Path]:
     """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
     folder.mkdir(parents=True, exist_ok=True)

@@ -13,9 +13,10 @@ MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").
 LOWEST = ("gyrodrift.filter", "gyrodrift.sample", "gyrodrift.errors", "gyrodrift.yaml_file")
 SHARED = {"gyrodrift.page": ("gyrodrift.page",), "gyrodrift.cluster": ("gyrodrift.cluster", "gyrodrift.errors")}
 """What all analyses of sessions may use, and nobody else, with the little of ours that it may use itself."""
-ANALYSES = ("gyrodrift.tune", "gyrodrift.diagnose")
+ANALYSES = ("gyrodrift.tune", "gyrodrift.diagnose", "gyrodrift.compare")
 MAY_USE_THE_SIMULATOR = (
     "gyrodrift.cli.diagnose",
+    "gyrodrift.hard_cases",
     "gyrodrift.replay",
     "gyrodrift.cli.replay",
     "gyrodrift.simulate",

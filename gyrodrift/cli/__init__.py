@@ -14,6 +14,7 @@ COMMANDS = {
     "record": "read a device and write what it sends into session files",
     "tune": "find the filter's parameters from recorded sessions",
     "diagnose": "say where simulator and recordings part, which effect it is, and how far adding it closes the gap",
+    "compare": "this filter beside Euler and the drift reducers people use instead, on the same sessions",
     "filter": "run the same filter over a recorded session",
     "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",

@@ -1,7 +1,8 @@
 """Write sessions of the simulated rig, as fast as they can be computed.
 
 A rig, a profile and a seed give the same samples here and from `python -m firmware_sim`. --twin makes, of a table of
-published sessions, simulated ones of the same lengths that drift as far.
+published sessions, simulated ones of the same lengths that drift as far. --hard-cases writes the standard set of what
+drift reducers fail at: 13 cases, each still at first and moving at first, a folder of ten sessions each.
 """
 
 import argparse
@@ -21,8 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig (default: the shipped config/rig.yaml)")
-    parser.add_argument("--profile", default="turntable", help="motion: a shipped profile or a file")
-    parser.add_argument("--sessions", type=int, default=1, metavar="N", help="how many (default 1)")
+    parser.add_argument("--profile", help="motion: a shipped profile or a file (default: turntable)")
+    parser.add_argument("--sessions", type=int, metavar="N", help="how many (default 1; 10 of each hard case)")
     parser.add_argument("--minutes", type=float, default=10.0, metavar="M", help="length of each (default 10)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything random (default 0)")
     parser.add_argument(
@@ -34,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="of the sessions (default mcap)")
     parser.add_argument("--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched")
+    parser.add_argument("--hard-cases", action="store_true", help="the standard set; rigs and motions are its own")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -42,6 +44,10 @@ def run(arguments: argparse.Namespace) -> int:
     options.positive("--sessions", arguments.sessions)
     if arguments.seed < 0:
         raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
+        raise UsageError(
+            "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
+        )
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
     from firmware_sim.motion import load_profile
     from firmware_sim.rig import load_rig, parse_effect, with_effects
@@ -49,16 +55,18 @@ def run(arguments: argparse.Namespace) -> int:
 
     try:
         rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
-        profile = load_profile(arguments.profile)
+        profile = load_profile(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
     try:
         if arguments.twin is not None:
             _twins(arguments, rig)
+        elif arguments.hard_cases:
+            _hard_cases(arguments)
         else:
             from gyrodrift.simulate import write_sessions
 
-            numbers = (arguments.seed, arguments.sessions, arguments.minutes)
+            numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
             for path in write_sessions(rig, profile, arguments.out, *numbers, arguments.format):
                 print(path, file=sys.stderr)
     except OSError as error:
@@ -71,3 +79,11 @@ def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
 
     for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed, arguments.format):
         print(f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}", file=sys.stderr)
+
+
+def _hard_cases(arguments: argparse.Namespace) -> None:
+    from gyrodrift.hard_cases import SESSIONS, write_hard_cases
+
+    sessions = arguments.sessions or SESSIONS
+    for path in write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format):
+        print(path, file=sys.stderr)

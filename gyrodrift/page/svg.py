@@ -18,7 +18,18 @@ from gyrodrift.page.numbers import factor_label
 Floats = NDArray[np.float64]
 
 INK, QUIET, GRID, PLAIN, TUNED, TWO = "#101112", "#606162", "#d0d1d2", "#c05012", "#1060b2", "#703092"
-ROLES = {INK: "ink", QUIET: "quiet", GRID: "grid", PLAIN: "plain", TUNED: "tuned", TWO: "two"}
+THREE, FOUR, FIVE = "#1f7a4c", "#94740e", "#b0226e"
+ROLES = {
+    INK: "ink",
+    QUIET: "quiet",
+    GRID: "grid",
+    PLAIN: "plain",
+    TUNED: "tuned",
+    TWO: "two",
+    THREE: "three",
+    FOUR: "four",
+    FIVE: "five",
+}
 """Each colour stands for a variable of the page's style sheet, so that figures follow light, dark and paper."""
 
 STYLE: dict[Any, Any] = {

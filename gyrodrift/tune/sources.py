@@ -55,7 +55,17 @@ def load_course(source: Source) -> tuple[Course, About]:
     DataError
         With its path, where it cannot be read or has no reference.
     """
-    session = load_session(source.path)
+    return course_and_about(source, load_session(source.path))
+
+
+def course_and_about(source: Source, session: Session) -> tuple[Course, About]:
+    """The course of a session that has been read from a source.
+
+    Raises
+    ------
+    DataError
+        With its path, where it has no reference.
+    """
     try:
         course = course_of(session, is_still=source.is_still)
     except DataError as error:

@@ -1,0 +1,100 @@
+"""Run this filter, and the drift reducers that people use instead, over the same sessions with an encoder.
+
+For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
+error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
+parameters tuned on those sessions, all by the search and with the budget of `tune`. The table goes to stdout; files
+are written only where --out names a folder for compare.json and compare.html.
+"""
+
+import argparse
+import os
+import shlex
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable
+
+if TYPE_CHECKING:
+    from gyrodrift.compare.comparison import Asked, Comparison
+    from gyrodrift.tune.progress import Progress
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with hdr: parameters (default: published)")
+    parser.add_argument(
+        "--train", type=Path, action="append", default=[], metavar="PATH", help="tune every method on these too"
+    )
+    parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for compare.json and compare.html")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the searches (default 0)")
+    parser.add_argument(
+        "--iterations", type=int, default=600, metavar="N", help="evaluations for each method (default 600)"
+    )
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare; 0 when everything is told and written."""
+    for name in ("iterations", "jobs"):
+        options.positive(f"--{name}", getattr(arguments, name))
+    if arguments.seed < 0:
+        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    if arguments.out is not None:
+        check_writable(arguments.out)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
+    try:
+        import cma  # noqa: F401
+        import matplotlib as mpl  # noqa: F401
+        import numba  # noqa: F401
+    except ImportError as error:
+        raise UsageError(f"compare needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+    from gyrodrift.compare.comparison import compare
+    from gyrodrift.tune.progress import Progress
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
+    with Progress(sys.stderr) as progress:
+        comparison = compare(_asked(arguments, progress))
+    _tell(arguments, comparison)
+    return 0
+
+
+def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
+    from gyrodrift.compare.comparison import Asked
+    from gyrodrift.compare.methods import methods
+    from gyrodrift.config import Config, load_config
+    from gyrodrift.session.session import session_paths
+
+    config = load_config(arguments.config) if arguments.config else Config()
+    stills = session_paths(arguments.still)
+    return Asked(
+        paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
+        methods=methods(config.hdr),
+        train=session_paths(arguments.train),
+        stills=frozenset(stills),
+        iterations=arguments.iterations,
+        seed=arguments.seed,
+        jobs=arguments.jobs or len(os.sched_getaffinity(0)),
+        progress=progress.evaluated,
+    )
+
+
+def _tell(arguments: argparse.Namespace, comparison: "Comparison") -> None:
+    from gyrodrift.compare.write import summary, write_json
+
+    if arguments.out is not None:
+        from gyrodrift.compare.report import report_html
+        from gyrodrift.files import write_whole
+
+        command = shlex.join(arguments.command_line)
+        write_json(arguments.out / "compare.json", comparison, command)
+        write_whole(arguments.out / "compare.html", [report_html(comparison, command)])
+    for note in comparison.notes:
+        print(f"gyrodrift: note: {note}", file=sys.stderr)
+    for line in summary(comparison):
+        print(line)

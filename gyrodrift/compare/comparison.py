@@ -1,0 +1,204 @@
+"""A comparison from its paths to its result: methods tuned where that is asked for, and run over every session."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gyrodrift.compare.method import Method, Params
+from gyrodrift.compare.methods import BY_KEY
+from gyrodrift.compare.score import Score, mean_score, score_of
+from gyrodrift.compare.session import Recording, folder_names, load_recording
+from gyrodrift.compare.tuning import Progress, tuned
+from gyrodrift.compare.workers import workers
+from gyrodrift.session.session import Floats
+from gyrodrift.tune.sources import About, Source
+
+CURVE_POINTS = 300
+SHOWN = 24
+"""Of more sessions than this, curves are kept of the first of each folder only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is to be compared.
+
+    paths, stills
+        The sessions, and those of them, or more, that did not move.
+    train
+        Sessions to tune on; without any nothing is tuned.
+    iterations, seed
+        Of the search for each method.
+    """
+
+    paths: Sequence[Path]
+    methods: Sequence[Method]
+    train: Sequence[Path] = ()
+    stills: frozenset[Path] = frozenset()
+    iterations: int = 600
+    seed: int = 0
+    jobs: int = 1
+    progress: Progress = lambda _what, _done, _all: None
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A row of the comparison: a method with the parameters it ran with."""
+
+    method: Method
+    params: Params
+    is_tuned: bool = False
+
+    @property
+    def title(self) -> str:
+        """For people."""
+        marks = [word for word, is_so in (("tuned", self.is_tuned), ("offline", self.method.is_offline)) if is_so]
+        return ", ".join([self.method.title, *marks])
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """What is drawn of a session, thinned: minutes and reference in deg, shape (m,), yaw by entry, shape (k, m)."""
+
+    minutes: Floats
+    reference_deg: Floats
+    yaw_deg: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A session with a score for every entry, in their order."""
+
+    path: Path
+    folder: str
+    about: About
+    scores: tuple[Score, ...]
+    curves: Curves | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """All of it.
+
+    missing
+        Methods that could not run, since their packages are not installed.
+    train
+        Names of the sessions that the tuned entries were tuned on.
+
+    Notes
+    -----
+        What should be known before believing it, a sentence each.
+    """
+
+    entries: tuple[Entry, ...]
+    missing: tuple[Method, ...]
+    sessions: tuple[Compared, ...]
+    train: tuple[str, ...]
+    iterations: int
+    seed: int
+    notes: tuple[str, ...]
+    seconds: float
+
+    @property
+    def means(self) -> tuple[Score, ...]:
+        """Over all sessions, by entry."""
+        return _means(self.sessions)
+
+    @property
+    def folders(self) -> dict[str, tuple[Score, ...]]:
+        """Over the sessions of each folder, by entry."""
+        names = dict.fromkeys(one.folder for one in self.sessions)
+        return {name: _means([one for one in self.sessions if one.folder == name]) for name in names}
+
+
+def _means(sessions: Sequence[Compared]) -> tuple[Score, ...]:
+    return tuple(mean_score(scores) for scores in zip(*(one.scores for one in sessions), strict=True))
+
+
+def compare(asked: Asked) -> Comparison:
+    """Run every method that is installed over every session.
+
+    Raises
+    ------
+    DataError
+        Where a session cannot be read or has no reference.
+    """
+    begun_s = time.monotonic()
+    present = [method for method in asked.methods if method.is_installed]
+    train = [load_recording(_source(path, asked)) for path in asked.train]
+    found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
+    entries = [Entry(method, method.defaults) for method in present]
+    entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
+    sessions = _run(asked, entries)
+    return Comparison(
+        entries=tuple(entries),
+        missing=tuple(method for method in asked.methods if not method.is_installed),
+        sessions=tuple(sessions),
+        train=tuple(one.about.name for one in train),
+        iterations=asked.iterations,
+        seed=asked.seed,
+        notes=tuple(_notes(sessions, train)),
+        seconds=time.monotonic() - begun_s,
+    )
+
+
+def _source(path: Path, asked: Asked) -> Source:
+    return Source(path, path in asked.stills)
+
+
+def _run(asked: Asked, entries: Sequence[Entry]) -> list[Compared]:
+    folders = folder_names(asked.paths)
+    firsts = {folders.index(name) for name in folders}
+    is_drawn = [len(folders) <= SHOWN or at in firsts for at in range(len(folders))]
+    works = [
+        _Work(_source(path, asked), folder, [(entry.method.key, entry.params) for entry in entries], drawn)
+        for path, folder, drawn in zip(asked.paths, folders, is_drawn, strict=True)
+    ]
+    found = []
+    with workers(min(asked.jobs, len(works))) as hands:
+        for done, one in enumerate(hands.map(_compared, works), 1):
+            asked.progress("sessions", done, len(works))
+            found.append(one)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """A session's part, small enough to be sent to another process."""
+
+    source: Source
+    folder: str
+    runs: list[tuple[str, Params]]
+    is_drawn: bool
+
+
+def _compared(work: _Work) -> Compared:
+    recording = load_recording(work.source)
+    course = recording.course
+    yaws_deg = [BY_KEY[key].run(recording.t_s, course.rate_dps, params) for key, params in work.runs]
+    scores = tuple(score_of(course, yaw_deg) for yaw_deg in yaws_deg)
+    curves = _curves(recording, yaws_deg) if work.is_drawn else None
+    return Compared(work.source.path, work.folder, recording.about, scores, curves)
+
+
+def _curves(recording: Recording, yaws_deg: Sequence[Floats]) -> Curves:
+    """Every so manieth sample that has a reference."""
+    known = np.flatnonzero(np.isfinite(recording.course.reference_deg))
+    at = known[np.unique(np.linspace(0, len(known) - 1, CURVE_POINTS).astype(np.int64))]
+    minutes = (recording.t_s[at] - recording.t_s[0]) / 60.0
+    return Curves(minutes, recording.course.reference_deg[at], np.array([yaw_deg[at] for yaw_deg in yaws_deg]))
+
+
+def _notes(sessions: Sequence[Compared], train: Sequence[Recording]) -> list[str]:
+    notes = [odd for one in sessions for odd in one.about.odd]
+    digests = {one.about.digest for one in train}
+    both = [one.about.name for one in sessions if one.about.digest in digests]
+    if both:
+        notes.append(f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on")
+    rates_hz = [one.about.sample_rate_hz for one in sessions]
+    trained_hz = [one.about.sample_rate_hz for one in train]
+    if trained_hz and (max(rates_hz) > 1.02 * min(trained_hz) or min(rates_hz) < 0.98 * max(trained_hz)):
+        notes.append("sample rates differ from those tuned on: steps of HDR and of the sign integrator count samples")
+    return notes
