@@ -74,7 +74,7 @@ def session_svgs(sessions: Sequence[Compared], entries: Sequence[Entry], shown: 
 
 
 def _session_svg(curves: Curves, lines: Sequence[tuple[Look, Floats]], name: str) -> str:
-    figure = canvas(3.1, 2.7, left=0.17, bottom=0.13, top=0.97, right=0.97)
+    figure = canvas(3.1, 2.7, left=0.22, bottom=0.13, top=0.97, right=0.97)
     above, below = figure.subplots(2, 1, sharex=True)
     below.axhline(0.0, color=QUIET, linewidth=0.6)
     for look, yaw_deg in lines:

@@ -57,7 +57,7 @@ METHODS = (
         "kalman",
         "zero-rate Kalman",
         run_kalman,
-        {"rest_dps": 1.0, "rest_s": 1.5, "bias_most_dps": 5.0, "noise_dps": 0.1, "walk_dps_rts": 0.002},
+        {"rest_dps": 1.0, "rest_s": 1.5, "bias_most_dps": 3.0, "noise_dps": 0.1, "walk_dps_rts": 0.002},
         (
             Axis("rest_dps", 0.02, 20.0, is_log=True),
             Axis("rest_s", 0.05, 20.0, is_log=True),
@@ -66,7 +66,7 @@ METHODS = (
             Axis("walk_dps_rts", 1e-6, 1.0, is_log=True),
         ),
         about="No defaults are published for it: noise and walk are those of a usual MEMS part, rest takes as long as "
-        "VQF's.",
+        "VQF's, and the largest bias is what x-io Fusion takes for one.",
     ),
     Method(
         HDR,

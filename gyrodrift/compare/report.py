@@ -31,8 +31,8 @@ MEASURES = (
 
 HOW = (
     "Yaw and reference are compared unwrapped, both from 0 at the first sample that has a reference; samples whose "
-    "time does not advance are left out for all alike. Each method is given times and rates and no more; where a package "
-    "wants three axes, the device lies level."
+    "time does not advance are left out for all alike. Each method is given times and rates and no more; where a "
+    "package wants three axes, the device lies level."
 )
 
 

@@ -1,0 +1,186 @@
+"""`gyrodrift compare`: tables, files, tuned rows, and every way to go wrong."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from page_support import parsed, row, words
+from turntable_sessions import RATE_HZ, turntable, write_turntables
+
+from gyrodrift.cli import main
+from gyrodrift.session.session import load_session
+from gyrodrift.session.write import write_session
+
+pytest.importorskip("numba", reason="comparing needs the workstation extra")
+from gyrodrift.compare.methods import METHODS
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two folders of two sessions."""
+    folder = tmp_path_factory.mktemp("tables")
+    write_turntables(folder / "a", 2)
+    write_turntables(folder / "b", 2, minutes=1.0, ending="mcap")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def told(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with what a comparison of both wrote, tuned on the second."""
+    out = tmp_path_factory.mktemp("told")
+    arguments = ["--train", str(tables / "b"), "--iterations", "40", "--jobs", "2", "--out", str(out)]
+    assert main(["compare", str(tables / "a"), str(tables / "b"), *arguments]) == 0
+    return out
+
+
+def numbers(folder: Path) -> dict[str, Any]:
+    return dict(json.loads((folder / "compare.json").read_text()))
+
+
+def of(rows: list[dict[str, Any]], key: str, *, tuned: bool = False) -> dict[str, Any]:
+    return next(one for one in rows if one["method"] == key and one["tuned"] is tuned)
+
+
+def installed() -> list[str]:
+    return [method.key for method in METHODS if method.is_installed]
+
+
+def test_the_numbers_of_plain_integration_are_those_of_its_definition(tables: Path, told: Path) -> None:
+    """By session, by folder and over all; E, NE, PI and the largest error."""
+    found: dict[str, list[tuple[float, float, float, float]]] = {"a": [], "b": []}
+    for folder, ending in (("a", "csv"), ("b", "mcap")):
+        for number in range(2):
+            session = load_session(tables / folder / f"table-{number}.{ending}")
+            assert session.encoder_deg is not None
+            yaw_deg = np.cumsum(session.rate_dps / RATE_HZ) - session.rate_dps[0] / RATE_HZ
+            error_deg = np.abs(yaw_deg - (session.encoder_deg - session.encoder_deg[0]))
+            e_deg, minutes = float(error_deg.mean()), session.t_device_s[-1] / 60.0
+            found[folder].append((e_deg, e_deg / minutes, float((error_deg**2).mean()), float(error_deg.max())))
+    said = numbers(told)
+    names = ("e_deg", "ne", "pi_deg2", "worst_deg")
+    sessions = [of(one["methods"], "euler") for one in said["sessions"]]
+    assert np.allclose([[one[name] for name in names] for one in sessions], [*found["a"], *found["b"]], rtol=1e-9)
+    for folder in said["folders"]:
+        means = np.mean(found[folder["folder"]], axis=0)
+        assert np.allclose([of(folder["methods"], "euler")[name] for name in names], means, rtol=1e-9)
+    assert of(said["methods"], "euler")["e_deg"] == pytest.approx(
+        np.mean([one[0] for one in [*found["a"], *found["b"]]])
+    )
+
+
+def test_every_method_is_told_of_with_what_it_ran_with(told: Path) -> None:
+    """Tuned ones too, with the parameters that were found; offline ones are marked."""
+    said = numbers(told)
+    defaults = [one["method"] for one in said["methods"] if not one["tuned"]]
+    tuned = [one["method"] for one in said["methods"] if one["tuned"]]
+    assert defaults == installed()
+    assert tuned == [key for key in installed() if key not in ("euler", "start")]
+    assert [one["method"] for one in said["methods"] if one["offline"]] == ["vqf_offline"] * 2
+    assert of(said["methods"], "hdr")["parameters"]["theta_w_dps"] == 0.5608
+    assert of(said["methods"], "hdr", tuned=True)["parameters"]["theta_w_dps"] != 0.5608
+    assert said["train"] == ["table-0", "table-1"]
+
+
+def test_tuning_makes_no_method_worse_where_it_was_tuned(told: Path) -> None:
+    """On the training sessions, by PI."""
+    (folder,) = (one for one in numbers(told)["folders"] if one["folder"] == "b")
+    for key in (one["method"] for one in folder["methods"] if one["tuned"]):
+        tuned, plain = of(folder["methods"], key, tuned=True), of(folder["methods"], key)
+        assert tuned["pi_deg2"] <= plain["pi_deg2"]
+
+
+def test_the_search_is_the_one_of_tune(tables: Path, told: Path, tmp_path: Path) -> None:
+    """HDR comes out with the parameters that `tune` finds on the same sessions with the same budget."""
+    arguments = ["--test", str(tables / "a"), "--iterations", "40", "--report", str(tmp_path)]
+    assert main(["tune", str(tables / "b"), *arguments, "--out", str(tmp_path / "c.yaml")]) == 0
+    tuned = json.loads((tmp_path / "tune.json").read_text())["parameters"]
+    assert of(numbers(told)["methods"], "hdr", tuned=True)["parameters"] == pytest.approx(tuned, rel=1e-9)
+
+
+def test_the_page_shows_all_of_it(told: Path) -> None:
+    """One file, well formed, asking for nothing."""
+    html = (told / "compare.html").read_text()
+    assert row(html, "Euler")[0] == "Euler"
+    assert row(html, "HDR, tuned")
+    assert "the tuned rows flatter: they were tuned on table-0, table-1 too" in words(html)
+    assert row(html, "a/table-1")
+    drawn = [one for one in parsed(html).iter() if one.tag.endswith("}svg") and one.attrib.get("role") == "img"]
+    assert len(drawn) == 2 * 4
+    assert "http://" not in html.replace("http://www.w3.org", "")
+
+
+def test_a_table_without_tuning_says_so_and_nothing_is_written(
+    tables: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rows of methods with their means, and one row for each folder."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", str(tables / "a"), str(tables / "b"), "--jobs", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("mean over 4 sessions; E and largest error in deg")
+    assert lines[1].split() == ["E", "NE", "PI", "largest"]
+    assert [line.split()[0] for line in lines[2:4]] == ["Euler", "start"]
+    at = lines.index("mean E by folder, deg")
+    assert lines[at + 1].split() == installed()
+    assert [line.split()[0] for line in lines[at + 2 : at + 4]] == ["a", "b"]
+    assert lines[-1] == "nothing is tuned here: give sessions to tune every method on with --train"
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_package_that_is_missing_is_named(
+    tables: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the table, in the file and on the page, in place of its numbers."""
+    monkeypatch.setattr("gyrodrift.compare.method.find_spec", lambda name: None if name == "vqf" else name)
+    assert main(["compare", str(tables / "a"), "--jobs", "1", "--out", str(tmp_path)]) == 0
+    assert "VQF: its package vqf is not installed (pip install vqf)" in capsys.readouterr().out
+    said = numbers(tmp_path)
+    assert said["missing"] == [{"method": "vqf", "package": "vqf"}, {"method": "vqf_offline", "package": "vqf"}]
+    assert not any(one["method"].startswith("vqf") for one in said["methods"])
+    html = (tmp_path / "compare.html").read_text()
+    assert row(html, "VQF") == ["VQF", "–", "–", "–", "–"]
+
+
+def test_the_config_is_that_of_the_filter(tables: Path, tmp_path: Path) -> None:
+    """Its parameters stand in the file."""
+    config = tmp_path / "c.yaml"
+    config.write_text("hdr: {i_c_dps: 0.001, tau_s: 0.1, theta_w_dps: 3, c1: 0, c2: 1}\n")
+    arguments = ["--config", str(config), "--jobs", "1", "--out", str(tmp_path)]
+    assert main(["compare", str(tables / "a"), *arguments]) == 0
+    assert of(numbers(tmp_path)["methods"], "hdr")["parameters"]["theta_w_dps"] == 3.0
+    assert of(numbers(tmp_path)["methods"], "hdr")["e_deg"] < 2.0
+
+
+def test_a_still_needs_no_encoder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where it is said to be one; otherwise it is told what to do."""
+    path = tmp_path / "still.csv"
+    write_session(path, [replace(turntable(1), encoder_deg=None)])
+    assert main(["compare", str(path)]) == 4
+    assert f"{path}: has no encoder, so nothing says what yaw should be; a still goes with --still" in (
+        capsys.readouterr().err
+    )
+    assert main(["compare", str(path), "--still", str(path), "--jobs", "1"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "message"),
+    [
+        (["nowhere"], 4, "nowhere: there is no such session or folder"),
+        (["{a}", "--iterations", "0"], 2, "--iterations 0: expected a number above 0"),
+        (["{a}", "--jobs", "-1"], 2, "--jobs -1: expected a number above 0"),
+        (["{a}", "--seed", "-1"], 2, "--seed -1: expected a whole number from 0"),
+        (["{a}", "--config", "nowhere.yaml"], 2, "nowhere.yaml"),
+        (["{a}", "--train", "nowhere"], 4, "nowhere: there is no such session or folder"),
+        (["{a}", "--out", "/dev/null/x"], 2, "/dev/null/x: cannot be written to"),
+    ],
+)
+def test_mistakes_are_told(
+    tables: Path, options: list[str], status: int, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line, and the status of its kind."""
+    assert main(["compare", *(word.format(a=tables / "a") for word in options)]) == status
+    told = capsys.readouterr().err
+    assert message in told
+    assert "Traceback" not in told

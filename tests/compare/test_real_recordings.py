@@ -1,0 +1,30 @@
+"""Recordings of real sensors: what every method makes of them, as it was worked out elsewhere."""
+
+import pytest
+from support import Recordings
+
+pytest.importorskip("numba", reason="comparing needs the workstation extra")
+from gyrodrift.compare.methods import BY_KEY
+from gyrodrift.compare.score import score_of
+from gyrodrift.compare.session import load_recording
+from gyrodrift.tune.sources import Source
+
+E_DEG = {
+    "broad_01": {"euler": 48.6, "start": 1.77, "xio": 7.47, "vqf": 2.64, "hdr": 48.2},
+    "broad_06": {"euler": 46.3, "start": 3.57, "xio": 3.89, "vqf": 3.05, "hdr": 45.7},
+    "broad_14": {"euler": 22.8, "start": 0.20, "xio": 3.46, "vqf": 1.25, "hdr": 22.4},
+    "mpu6050_still": {"euler": 368.0, "start": 2.38, "xio": 12.1, "vqf": 1.84, "hdr": 368.0},
+    "temperature_sweep": {"euler": 2090.0, "start": 699.0, "xio": 10.4, "vqf": 2.31, "hdr": 2090.0},
+}
+"""Mean |yaw error|, deg, all at their defaults."""
+
+
+@pytest.mark.parametrize("name", E_DEG)
+@pytest.mark.parametrize("key", ["euler", "start", "xio", "vqf", "hdr"])
+def test_mean_error_of_every_method(name: str, key: str, recordings: Recordings) -> None:
+    """Within what the printed digits say."""
+    if not BY_KEY[key].is_installed:
+        pytest.skip(f"{BY_KEY[key].title} needs the package {BY_KEY[key].package}")
+    one = load_recording(Source(recordings.data / f"{name}.csv"))
+    yaw_deg = BY_KEY[key].run(one.t_s, one.course.rate_dps, BY_KEY[key].defaults)
+    assert score_of(one.course, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)
