@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
+from signal import SIG_DFL, SIG_IGN, SIGINT, SIGTERM, signal
 from typing import TypeVar
 
 Given = TypeVar("Given")
@@ -27,8 +28,14 @@ def workers(jobs: int) -> Iterator[Workers]:
     if jobs == 1:
         yield Workers(None)
         return
-    pool = ProcessPoolExecutor(jobs, get_context("fork"))
+    pool = ProcessPoolExecutor(jobs, get_context("fork"), _leave_signals_to_the_parent)
     try:
         yield Workers(pool)
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _leave_signals_to_the_parent() -> None:
+    """Ctrl-C reaches every process of a terminal; one that died holding the queue would hang the others."""
+    signal(SIGINT, SIG_IGN)
+    signal(SIGTERM, SIG_DFL)
