@@ -1,0 +1,284 @@
+"""What may have happened: accounts of which plateaus were rests, each with the yaw and the bias that follow from it.
+
+A bias is a level that the rate comes back to; a spin is one that it does not. At every plateau each account splits
+into one in which the device stood still and one in which it turned at a constant rate, and the levels that follow
+decide between them. Within an account yaw and bias are a Kalman filter of two states: a level at rest is a measurement
+of the bias, which takes back what a wrong bias has made of yaw since the rest before.
+"""
+
+from math import exp, log, pi, sqrt
+
+from gyrodrift.restlevel.blocks import CONFIRMED
+from gyrodrift.restlevel.records import MOST, RestlevelCoefficients, RestlevelState, Story
+
+LEAST_WEIGHT = 1e-9
+
+DRIFT_SHARE = 0.3
+"""How often the bias has drifted fast since the rest before, rather than walked."""
+
+LONGEST_DRIFT_S = 20.0
+"""A fast drift does not last longer than this."""
+
+WIDE_SHARE = 0.1
+WIDE_FACTOR = 16.0
+"""Of parts whose bias at power-on is far out, and how much larger its variance is."""
+
+DENSITY_GAIN = 0.05
+SURPRISE = 9.0
+"""A squared step between two blocks at rest counts up to this many times what is expected."""
+
+MOST_SURPRISE = 40.0
+REGAINED = 0.06
+DOUBTED = 4.0
+LEAST_EVIDENCE = -30.0
+
+
+def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
+    """The one account that there is before anything is known."""
+    first = s.stories[0]
+    first.weight = 1.0
+    first.yaw_deg = s.yaw_deg
+    first.bias_var = c.turn_on_var
+    summarise(s)
+
+
+def enter_plateau(s: RestlevelState) -> None:
+    """Keep what each account says now, where a plateau may begin."""
+    for h in s.stories:
+        h.entry_yaw_deg = h.yaw_deg
+        h.entry_covariance = h.covariance
+        h.entry_yaw_var = h.yaw_var
+        h.entry_moved_s = h.moved_s
+
+
+def leave_plateau(s: RestlevelState) -> None:
+    """Nothing stands still."""
+    for h in s.stories:
+        h.rests = False
+
+
+def turn(c: RestlevelCoefficients, s: RestlevelState, turned_deg: float, seconds: float) -> None:
+    """A block passes: yaw turns where the device is not at rest, and the bias may have walked."""
+    for h in s.stories:
+        if h.weight == 0.0:
+            continue
+        if not h.rests:
+            h.yaw_deg += turned_deg - h.bias_dps * seconds
+            h.yaw_var += seconds * (h.bias_var * seconds - 2.0 * h.covariance + s.density_var)
+            h.covariance -= h.bias_var * seconds
+            h.moved_s += seconds
+        h.bias_var += c.walk_var_per_s * seconds
+
+
+def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
+    """A plateau is confirmed: each account goes on as one with a spin and as one with a rest.
+
+    The rest begins where the plateau began; what was gained since is taken back.
+    """
+    level_dps, level_var = s.plateau_level_dps, s.density_var / (seconds * CONFIRMED)
+    odds_dps = c.start_odds_dps if s.plateau_from_start else c.rest_odds_dps
+    free = 0
+    for k in range(len(s.stories)):
+        h = s.stories[k]
+        if h.weight == 0.0 or h.rests:
+            continue
+        while s.stories[free].weight > 0.0:
+            free += 1
+        rest = s.stories[free]
+        copy(h, rest)
+        rest.rests = True
+        rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
+    _tidy(s)
+
+
+def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float) -> None:
+    """A confirmed plateau goes on: accounts of rest learn, and are believed less where they follow it badly."""
+    level_var = s.density_var / seconds
+    drift_var = c.drift_dps_s * c.drift_dps_s * seconds * seconds
+    resting = 0.0
+    for h in s.stories:
+        if h.weight == 0.0 or not h.rests:
+            continue
+        resting += h.weight
+        gained = h.evidence_comes
+        h.evidence_comes = h.evidence_waits
+        off_dps = level_dps - h.bias_dps
+        surprise = off_dps * off_dps / (h.bias_var + drift_var + level_var) - DOUBTED
+        h.evidence_waits = REGAINED - 0.5 * max(0.0, min(surprise, MOST_SURPRISE))
+        evidence = max(LEAST_EVIDENCE, min(0.0, h.evidence + gained))
+        h.weight *= exp(evidence - h.evidence)
+        h.evidence = evidence
+        _learn(h, level_dps, level_var, drift_var)
+        h.moved_s = 0.0
+    _normalise(s)
+    found = min(0.5 * step_dps * step_dps * seconds, SURPRISE * s.density_var)
+    s.density_var += DENSITY_GAIN * resting * (found - s.density_var)
+
+
+def summarise(s: RestlevelState) -> None:
+    """Take the accounts together: yaw and bias are their mean, in which doubtful ones count by their square."""
+    total = yaw_deg = bias_dps = resting = top = 0.0
+    for h in s.stories:
+        if h.weight == 0.0:
+            continue
+        share = h.weight * h.weight
+        total += share
+        yaw_deg += share * h.yaw_deg
+        bias_dps += share * h.bias_dps
+        top = max(top, h.weight)
+        if h.rests:
+            resting += h.weight
+    yaw_deg /= total
+    bias_dps /= total
+    yaw_var = covariance = bias_var = 0.0
+    for h in s.stories:
+        if h.weight == 0.0:
+            continue
+        off_deg, off_dps = h.yaw_deg - yaw_deg, h.bias_dps - bias_dps
+        yaw_var += h.weight * (h.yaw_var + off_deg * off_deg)
+        covariance += h.weight * (h.covariance + off_deg * off_dps)
+        bias_var += h.weight * (h.bias_var + off_dps * off_dps)
+    s.base_yaw_deg = yaw_deg
+    s.base_yaw_var = yaw_var
+    s.base_covariance = covariance
+    s.base_bias_var = bias_var
+    s.bias_dps = bias_dps
+    s.bias_sigma_dps = sqrt(max(0.0, bias_var))
+    s.confidence = top
+    s.rest_probability = resting
+
+
+def copy(h: Story, to: Story) -> None:
+    """The account `h` as it was where the plateau began, in another slot."""
+    to.bias_dps = h.bias_dps
+    to.bias_var = h.bias_var
+    to.yaw_deg = h.entry_yaw_deg
+    to.covariance = h.entry_covariance
+    to.yaw_var = h.entry_yaw_var
+    to.moved_s = h.entry_moved_s
+    to.knows_bias = h.knows_bias
+    to.evidence = 0.0
+    to.evidence_waits = 0.0
+    to.evidence_comes = 0.0
+
+
+def _learn_first(c: RestlevelCoefficients, h: Story, level_dps: float, level_var: float) -> float:
+    """Learn from the first blocks of a rest; the logarithm of how probable their level was."""
+    if h.knows_bias:
+        drift_dps = c.drift_dps_s * min(h.moved_s, LONGEST_DRIFT_S)
+        found = _learn(h, level_dps, level_var, drift_dps * drift_dps)
+    else:
+        usual = _log_density(level_dps, c.turn_on_var + level_var)
+        wide = _log_density(level_dps, WIDE_FACTOR * c.turn_on_var + level_var)
+        found = wide + log(WIDE_SHARE + (1.0 - WIDE_SHARE) * exp(min(usual - wide, 700.0)))
+        far = level_dps * level_dps / (9.0 * h.bias_var)
+        if far > 1.0:
+            h.bias_var *= far
+            h.covariance *= far
+        _learn(h, level_dps, level_var, 0.0)
+        h.knows_bias = True
+    h.moved_s = 0.0
+    return found
+
+
+def _learn(h: Story, level_dps: float, level_var: float, drift_var: float) -> float:
+    """Take a level for a measurement of the bias, which has walked, or else has drifted evenly since the last rest.
+
+    Both are worked out and mixed by how well the level fits to them. Returned is the logarithm of its density.
+    """
+    half_s = 0.5 * h.moved_s
+    off_dps = level_dps - h.bias_dps
+    walked_var, drifted_var = h.bias_var + level_var, h.bias_var + drift_var + level_var
+    walked, drifted = _log_density(off_dps, walked_var), _log_density(off_dps, drifted_var)
+    odds = exp(max(-700.0, min(walked - drifted, 700.0)))
+    both = DRIFT_SHARE + (1.0 - DRIFT_SHARE) * odds
+    share = DRIFT_SHARE / both
+
+    gain = h.bias_var / walked_var
+    yaw_gain_s = h.covariance / walked_var
+    a_bias_dps = gain * off_dps
+    a_yaw_deg = yaw_gain_s * off_dps
+    a_bias_var = h.bias_var * (1.0 - gain)
+    a_covariance = h.covariance * (1.0 - gain)
+    a_yaw_var = h.yaw_var - yaw_gain_s * h.covariance
+
+    bias_var = h.bias_var + drift_var
+    covariance = h.covariance - drift_var * half_s
+    gain = bias_var / drifted_var
+    yaw_gain_s = covariance / drifted_var
+    b_bias_dps = gain * off_dps
+    b_yaw_deg = yaw_gain_s * off_dps
+    b_bias_var = bias_var * (1.0 - gain)
+    b_covariance = covariance * (1.0 - gain)
+    b_yaw_var = h.yaw_var + drift_var * half_s * half_s - yaw_gain_s * covariance
+
+    apart_dps, apart_deg = b_bias_dps - a_bias_dps, b_yaw_deg - a_yaw_deg
+    h.bias_dps += a_bias_dps + share * apart_dps
+    h.yaw_deg += a_yaw_deg + share * apart_deg
+    mixed = share * (1.0 - share)
+    h.bias_var = a_bias_var + share * (b_bias_var - a_bias_var) + mixed * apart_dps * apart_dps
+    h.covariance = a_covariance + share * (b_covariance - a_covariance) + mixed * apart_dps * apart_deg
+    h.yaw_var = a_yaw_var + share * (b_yaw_var - a_yaw_var) + mixed * apart_deg * apart_deg
+    return drifted + log(both)
+
+
+def _tidy(s: RestlevelState) -> None:
+    """Join accounts that say the same, and forget those that are believed least."""
+    _normalise(s)
+    slots = len(s.stories)
+    for k in range(slots):
+        for j in range(k + 1, slots):
+            if _are_same(s.stories[k], s.stories[j]):
+                _join(s.stories[k], s.stories[j])
+    alive = 0
+    for h in s.stories:
+        if h.weight < LEAST_WEIGHT:
+            h.weight = 0.0
+        if h.weight > 0.0:
+            alive += 1
+    while alive > MOST:
+        least = -1
+        for k in range(slots):
+            weight = s.stories[k].weight
+            if weight > 0.0 and (least < 0 or weight < s.stories[least].weight):
+                least = k
+        s.stories[least].weight = 0.0
+        alive -= 1
+    _normalise(s)
+
+
+def _are_same(h: Story, other: Story) -> bool:
+    if h.weight == 0.0 or other.weight == 0.0 or h.rests != other.rests or h.knows_bias != other.knows_bias:
+        return False
+    off_dps, off_deg = h.bias_dps - other.bias_dps, h.yaw_deg - other.yaw_deg
+    return off_dps * off_dps < min(h.bias_var, other.bias_var) and off_deg * off_deg < 1e-4 + min(
+        h.yaw_var, other.yaw_var
+    )
+
+
+def _join(h: Story, other: Story) -> None:
+    """Into the first: the Gaussian with the mean and the variances of both together."""
+    share = other.weight / (h.weight + other.weight)
+    off_dps, off_deg = other.bias_dps - h.bias_dps, other.yaw_deg - h.yaw_deg
+    mixed = share * (1.0 - share)
+    h.bias_var += share * (other.bias_var - h.bias_var) + mixed * off_dps * off_dps
+    h.covariance += share * (other.covariance - h.covariance) + mixed * off_dps * off_deg
+    h.yaw_var += share * (other.yaw_var - h.yaw_var) + mixed * off_deg * off_deg
+    h.bias_dps += share * off_dps
+    h.yaw_deg += share * off_deg
+    h.moved_s = min(h.moved_s, other.moved_s)
+    h.weight += other.weight
+    other.weight = 0.0
+
+
+def _normalise(s: RestlevelState) -> None:
+    total = 0.0
+    for h in s.stories:
+        total += h.weight
+    for h in s.stories:
+        h.weight /= total
+
+
+def _log_density(off: float, variance: float) -> float:
+    """Of a normal distribution."""
+    return -0.5 * (off * off / variance + log(2.0 * pi * variance))
