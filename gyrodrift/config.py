@@ -5,12 +5,14 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_type_hints
 
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 from pydantic.fields import FieldInfo
 
 from gyrodrift.errors import ConfigError
 from gyrodrift.filter import HdrParams
+from gyrodrift.filters import FILTERS, HDR, Filter
+from gyrodrift.restlevel.records import RestlevelParams
 from gyrodrift.yaml_file import Key, YamlFile, read_yaml
 
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
@@ -21,24 +23,39 @@ class Config:
     """What `serve` runs with.
 
     filter
-        Name of the filter; `hdr` is the one there is.
-    hdr
-        Its parameters.
+        Name of the filter.
+    hdr, restlevel
+        Parameters of each filter; those of one that is not named may be the defaults.
     sample_rate_hz
         The rate the parameters were tuned at, Hz; None where the file does not say.
     """
 
-    filter: str = "hdr"
+    filter: str = HDR.name
     hdr: HdrParams = field(default_factory=HdrParams)
     sample_rate_hz: float | None = None
+    restlevel: RestlevelParams = field(default_factory=RestlevelParams)
+
+    @property
+    def chosen(self) -> Filter:
+        """The filter that is named."""
+        return FILTERS[self.filter]
+
+    @property
+    def params(self) -> HdrParams | RestlevelParams:
+        """Its parameters."""
+        return self.hdr if self.chosen is HDR else self.restlevel
 
     def changes_from(self, old: "Config") -> list[str]:
         """One `key: old → new` for each value that differs."""
-        pairs = [
+        pairs: list[tuple[str, object, object]] = [
             ("filter", old.filter, self.filter),
             ("sample_rate_hz", old.sample_rate_hz, self.sample_rate_hz),
         ]
-        pairs += [(f"hdr.{f.name}", getattr(old.hdr, f.name), getattr(self.hdr, f.name)) for f in fields(HdrParams)]
+        for name, known in FILTERS.items():
+            before, after = getattr(old, name), getattr(self, name)
+            pairs += [
+                (f"{name}.{f.name}", getattr(before, f.name), getattr(after, f.name)) for f in fields(known.params)
+            ]
         return [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
 
 
@@ -53,14 +70,24 @@ def _required(params: type) -> type[_Strict]:
     return create_model(params.__name__, __base__=_Strict, **required)
 
 
-_Hdr = _required(HdrParams)
+_BLOCKS = {name: _required(known.params) for name, known in FILTERS.items()}
 
 
 class _File(_Strict):
-    filter: Literal["hdr"] = "hdr"
-    hdr: _Hdr  # type: ignore[valid-type]  # a model made from the parameter record at import
+    filter: Literal["hdr", "restlevel"] = "hdr"
+    hdr: _BLOCKS["hdr"] | None = None  # type: ignore[valid-type,name-defined]  # a model made at import
+    restlevel: _BLOCKS["restlevel"] | None = None  # type: ignore[valid-type,name-defined]
     sample_rate_hz: Annotated[float, Gt(0.0), Le(1e6)] | None = None
     provenance: dict[str, Any] | None = None
+
+
+def _naming(name: str) -> type[_File]:
+    """The model of a file that names this filter: its block has to be there."""
+    block: dict[str, Any] = {name: (_BLOCKS[name], ...)}
+    return create_model("File", __base__=_File, **block)
+
+
+_FILES = {name: _naming(name) for name in FILTERS}
 
 
 def load_config(path: Path) -> Config:
@@ -73,18 +100,22 @@ def load_config(path: Path) -> Config:
     """
     read = read_yaml(path)
     if read.value is None and not read.problems:
-        read.report((), "is empty; expected a block hdr: with " + ", ".join(f.name for f in fields(HdrParams)))
+        read.report((), f"is empty; expected a block hdr: with {_names(_BLOCKS[HDR.name])}")
     elif read.value is not None and not isinstance(read.value, dict):
         read.report((), f"holds {_said(read.value)}; expected keys such as hdr:")
     file = _check(read) if isinstance(read.value, dict) else None
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return Config(file.filter, HdrParams(**file.hdr.model_dump()), file.sample_rate_hz)  # type: ignore[attr-defined]
+    given = {name: getattr(file, name) for name in FILTERS}
+    blocks = {name: FILTERS[name].params(**block.model_dump()) for name, block in given.items() if block is not None}
+    return Config(file.filter, sample_rate_hz=file.sample_rate_hz, **blocks)
 
 
 def _check(read: YamlFile) -> _File | None:
+    named = read.value.get("filter")
+    model = _FILES[named if isinstance(named, str) and named in FILTERS else HDR.name]
     try:
-        return _File.model_validate(read.value)
+        return model.model_validate(read.value)
     except ValidationError as error:
         for problem in error.errors(include_url=False):
             key: Key = problem["loc"]
@@ -93,7 +124,7 @@ def _check(read: YamlFile) -> _File | None:
 
 
 def _explain(key: Key, kind: str, given: Any) -> str:
-    model, name = (_Hdr, key[-1]) if len(key) > 1 else (_File, key[-1])
+    model, name = (_BLOCKS[str(key[0])], key[-1]) if len(key) > 1 else (_File, key[-1])
     known = model.model_fields
     if kind == "extra_forbidden":
         nearest = get_close_matches(str(name), known, n=1)
@@ -106,10 +137,10 @@ def _explain(key: Key, kind: str, given: Any) -> str:
 
 
 def _expectation(name: str, info: FieldInfo) -> str:
-    if name == "hdr":
-        return "a block with " + ", ".join(_Hdr.model_fields)
+    if name in _BLOCKS:
+        return f"a block with {_names(_BLOCKS[name])}"
     if name == "filter":
-        return "hdr"
+        return " or ".join(FILTERS)
     if name == "provenance":
         return "a block of keys"
     unit = next((unit for suffix, unit in UNITS.items() if name.endswith(suffix)), "")
@@ -122,7 +153,13 @@ def _expectation(name: str, info: FieldInfo) -> str:
                 low = f"above {gt:g}"
             case Le(le):
                 high = f"{'to' if low.startswith('from') else 'up to'} {le:g}"
+            case Lt(lt):
+                high = f"below {lt:g}" if not low else f"to below {lt:g}"
     return f"a number {low} {high}{unit}"
+
+
+def _names(model: type[_Strict]) -> str:
+    return ", ".join(model.model_fields)
 
 
 def _bounds(info: FieldInfo) -> list[Any]:

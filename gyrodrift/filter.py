@@ -9,8 +9,8 @@ with a low-pass filter, a turn switch and a repetition attenuator (equations 1 t
 """
 
 from dataclasses import dataclass
-from math import isfinite
-from typing import Annotated
+from math import isfinite, nan
+from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Gt, Le
 
@@ -65,7 +65,12 @@ class HdrState:
         r, the number of equal signs in a row.
     samples, rejected
         Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
+    yaw_sigma_deg, confidence
+        NaN: this filter does not know how certain it is.
     """
+
+    yaw_sigma_deg: ClassVar[float] = nan
+    confidence: ClassVar[float] = nan
 
     t_s: float = 0.0
     lpf_dps: float = 0.0
@@ -77,6 +82,11 @@ class HdrState:
     run: int = 1
     samples: int = 0
     rejected: int = 0
+
+    @property
+    def bias_dps(self) -> float:
+        """The drift estimate, −I, deg/s; never −0."""
+        return 0.0 - self.i_dps
 
 
 def attenuated_step(params: HdrParams, run: int) -> float:

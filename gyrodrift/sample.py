@@ -53,10 +53,14 @@ class Corrected(NamedTuple):
     yaw_deg
         Unwrapped yaw in degrees, 0 at the first sample.
     bias_dps
-        The drift estimate (−I), deg/s.
+        The drift estimate, deg/s.
+    yaw_sigma_deg, confidence
+        Standard deviation of yaw in degrees, and how probable what the filter believes is; NaN where it does not say.
     """
 
     sample: Sample
     corrected_dps: float
     yaw_deg: float
     bias_dps: float
+    yaw_sigma_deg: float = nan
+    confidence: float = nan

@@ -74,7 +74,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
     stills = session_paths(arguments.still)
     return Asked(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.hdr),
+        methods=methods(config.hdr, config.restlevel),
         train=session_paths(arguments.train),
         stills=frozenset(stills),
         iterations=arguments.iterations,

@@ -1,7 +1,7 @@
 """Read a gyro on a serial port, correct its drift, and emit yaw as JSON lines on stdout until SIGINT or SIGTERM.
 
-Each line has seq, t_s (device clock, s), rate_dps (as measured), corrected_dps, yaw_deg, bias_dps, and encoder_deg
-and temp_c where the device sends them. The log goes to stderr.
+Each line has seq, t_s (device clock, s), rate_dps (as measured), corrected_dps, yaw_deg, bias_dps, with the filter
+restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the device sends them. The log goes to stderr.
 """
 
 import argparse
@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with hdr: parameters; followed while serve runs"
+        "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters; followed while serve runs"
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
     parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
@@ -33,7 +33,6 @@ def run(arguments: argparse.Namespace) -> int:
 
         watch = ConfigWatch(arguments.config)
 
-    from gyrodrift.filter import HdrParams
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
@@ -47,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
         output = JsonLines(1, rate_hz)
-        filtering = Filtering(link, output, log, watch.config.hdr if watch else HdrParams(), watch)
+        filtering = Filtering(link, output, log, watch)
         takers: list[Taker] = [filtering]
         if arguments.record is not None:
             from gyrodrift.record.recorder import RecordOptions

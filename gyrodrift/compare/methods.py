@@ -8,12 +8,15 @@ from gyrodrift.compare.hdr import run_hdr
 from gyrodrift.compare.kalman import run_kalman
 from gyrodrift.compare.method import Method
 from gyrodrift.compare.plain import run_euler, run_start_calibration
+from gyrodrift.compare.restlevel import run_restlevel
 from gyrodrift.compare.sign import run_sign
 from gyrodrift.compare.vqf import run_vqf, run_vqf_offline
 from gyrodrift.filter import HdrParams
-from gyrodrift.tune.space import AXES, Axis
+from gyrodrift.restlevel.records import RestlevelParams
+from gyrodrift.tune.space import AXES, RESTLEVEL_AXES, Axis
 
 HDR = "hdr"
+RESTLEVEL = "restlevel"
 
 VQF_DEFAULTS = {
     "restThGyr": 2.0,
@@ -77,6 +80,14 @@ METHODS = (
         about="The published parameters where no --config is given.",
     ),
     Method(
+        RESTLEVEL,
+        "restlevel",
+        run_restlevel,
+        asdict(RestlevelParams()),
+        RESTLEVEL_AXES,
+        about="Its defaults where no --config is given.",
+    ),
+    Method(
         "xio",
         "x-io Fusion",
         run_fusion,
@@ -109,7 +120,7 @@ METHODS = (
 BY_KEY: Mapping[str, Method] = {method.key: method for method in METHODS}
 
 
-def methods(hdr: HdrParams | None = None) -> tuple[Method, ...]:
-    """All of them, HDR with these parameters."""
-    given = asdict(hdr or HdrParams())
-    return tuple(replace(method, defaults=given) if method.key == HDR else method for method in METHODS)
+def methods(hdr: HdrParams | None = None, restlevel: RestlevelParams | None = None) -> tuple[Method, ...]:
+    """All of them, the project's own with these parameters."""
+    given = {HDR: asdict(hdr or HdrParams()), RESTLEVEL: asdict(restlevel or RestlevelParams())}
+    return tuple(replace(method, defaults=given.get(method.key, method.defaults)) for method in METHODS)

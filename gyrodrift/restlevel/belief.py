@@ -16,6 +16,9 @@ LEAST_WEIGHT = 1e-9
 DRIFT_SHARE = 0.3
 """How often the bias has drifted fast since the rest before, rather than walked."""
 
+SLOW_DPS = 0.3
+"""Spins that are much slower than this are rare."""
+
 LONGEST_DRIFT_S = 20.0
 """A fast drift does not last longer than this."""
 
@@ -28,8 +31,8 @@ SURPRISE = 9.0
 """A squared step between two blocks at rest counts up to this many times what is expected."""
 
 MOST_SURPRISE = 40.0
-REGAINED = 0.06
-DOUBTED = 4.0
+REGAINED = 0.05
+DOUBTED = 6.0
 LEAST_EVIDENCE = -30.0
 
 
@@ -52,8 +55,9 @@ def enter_plateau(s: RestlevelState) -> None:
 
 
 def leave_plateau(s: RestlevelState) -> None:
-    """Nothing stands still."""
+    """Nothing stands still any more."""
     for h in s.stories:
+        h.rested = h.rests
         h.rests = False
 
 
@@ -85,10 +89,26 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         while s.stories[free].weight > 0.0:
             free += 1
         rest = s.stories[free]
-        copy(h, rest)
+        _go_back(h, rest)
+        rest.bias_dps = h.bias_dps
+        rest.bias_var = h.bias_var
+        rest.knows_bias = h.knows_bias
+        rest.evidence = rest.evidence_waits = rest.evidence_comes = 0.0
         rest.rests = True
         rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
+        if h.knows_bias:
+            spin_dps = level_dps - h.bias_dps
+            h.weight *= spin_dps * spin_dps / (spin_dps * spin_dps + SLOW_DPS * SLOW_DPS) + LEAST_WEIGHT
     _tidy(s)
+
+
+def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
+    """The plateau that ended a moment ago goes on: a block was out of line by chance, and that is no evidence."""
+    for h in s.stories:
+        if h.weight > 0.0 and h.rested:
+            _go_back(h, h)
+            _learn_first(c, h, s.plateau_level_dps, s.density_var / (seconds * CONFIRMED))
+            h.rests = True
 
 
 def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float) -> None:
@@ -148,18 +168,12 @@ def summarise(s: RestlevelState) -> None:
     s.rest_probability = resting
 
 
-def copy(h: Story, to: Story) -> None:
-    """The account `h` as it was where the plateau began, in another slot."""
-    to.bias_dps = h.bias_dps
-    to.bias_var = h.bias_var
+def _go_back(h: Story, to: Story) -> None:
+    """Put yaw and its certainty into `to` as they were in `h` where the plateau began."""
     to.yaw_deg = h.entry_yaw_deg
     to.covariance = h.entry_covariance
     to.yaw_var = h.entry_yaw_var
     to.moved_s = h.entry_moved_s
-    to.knows_bias = h.knows_bias
-    to.evidence = 0.0
-    to.evidence_waits = 0.0
-    to.evidence_comes = 0.0
 
 
 def _learn_first(c: RestlevelCoefficients, h: Story, level_dps: float, level_var: float) -> float:

@@ -18,6 +18,9 @@ LEVEL_SIGMAS = 4.0
 EVEN_SIGMAS = 3.0
 """The two halves of a plateau that is to be confirmed may differ by this."""
 
+RESUMED = 3
+"""A level that comes back within so many blocks has not been away."""
+
 REMEMBERED = 10
 """Blocks that the level of a plateau is the mean of."""
 
@@ -55,9 +58,11 @@ def is_quiet(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> boo
 
 def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, seconds: float) -> None:
     """Count the blocks of the present plateau: 0 where there is none, 1 where one begins."""
+    is_confirmed, level_before_dps = s.plateau_blocks >= CONFIRMED, s.plateau_level_dps
+    is_now_quiet = is_quiet(c, s, seconds)
     level_var = s.density_var / seconds
     drift_dps = c.drift_dps_s * seconds
-    if not is_quiet(c, s, seconds):
+    if not is_now_quiet:
         s.plateau_blocks = 0
     elif s.plateau_blocks == 0 or not _is_level(s, level_dps, level_var, drift_dps):
         s.plateau_from_start = s.samples == s.block_samples
@@ -72,6 +77,18 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
             if abs(uneven_dps) >= EVEN_SIGMAS * sqrt(level_var + 4.0 * drift_dps * drift_dps):
                 s.plateau_blocks = 0
     s.plateau_last_dps = level_dps
+    if is_confirmed and s.plateau_blocks < CONFIRMED:
+        s.left_level_dps, s.left_blocks = level_before_dps, 0
+    s.left_blocks += 1
+
+
+def goes_on(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool:
+    """Whether a plateau that has just been confirmed is the one before."""
+    level_var = s.density_var / seconds
+    drift_dps = c.drift_dps_s * seconds * s.left_blocks
+    spread = level_var * (1.0 / CONFIRMED + 1.0 / REMEMBERED) + drift_dps * drift_dps
+    off_dps = s.plateau_level_dps - s.left_level_dps
+    return s.left_blocks <= RESUMED + CONFIRMED and abs(off_dps) < LEVEL_SIGMAS * sqrt(spread)
 
 
 def _is_level(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:

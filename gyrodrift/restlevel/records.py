@@ -77,8 +77,8 @@ class Story:
         How certain that is, (deg/s)², deg²/s and deg².
     knows_bias
         There has been a rest in it. Until then the bias is 0 with the spread of the power-on.
-    rests
-        The device stands still now.
+    rests, rested
+        The device stands still now; it did on the plateau before.
     moved_s
         Time since the last rest, s.
     evidence, evidence_waits, evidence_comes
@@ -96,6 +96,7 @@ class Story:
     yaw_var: float = 0.0
     knows_bias: bool = False
     rests: bool = False
+    rested: bool = False
     moved_s: float = 0.0
     evidence: float = 0.0
     evidence_waits: float = 0.0
@@ -136,6 +137,8 @@ class RestlevelState:
     plateau_*
         Constant rate: its blocks so far, 0 for none; its level now; the first two levels and the last; whether it
         began with the first sample.
+    left_level_dps, left_blocks
+        Level of the last plateau that was confirmed, and the blocks since it ended.
     base_*
         The accounts taken together as the block began: yaw, its variances.
     """
@@ -165,6 +168,8 @@ class RestlevelState:
     plateau_head_dps: float = 0.0
     plateau_last_dps: float = 0.0
     plateau_from_start: bool = False
+    left_level_dps: float = 0.0
+    left_blocks: int = 1 << 30
     base_yaw_deg: float = 0.0
     base_yaw_var: float = 0.0
     base_covariance: float = 0.0

@@ -5,8 +5,8 @@ Batch versions are this very source, compiled, and held to its bits by a test.
 
 from math import isfinite, sqrt
 
-from gyrodrift.restlevel.belief import begin, enter_plateau, leave_plateau, rest_on, split, summarise, turn
-from gyrodrift.restlevel.blocks import CONFIRMED, LEAST_SAMPLES, REMEMBERED, follow_plateau
+from gyrodrift.restlevel.belief import begin, enter_plateau, leave_plateau, rest_on, resume, split, summarise, turn
+from gyrodrift.restlevel.blocks import CONFIRMED, LEAST_SAMPLES, REMEMBERED, follow_plateau, goes_on
 from gyrodrift.restlevel.records import RestlevelCoefficients, RestlevelParams, RestlevelState
 
 SPINS_PER_DPS = 0.03
@@ -83,7 +83,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     level_dps = s.block_turned_deg / seconds
     step_dps = level_dps - s.plateau_last_dps
     follow_plateau(c, s, level_dps, seconds)
-    if s.plateau_blocks <= 1:
+    if s.left_blocks == 1:
         leave_plateau(s)
     if s.plateau_blocks == 1:
         enter_plateau(s)
@@ -93,7 +93,10 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     if s.plateau_blocks > 1:
         s.plateau_level_dps += (level_dps - s.plateau_level_dps) / min(s.plateau_blocks, REMEMBERED)
     if s.plateau_blocks == CONFIRMED:
-        split(c, s, seconds)
+        if goes_on(c, s, seconds):
+            resume(c, s, seconds)
+        else:
+            split(c, s, seconds)
     summarise(s)
     s.block_t_s = s.t_s
     s.block_samples = 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.errors import ConfigError
-from gyrodrift.filter import HdrCoefficients, HdrParams, HdrState, coefficients, step
+from gyrodrift.filters import HDR, Filter, FilterState
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.sinks.json_lines import JsonLines
@@ -30,27 +30,33 @@ class Filtering:
     link: Link
     output: JsonLines
     log: FilteringBoundLogger
-    params: HdrParams = field(default_factory=HdrParams)
     watch: "ConfigWatch | None" = None
     more_sinks: "Sequence[Sink]" = ()
-    state: HdrState = field(default_factory=HdrState)
+    state: FilterState = field(init=False)
     _sinks: "list[Sink]" = field(init=False)
-    _coefficients: HdrCoefficients = field(init=False)
+    _filter: Filter = field(init=False)
+    _coefficients: Any = field(init=False)
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
 
     def __post_init__(self) -> None:
         self._sinks = [self.output, *self.more_sinks]
-        self._coefficients = coefficients(self.params)
+        if self.watch is None:
+            self._filter, params = HDR, HDR.params()
+        else:
+            self._filter, params = self.watch.config.chosen, self.watch.config.params
+        self._coefficients, self.state = self._filter.coefficients(params), self._filter.state()
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
-        coefficients_now, state, sinks = self._coefficients, self.state, self._sinks
+        step, coefficients, state, sinks = self._filter.step, self._coefficients, self.state, self._sinks
         for sample in samples:
-            if step(coefficients_now, state, sample.t_device_s, sample.rate_dps):
-                bias_dps = 0.0 - state.i_dps
-                corrected = Corrected(sample, sample.rate_dps + state.i_dps, state.yaw_deg, bias_dps)
+            if step(coefficients, state, sample.t_device_s, sample.rate_dps):
+                bias_dps = state.bias_dps
+                corrected = Corrected(
+                    sample, sample.rate_dps - bias_dps, state.yaw_deg, bias_dps, state.yaw_sigma_deg, state.confidence
+                )
                 for sink in sinks:
                     sink.on_sample(corrected)
         for sink in sinks:
@@ -73,7 +79,7 @@ class Filtering:
             "lines": self.output.lines,
             "lines_dropped": self.output.dropped,
             "yaw_deg": round(self.state.yaw_deg, 3),
-            "bias_dps": round(0.0 - self.state.i_dps, 5),
+            "bias_dps": round(self.state.bias_dps, 5),
         }
 
     def close(self) -> None:
@@ -91,10 +97,16 @@ class Filtering:
             return
         if new is None:
             return
-        self.params = new.hdr
-        self._coefficients = coefficients(new.hdr)
+        if new.chosen is not self._filter:
+            self._begin_again(new.chosen)
+        self._coefficients = self._filter.coefficients(new.params)
         self._is_rate_checked = False
         self.log.info("config_applied", file=str(watch.path), changes=new.changes_from(old))
+
+    def _begin_again(self, chosen: Filter) -> None:
+        """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
+        old, self._filter, self.state = self.state, chosen, chosen.state()
+        self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:
         period_s = self.link.clock.period_s if self.link.clock else 0.0
@@ -107,5 +119,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint="i_c_dps and the attenuator count samples: tune at the rate of this stream",
+                hint=f"{self._filter.name} was tuned at another rate: tune at the rate of this stream",
             )

@@ -47,6 +47,17 @@ AXES = (
 )
 """Wide enough for sensors of 0.01 to 10 deg/s of bias at 2 Hz to 10 kHz; narrower on request."""
 
+RESTLEVEL_AXES = (
+    Axis("window_s", 0.05, 5.0, is_log=True),
+    Axis("quiet", 1.0, 50.0, is_log=True),
+    Axis("turn_on_dps", 0.02, 20.0, is_log=True),
+    Axis("walk_dps_rts", 1e-6, 0.1, is_log=True),
+    Axis("drift_dps_s", 1e-4, 0.3, is_log=True),
+    Axis("still_start", 0.0, 0.9999),
+    Axis("rest_share", 0.001, 0.9, is_log=True),
+)
+"""Of restlevel what yaw depends on."""
+
 
 def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
     """The same ranges with differences counting everywhere."""

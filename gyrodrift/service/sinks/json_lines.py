@@ -111,12 +111,16 @@ class JsonLines:
 
 def json_line(corrected: Corrected) -> str:
     """The line for one sample, every float with all its digits; absent values are left out."""
-    (seq, t_s, _, rate_dps, encoder_deg, temp_c), corrected_dps, yaw_deg, bias_dps = corrected
+    (seq, t_s, _, rate_dps, encoder_deg, temp_c), corrected_dps, yaw_deg, bias_dps, yaw_sigma_deg, confidence = (
+        corrected
+    )
     line = (
         f'{{"seq":{seq},"t_s":{t_s!r},"rate_dps":{rate_dps!r},"corrected_dps":{corrected_dps!r},'
         f'"yaw_deg":{yaw_deg!r},"bias_dps":{bias_dps!r}'
     )
-    if encoder_deg == encoder_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask
+    if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask
+        line += f',"yaw_sigma_deg":{yaw_sigma_deg!r},"confidence":{confidence!r}'
+    if encoder_deg == encoder_deg:  # noqa: PLR0124
         line += f',"encoder_deg":{encoder_deg!r}'
     if temp_c == temp_c:  # noqa: PLR0124
         line += f',"temp_c":{temp_c!r}'

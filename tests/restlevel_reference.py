@@ -1,0 +1,251 @@
+"""Restlevel worked out in another way: a recording is cut into blocks first, accounts are Gaussians with matrices.
+
+Written from the equations of docs/restlevel.md, not from the filter's source: vectors (yaw, bias), covariances of two
+by two, and a list of accounts that is made anew at each plateau.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.stats import norm
+
+from gyrodrift.restlevel.records import RestlevelParams
+from gyrodrift.session.session import Floats
+
+
+@dataclass
+class Block:
+    """Its last sample, its length in s, the angle turned in deg, its samples, and the variance of its rates."""
+
+    end: int
+    seconds: float
+    turned_deg: float
+    samples: int
+    variance: float
+    resolution_dps: float
+
+
+def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float) -> list[Block]:
+    """Cut a recording."""
+    steps_deg = np.diff(t_s, prepend=t_s[0]) * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]]) / 2.0
+    found, first, begun_s = [], 0, t_s[0]
+    for n in range(len(t_s)):
+        if t_s[n] - begun_s >= window_s and n + 1 - first >= 6:
+            apart = np.abs(np.diff(rate_dps[: n + 1]))
+            resolution = apart[apart > 0.0].min(initial=np.inf)
+            inside = rate_dps[first : n + 1]
+            found.append(
+                Block(
+                    n,
+                    t_s[n] - begun_s,
+                    float(steps_deg[first : n + 1].sum()),
+                    len(inside),
+                    float(inside.var()),
+                    resolution if np.isfinite(resolution) else 0.0,
+                )
+            )
+            first, begun_s = n + 1, t_s[n]
+    return found
+
+
+@dataclass
+class Account:
+    """A Gaussian over (yaw, bias), in one of twelve places: of two that are the same the one in the first is kept."""
+
+    place: int
+    weight: float
+    mean: Floats
+    cov: Floats
+    knows: bool = False
+    rests: bool = False
+    rested: bool = False
+    moved_s: float = 0.0
+    evidence: float = 0.0
+    pending: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    entry: tuple[float, Floats, float] = (0.0, np.zeros((2, 2)), 0.0)
+
+
+def told(h: Account, level: float, var: float, drift_var: float) -> tuple[Account, float]:
+    """The account after a level at rest, and the logarithm of how probable the level was."""
+    lag = np.array([-h.moved_s / 2.0, 1.0])
+    parts = []
+    for share, cov in ((0.7, h.cov), (0.3, h.cov + drift_var * np.outer(lag, lag))):
+        s = cov[1, 1] + var
+        gain = cov[:, 1] / s
+        off = level - h.mean[1]
+        parts.append(
+            (
+                np.log(share) + norm.logpdf(off, scale=np.sqrt(s)),
+                h.mean + gain * off,
+                cov - np.outer(gain, cov[1, :]),
+            )
+        )
+    logs = np.array([part[0] for part in parts])
+    total = np.logaddexp(*logs)
+    mean, cov = merged(np.exp(logs - total), [part[1] for part in parts], [part[2] for part in parts])
+    return replace(h, mean=mean, cov=cov, moved_s=0.0), float(total)
+
+
+def merged(shares: Floats, means: list[Floats], covs: list[Floats]) -> tuple[Floats, Floats]:
+    """Mean and covariance of a mixture."""
+    mean = sum(share * each for share, each in zip(shares, means, strict=True))
+    cov = sum(
+        share * (each + np.outer(m - mean, m - mean)) for share, m, each in zip(shares, means, covs, strict=True)
+    )
+    return np.asarray(mean), np.asarray(cov)
+
+
+def first_told(h: Account, level: float, var: float, p: RestlevelParams) -> tuple[Account, float]:
+    """The same for the first blocks of a plateau."""
+    if h.knows:
+        return told(h, level, var, (p.drift_dps_s * min(h.moved_s, 20.0)) ** 2)
+    narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.9)
+    wide = norm.logpdf(level, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.1)
+    far = max(1.0, level**2 / (9.0 * h.cov[1, 1]))
+    cov = h.cov * np.array([[1.0, far], [far, far]])
+    found, _ = told(replace(h, cov=cov), level, var, 0.0)
+    return replace(found, knows=True), float(np.logaddexp(narrow, wide))
+
+
+def same(a: Account, b: Account) -> bool:
+    """Whether two accounts may be one."""
+    off = np.abs(a.mean - b.mean)
+    return (
+        a.rests == b.rests
+        and a.knows == b.knows
+        and off[1] ** 2 < min(a.cov[1, 1], b.cov[1, 1])
+        and off[0] ** 2 < 1e-4 + min(a.cov[0, 0], b.cov[0, 0])
+    )
+
+
+def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Floats]:
+    """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
+    accounts = [Account(0, 1.0, np.zeros(2), np.diag([0.0, p.turn_on_dps**2]))]
+    noise = before = density = -1.0
+    plateau: list[float] = []
+    level = 0.0
+    last = 0.0
+    rows = []
+    at_start = False
+    left, left_level = 10**9, 0.0
+    for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
+        mean_dps = b.turned_deg / b.seconds
+        # noise, and whether the block is quiet
+        variance = max(b.variance, 0.25 * b.resolution_dps**2, 1e-12)
+        error = np.sqrt(2.0 / b.samples)
+        limit = 1.0 + p.quiet * error
+        if noise < 0.0:
+            noise, density = variance, 2.0 * variance / b.samples * b.seconds
+        elif max(variance, before) < noise * np.exp(-2.5 * error):
+            noise = max(variance, before)
+        elif variance < noise * limit:
+            noise *= (variance / noise) ** 0.05
+        else:
+            noise *= 1.0 + 0.001 * b.seconds
+        before = variance
+        quiet = variance < noise * limit
+        # plateau
+        was, level_was = len(plateau), level
+        var, drift = density / b.seconds, p.drift_dps_s * b.seconds
+        spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(len(plateau), 10))) + drift**2)
+        if not quiet:
+            plateau = []
+        elif not plateau or abs(mean_dps - level) >= 4.0 * spread:
+            plateau, level, at_start = [mean_dps], mean_dps, number == 0
+        else:
+            plateau.append(mean_dps)
+            halves = 0.5 * (plateau[-1] + plateau[-2] - plateau[0] - plateau[1]) if len(plateau) == 4 else 0.0
+            if abs(halves) >= 3.0 * np.sqrt(var + 4.0 * drift**2):
+                plateau = []
+        left = 1 if was >= 4 > len(plateau) else left + 1
+        # accounts through the block
+        if left == 1:
+            left_level = level_was
+            accounts = [replace(h, rests=False, rested=h.rests) for h in accounts]
+        if len(plateau) == 1:
+            accounts = [replace(h, entry=(h.mean[0], h.cov.copy(), h.moved_s)) for h in accounts]
+        turns = np.array([[1.0, -b.seconds], [0.0, 1.0]])
+        for h in accounts:
+            if not h.rests:
+                h.mean = turns @ h.mean + np.array([b.turned_deg, 0.0])
+                h.cov = turns @ h.cov @ turns.T + np.diag([density * b.seconds, 0.0])
+                h.moved_s += b.seconds
+            h.cov = h.cov + np.diag([0.0, p.walk_dps_rts**2 * b.seconds])
+        if len(plateau) > 4:
+            resting = sum(h.weight for h in accounts if h.rests)
+            for k, h in enumerate(accounts):
+                if not h.rests:
+                    continue
+                surprise = (mean_dps - h.mean[1]) ** 2 / (h.cov[1, 1] + drift**2 + var) - 6.0
+                evidence = max(-30.0, min(0.0, h.evidence + h.pending[0]))
+                pending = [h.pending[1], 0.05 - 0.5 * max(0.0, min(surprise, 40.0))]
+                weight = h.weight * np.exp(evidence - h.evidence)
+                accounts[k], _ = told(replace(h, weight=weight, evidence=evidence, pending=pending), mean_dps, var, drift**2)
+            total = sum(h.weight for h in accounts)
+            accounts = [replace(h, weight=h.weight / total) for h in accounts]
+            density += 0.05 * resting * (min(0.5 * (mean_dps - last) ** 2 * b.seconds, 9.0 * density) - density)
+        if len(plateau) > 1:
+            level += (mean_dps - level) / min(len(plateau), 10)
+        spread = np.sqrt(density / b.seconds * 0.35 + (drift * left) ** 2)
+        if len(plateau) == 4 and left <= 7 and abs(level - left_level) < 4.0 * spread:
+            for k, h in enumerate(accounts):
+                if h.rested:
+                    found, _ = first_told(entered(h), level, density / (4.0 * b.seconds), p)
+                    accounts[k] = replace(found, rests=True)
+        elif len(plateau) == 4:
+            share = p.still_start if at_start else p.rest_share
+            odds = share / (1.0 - share) / 0.03
+            resting_accounts = []
+            for h in accounts:
+                weight = h.weight
+                back = replace(entered(h), evidence=0.0, pending=[0.0, 0.0], rested=False)
+                found, likely = first_told(back, level, density / (4.0 * b.seconds), p)
+                taken = {h.place for h in accounts + resting_accounts}
+                place = min(set(range(12)) - taken)
+                if h.knows:
+                    h.weight *= (level - h.mean[1]) ** 2 / ((level - h.mean[1]) ** 2 + 0.09) + 1e-9
+                resting_accounts.append(replace(found, rests=True, place=place, weight=weight * odds * np.exp(likely)))
+            accounts = tidied(sorted(accounts + resting_accounts, key=lambda h: h.place))
+        last = mean_dps
+        rows.append((b.end, *summary(accounts)))
+    return {name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "bias_sigma"), zip(*rows), strict=True)}
+
+
+def entered(h: Account) -> Account:
+    """The account with yaw and its certainty as they were where the plateau began."""
+    yaw, cov, moved_s = h.entry
+    cov = np.array([[cov[0, 0], cov[0, 1]], [cov[1, 0], h.cov[1, 1]]])
+    return replace(h, mean=np.array([yaw, h.mean[1]]), cov=cov, moved_s=moved_s)
+
+
+def tidied(accounts: list[Account]) -> list[Account]:
+    """Join what is the same, keep the six that are believed most."""
+    total = sum(h.weight for h in accounts)
+    left = [replace(h, weight=h.weight / total) for h in accounts if h.weight > 0.0]
+    k = 0
+    while k < len(left):
+        j = k + 1
+        while j < len(left):
+            if same(left[k], left[j]):
+                a, b = left[k], left.pop(j)
+                weight = a.weight + b.weight
+                shares = np.array([a.weight, b.weight]) / weight
+                mean, cov = merged(shares, [a.mean, b.mean], [a.cov, b.cov])
+                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moved_s=min(a.moved_s, b.moved_s))
+            else:
+                j += 1
+        k += 1
+    left = [h for h in left if h.weight >= 1e-9]
+    keep = sorted(left, key=lambda h: -h.weight)[:6]
+    left = [h for h in left if any(h is one for one in keep)]
+    total = sum(h.weight for h in left)
+    return [replace(h, weight=h.weight / total) for h in left]
+
+
+def summary(accounts: list[Account]) -> tuple[float, float, float, float]:
+    """Yaw and bias as means by squared weight; their variances about that by weight."""
+    weights = np.array([h.weight for h in accounts])
+    means = np.array([h.mean for h in accounts])
+    mean = weights**2 @ means / (weights**2).sum()
+    cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(weights, accounts, strict=True))
+    return float(mean[0]), float(mean[1]), float(cov[0, 0]), float(np.sqrt(cov[1, 1]))
