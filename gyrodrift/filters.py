@@ -75,4 +75,6 @@ RESTLEVEL = Filter(
     ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg"),
 )
 
+Params = hdr.HdrParams | restlevel.RestlevelParams
+
 FILTERS: Mapping[str, Filter] = {each.name: each for each in (HDR, RESTLEVEL)}

@@ -27,24 +27,26 @@ class Block:
 
 def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float) -> list[Block]:
     """Cut a recording."""
-    steps_deg = np.diff(t_s, prepend=t_s[0]) * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]]) / 2.0
-    found, first, begun_s = [], 0, t_s[0]
+    steps_s = np.diff(t_s, prepend=t_s[0])
+    steps_deg = steps_s * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]]) / 2.0
+    apart = np.abs(np.diff(rate_dps, prepend=rate_dps[0]))
+    finest = np.minimum.accumulate(np.where(apart > 0.0, apart, np.inf))
+    found, first, seconds = [], 0, 0.0
     for n in range(len(t_s)):
-        if t_s[n] - begun_s >= window_s and n + 1 - first >= 6:
-            apart = np.abs(np.diff(rate_dps[: n + 1]))
-            resolution = apart[apart > 0.0].min(initial=np.inf)
+        seconds += float(steps_s[n])  # one after the other: where a block ends hangs on the last bit
+        if seconds >= window_s and n + 1 - first >= 6:
             inside = rate_dps[first : n + 1]
             found.append(
                 Block(
                     n,
-                    t_s[n] - begun_s,
+                    seconds,
                     float(steps_deg[first : n + 1].sum()),
                     len(inside),
                     float(inside.var()),
-                    resolution if np.isfinite(resolution) else 0.0,
+                    float(finest[n]) if np.isfinite(finest[n]) else 0.0,
                 )
             )
-            first, begun_s = n + 1, t_s[n]
+            first, seconds = n + 1, 0.0
     return found
 
 
@@ -89,9 +91,7 @@ def told(h: Account, level: float, var: float, drift_var: float) -> tuple[Accoun
 def merged(shares: Floats, means: list[Floats], covs: list[Floats]) -> tuple[Floats, Floats]:
     """Mean and covariance of a mixture."""
     mean = sum(share * each for share, each in zip(shares, means, strict=True))
-    cov = sum(
-        share * (each + np.outer(m - mean, m - mean)) for share, m, each in zip(shares, means, covs, strict=True)
-    )
+    cov = sum(share * (each + np.outer(m - mean, m - mean)) for share, m, each in zip(shares, means, covs, strict=True))
     return np.asarray(mean), np.asarray(cov)
 
 
@@ -118,97 +118,132 @@ def same(a: Account, b: Account) -> bool:
     )
 
 
-def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Floats]:
-    """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
-    accounts = [Account(0, 1.0, np.zeros(2), np.diag([0.0, p.turn_on_dps**2]))]
-    noise = before = density = -1.0
-    plateau: list[float] = []
-    level = 0.0
-    last = 0.0
-    rows = []
-    at_start = False
-    left, left_level = 10**9, 0.0
-    for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
-        mean_dps = b.turned_deg / b.seconds
-        # noise, and whether the block is quiet
+@dataclass
+class Reading:
+    """What is known after some blocks."""
+
+    p: RestlevelParams
+    accounts: list[Account]
+    noise: float = -1.0
+    before: float = -1.0
+    density: float = -1.0
+    plateau: list[float] = field(default_factory=list)
+    level: float = 0.0
+    last: float = 0.0
+    at_start: bool = False
+    left: int = 10**9
+    left_level: float = 0.0
+
+    def is_quiet(self, b: Block) -> bool:
+        """And the noise follows."""
         variance = max(b.variance, 0.25 * b.resolution_dps**2, 1e-12)
         error = np.sqrt(2.0 / b.samples)
-        limit = 1.0 + p.quiet * error
-        if noise < 0.0:
-            noise, density = variance, 2.0 * variance / b.samples * b.seconds
-        elif max(variance, before) < noise * np.exp(-2.5 * error):
-            noise = max(variance, before)
-        elif variance < noise * limit:
-            noise *= (variance / noise) ** 0.05
+        limit = 1.0 + self.p.quiet * error
+        if self.noise < 0.0:
+            self.noise, self.density = variance, 2.0 * variance / b.samples * b.seconds
+        elif max(variance, self.before) < self.noise * np.exp(-2.5 * error):
+            self.noise = max(variance, self.before)
+        elif variance < self.noise * limit:
+            self.noise *= (variance / self.noise) ** 0.05
         else:
-            noise *= 1.0 + 0.001 * b.seconds
-        before = variance
-        quiet = variance < noise * limit
-        # plateau
-        was, level_was = len(plateau), level
-        var, drift = density / b.seconds, p.drift_dps_s * b.seconds
-        spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(len(plateau), 10))) + drift**2)
-        if not quiet:
-            plateau = []
-        elif not plateau or abs(mean_dps - level) >= 4.0 * spread:
-            plateau, level, at_start = [mean_dps], mean_dps, number == 0
+            self.noise *= 1.0 + 0.001 * b.seconds
+        self.before = variance
+        return bool(variance < self.noise * limit)
+
+    def follow(self, b: Block, mean_dps: float, *, is_first: bool) -> None:
+        """The plateau grows, begins or ends."""
+        was, level_was, is_quiet = len(self.plateau), self.level, self.is_quiet(b)
+        var, drift = self.density / b.seconds, self.p.drift_dps_s * b.seconds
+        spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + drift**2)
+        if not is_quiet:
+            self.plateau = []
+        elif not self.plateau or abs(mean_dps - self.level) >= 4.0 * spread:
+            self.plateau, self.level, self.at_start = [mean_dps], mean_dps, is_first
         else:
-            plateau.append(mean_dps)
-            halves = 0.5 * (plateau[-1] + plateau[-2] - plateau[0] - plateau[1]) if len(plateau) == 4 else 0.0
-            if abs(halves) >= 3.0 * np.sqrt(var + 4.0 * drift**2):
-                plateau = []
-        left = 1 if was >= 4 > len(plateau) else left + 1
-        # accounts through the block
-        if left == 1:
-            left_level = level_was
-            accounts = [replace(h, rests=False, rested=h.rests) for h in accounts]
-        if len(plateau) == 1:
-            accounts = [replace(h, entry=(h.mean[0], h.cov.copy(), h.moved_s)) for h in accounts]
+            self.plateau.append(mean_dps)
+            a = self.plateau
+            if len(a) == 4 and abs(0.5 * (a[3] + a[2] - a[1] - a[0])) >= 3.0 * np.sqrt(var + 4.0 * drift**2):
+                self.plateau = []
+        self.left += 1
+        if was >= 4 > len(self.plateau):
+            self.left, self.left_level = 1, level_was
+
+    def pass_through(self, b: Block) -> None:
+        """Every account, by one block."""
+        if self.left == 1:
+            self.accounts = [replace(h, rests=False, rested=h.rests) for h in self.accounts]
+        if len(self.plateau) == 1:
+            self.accounts = [replace(h, entry=(h.mean[0], h.cov.copy(), h.moved_s)) for h in self.accounts]
         turns = np.array([[1.0, -b.seconds], [0.0, 1.0]])
-        for h in accounts:
+        for h in self.accounts:
             if not h.rests:
                 h.mean = turns @ h.mean + np.array([b.turned_deg, 0.0])
-                h.cov = turns @ h.cov @ turns.T + np.diag([density * b.seconds, 0.0])
+                h.cov = turns @ h.cov @ turns.T + np.diag([self.density * b.seconds, 0.0])
                 h.moved_s += b.seconds
-            h.cov = h.cov + np.diag([0.0, p.walk_dps_rts**2 * b.seconds])
-        if len(plateau) > 4:
-            resting = sum(h.weight for h in accounts if h.rests)
-            for k, h in enumerate(accounts):
-                if not h.rests:
-                    continue
+            h.cov = h.cov + np.diag([0.0, self.p.walk_dps_rts**2 * b.seconds])
+
+    def rest_on(self, b: Block, mean_dps: float) -> None:
+        """Accounts of rest learn, and are doubted."""
+        var, drift = self.density / b.seconds, self.p.drift_dps_s * b.seconds
+        resting = sum(h.weight for h in self.accounts if h.rests)
+        for k, h in enumerate(self.accounts):
+            if h.rests:
                 surprise = (mean_dps - h.mean[1]) ** 2 / (h.cov[1, 1] + drift**2 + var) - 6.0
                 evidence = max(-30.0, min(0.0, h.evidence + h.pending[0]))
                 pending = [h.pending[1], 0.05 - 0.5 * max(0.0, min(surprise, 40.0))]
                 weight = h.weight * np.exp(evidence - h.evidence)
-                accounts[k], _ = told(replace(h, weight=weight, evidence=evidence, pending=pending), mean_dps, var, drift**2)
-            total = sum(h.weight for h in accounts)
-            accounts = [replace(h, weight=h.weight / total) for h in accounts]
-            density += 0.05 * resting * (min(0.5 * (mean_dps - last) ** 2 * b.seconds, 9.0 * density) - density)
-        if len(plateau) > 1:
-            level += (mean_dps - level) / min(len(plateau), 10)
-        spread = np.sqrt(density / b.seconds * 0.35 + (drift * left) ** 2)
-        if len(plateau) == 4 and left <= 7 and abs(level - left_level) < 4.0 * spread:
-            for k, h in enumerate(accounts):
-                if h.rested:
-                    found, _ = first_told(entered(h), level, density / (4.0 * b.seconds), p)
-                    accounts[k] = replace(found, rests=True)
-        elif len(plateau) == 4:
-            share = p.still_start if at_start else p.rest_share
-            odds = share / (1.0 - share) / 0.03
-            resting_accounts = []
-            for h in accounts:
-                weight = h.weight
-                back = replace(entered(h), evidence=0.0, pending=[0.0, 0.0], rested=False)
-                found, likely = first_told(back, level, density / (4.0 * b.seconds), p)
-                taken = {h.place for h in accounts + resting_accounts}
-                place = min(set(range(12)) - taken)
-                if h.knows:
-                    h.weight *= (level - h.mean[1]) ** 2 / ((level - h.mean[1]) ** 2 + 0.09) + 1e-9
-                resting_accounts.append(replace(found, rests=True, place=place, weight=weight * odds * np.exp(likely)))
-            accounts = tidied(sorted(accounts + resting_accounts, key=lambda h: h.place))
-        last = mean_dps
-        rows.append((b.end, *summary(accounts)))
-    return {name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "bias_sigma"), zip(*rows), strict=True)}
+                doubted = replace(h, weight=weight, evidence=evidence, pending=pending)
+                self.accounts[k], _ = told(doubted, mean_dps, var, drift**2)
+        total = sum(h.weight for h in self.accounts)
+        self.accounts = [replace(h, weight=h.weight / total) for h in self.accounts]
+        found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.density)
+        self.density += 0.05 * resting * (found - self.density)
+
+    def confirm(self, b: Block) -> None:
+        """The plateau is one: it is the one before, or every account has two sequels."""
+        var = self.density / (4.0 * b.seconds)
+        spread = np.sqrt(self.density / b.seconds * 0.35 + (self.p.drift_dps_s * b.seconds * self.left) ** 2)
+        if self.left <= 7 and abs(self.level - self.left_level) < 4.0 * spread:
+            self.accounts = [
+                replace(first_told(entered(h), self.level, var, self.p)[0], rests=True) if h.rested else h
+                for h in self.accounts
+            ]
+            return
+        share = self.p.still_start if self.at_start else self.p.rest_share
+        odds = share / (1.0 - share) / 0.03
+        everyone = list(self.accounts)
+        for h in self.accounts:
+            back = replace(entered(h), evidence=0.0, pending=[0.0, 0.0], rested=False)
+            found, likely = first_told(back, self.level, var, self.p)
+            place = min(set(range(12)) - {other.place for other in everyone})
+            weight = h.weight * odds * np.exp(likely)
+            everyone.append(replace(found, rests=True, place=place, weight=weight))
+            if h.knows:
+                off = self.level - h.mean[1]
+                h.weight *= off**2 / (off**2 + 0.09) + 1e-9
+        self.accounts = tidied(sorted(everyone, key=lambda h: h.place))
+
+
+def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Floats]:
+    """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
+    reading = Reading(p, [Account(0, 1.0, np.zeros(2), np.diag([0.0, p.turn_on_dps**2]))])
+    rows = []
+    for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
+        mean_dps = b.turned_deg / b.seconds
+        reading.follow(b, mean_dps, is_first=number == 0)
+        reading.pass_through(b)
+        if len(reading.plateau) > 4:
+            reading.rest_on(b, mean_dps)
+        if len(reading.plateau) > 1:
+            reading.level += (mean_dps - reading.level) / min(len(reading.plateau), 10)
+        if len(reading.plateau) == 4:
+            reading.confirm(b)
+        reading.last = mean_dps
+        rows.append((b.end, *summary(reading.accounts)))
+    columns = zip(*rows, strict=True)
+    return {
+        name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "sigma"), columns, strict=True)
+    }
 
 
 def entered(h: Account) -> Account:

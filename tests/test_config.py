@@ -1,5 +1,7 @@
 """Configs: what is taken, and what is said of every mistake."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,8 @@ from gyrodrift.config import Config, load_config
 from gyrodrift.errors import ConfigError
 from gyrodrift.files import shipped_config
 from gyrodrift.filter import HdrParams
+from gyrodrift.filters import RESTLEVEL
+from gyrodrift.restlevel.records import RestlevelParams
 
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
 
@@ -30,6 +34,31 @@ def test_a_good_file_is_taken_with_exponents_and_integers(tmp_path: Path) -> Non
     assert load_config(path) == Config("hdr", HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25), 100.0)
 
 
+def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
+    """With its own block; the other's may stand beside it."""
+    path = tmp_path / "c.yaml"
+    path.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams(window_s=0.5)))}\n{GOOD}")
+    config = load_config(path)
+    assert config.chosen is RESTLEVEL
+    assert config.params == RestlevelParams(window_s=0.5)
+    assert config.hdr == HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)
+    assert config.changes_from(Config("hdr", config.hdr)) == [
+        "filter: hdr → restlevel",
+        "restlevel.window_s: 0.3 → 0.5",
+    ]
+
+
+def test_the_filter_that_is_named_has_to_have_its_block(tmp_path: Path) -> None:
+    """Whatever else stands in the file."""
+    (said,) = problems(tmp_path, GOOD + "filter: restlevel\n")
+    assert said.startswith("c.yaml:1:1 restlevel: is missing; expected a block with window_s, quiet, turn_on_dps,")
+    given = asdict(RestlevelParams()) | {"still_start": 1, "rest_share": "often"}
+    assert problems(tmp_path, f"filter: restlevel\nrestlevel: {json.dumps(given)}\n") == [
+        "c.yaml:2:110 restlevel.still_start: is 1; expected a number from 0 to below 1",
+        "c.yaml:2:126 restlevel.rest_share: is 'often' (text); expected a number from 0 to below 1",
+    ]
+
+
 def test_the_shipped_config_is_valid() -> None:
     """What the demo runs with."""
     assert load_config(shipped_config("gyrodrift.yaml")).sample_rate_hz == 100.0
@@ -47,11 +76,11 @@ def test_the_shipped_config_is_valid() -> None:
         (b"hdr:\n  \xff\xfe\n", "c.yaml:2:1 is not text: byte 0xff is not UTF-8"),
         ("filter: hdr\n", "c.yaml:1:1 hdr: is missing; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
         ("hdr:\n", "c.yaml:1:1 hdr: is empty; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
-        (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr"),
+        (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr or restlevel"),
         (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
         (
             GOOD + "colour: 1\n",
-            "c.yaml:7:1 colour: is not a key of this file; expected filter, hdr, sample_rate_hz, provenance",
+            "c.yaml:7:1 colour: is not a key of this file; expected filter, hdr, restlevel, sample_rate_hz, provenance",
         ),
         (GOOD + "sample_rate_hz: 0\n", "c.yaml:7:1 sample_rate_hz: is 0; expected a number above 0 up to 1e+06 Hz"),
         (GOOD + "  c1: 1\n", "c.yaml:7:3 hdr.c1: is given twice, first in line 5; keep one"),

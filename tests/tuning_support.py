@@ -5,6 +5,7 @@ import numpy as np
 from gyrodrift.filter import HdrParams
 from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
 from gyrodrift.tune.space import AXES
+from gyrodrift.tune.tunables import HDR_TUNABLE
 
 PARAMS = HdrParams(0.000457, 0.0384, 0.123, 1.85, 0.0)
 
@@ -16,8 +17,8 @@ def run(seed: int = 1, evaluations: int = 90, pi: Pi = Pi(0.1775, 0.2838)) -> Ru
     return Run(seed, costs, rng.random((evaluations, 5)), PARAMS, pi, densities)
 
 
-def score(name: str, split: Split = Split.TRAIN, e_hdr_deg: float = 0.5) -> SessionScore:
-    return SessionScore(name, split, 20.0, 56.4, e_hdr_deg, 0.75)
+def score(name: str, split: Split = Split.TRAIN, e_tuned_deg: float = 0.5) -> SessionScore:
+    return SessionScore(name, split, 20.0, 56.4, e_tuned_deg, 0.75)
 
 
 def curve(name: str, split: Split = Split.TRAIN, points: int = 400) -> Curve:
@@ -28,13 +29,14 @@ def curve(name: str, split: Split = Split.TRAIN, points: int = 400) -> Curve:
 def tuning(train: int = 2, test: int = 2) -> Tuning:
     names = [(f"walk-{n}", Split.TRAIN) for n in range(train)] + [(f"check-{n}", Split.TEST) for n in range(test)]
     return Tuning(
+        tunable=HDR_TUNABLE,
         method="race",
         evaluations=90,
         axes=AXES,
         run=run(pi=Pi(0.1775, 0.2838 if test else None)),
         euler=Pi(6877.0, 2008.0 if test else None),
-        two=Pi(0.1754, 0.3236 if test else None),
-        two_params=HdrParams(0.001, 0.0, 0.25, 0.0, 0.0),
+        few=Pi(0.1754, 0.3236 if test else None),
+        few_params=HdrParams(0.001, 0.0, 0.25, 0.0, 0.0),
         scores=tuple(score(*name) for name in names),
         sample_rate_hz=100.0,
         seconds=8.7,

@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
+    parser.add_argument("--filter", default="hdr", choices=("hdr", "restlevel"), help="which to tune (default hdr)")
     parser.add_argument("--report", type=Path, metavar="DIR", help="folder for report.html and tune.json")
     parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="kept apart, by hand")
     parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
@@ -83,9 +84,10 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
     from gyrodrift.tune.work import Work
 
     plan = _plan(arguments)
+    how = (arguments.seed, arguments.threads, arguments.cluster)
     with (
         Progress(sys.stderr) as progress,
-        Prepared(_sources(arguments), arguments.seed, arguments.threads, arguments.cluster, progress) as prepared,
+        Prepared(_sources(arguments), *how, progress, plan.tunable) as prepared,
     ):
         path = arguments.out.with_suffix(".progress.npz")
         journal = Journal(path, identity(plan, prepared), is_resumed=arguments.resume)
@@ -102,10 +104,14 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
 
 def _plan(arguments: argparse.Namespace) -> "Plan":
     from gyrodrift.tune.space import with_ranges
+    from gyrodrift.tune.tunables import TUNABLES
     from gyrodrift.tune.work import Plan
 
+    tunable = TUNABLES[arguments.filter]
+
     seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
-    return Plan(arguments.iterations, seeds, arguments.method, with_ranges(arguments.range))
+    axes = with_ranges(arguments.range, tunable.axes, tunable.filter)
+    return Plan(arguments.iterations, seeds, arguments.method, axes, tunable)
 
 
 def _sources(arguments: argparse.Namespace) -> "list[Source]":

@@ -129,7 +129,7 @@ class RestlevelState:
         Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
 
     block_*
-        The block that is being filled: where it began, its samples, the angle turned in deg, and sums of rates and
+        The block that is being filled: its length, its samples, the angle turned in deg, and sums of rates and
         squares less its first rate.
     noise_var, variance_before, least_step_dps, density_var
         Of the sensor itself: variance of samples at rest; variance of the last block; smallest step between two
@@ -153,7 +153,7 @@ class RestlevelState:
     confidence: float = 1.0
     samples: int = 0
     rejected: int = 0
-    block_t_s: float = 0.0
+    block_seconds: float = 0.0
     block_samples: int = 0
     block_turned_deg: float = 0.0
     block_first_dps: float = 0.0

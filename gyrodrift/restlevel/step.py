@@ -45,12 +45,19 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
         False where the sample was passed by (T ≤ 0, or a value that is not finite); it is counted in
         `s.rejected` and leaves all else untouched.
     """
-    if not (isfinite(t_s) and isfinite(rate_dps)) or (s.samples > 0 and t_s <= s.t_s):
+    dt_s = t_s - s.t_s if s.samples > 0 else 0.0
+    if not (isfinite(t_s) and isfinite(dt_s) and isfinite(rate_dps)) or (s.samples > 0 and dt_s <= 0.0):
         s.rejected += 1
         return False
+    s.t_s = t_s
+    advance(c, s, dt_s, rate_dps)
+    return True
+
+
+def advance(c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: float) -> None:
+    """`step` for a sample that is known to be good, `dt_s` after the one before; 0 for the first."""
     if s.samples == 0:
         s.begun_yaw_deg = s.yaw_deg
-        s.block_t_s = s.t_s = t_s
         s.rate_dps = rate_dps
         begin(c, s)
     else:
@@ -63,20 +70,18 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
     s.block_samples += 1
     s.block_sum += above_dps
     s.block_squares += above_dps * above_dps
-    s.block_turned_deg += 0.5 * (rate_dps + s.rate_dps) * (t_s - s.t_s)
+    s.block_turned_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s
+    s.block_seconds += dt_s
     s.rate_dps = rate_dps
-    s.t_s = t_s
     s.samples += 1
-    seconds = t_s - s.block_t_s
-    if seconds >= c.window_s and s.block_samples >= LEAST_SAMPLES:
-        _end_block(c, s, seconds)
-        seconds = 0.0
+    if s.block_seconds >= c.window_s and s.block_samples >= LEAST_SAMPLES:
+        _end_block(c, s, s.block_seconds)
+    seconds = s.block_seconds
     s.yaw_deg = s.base_yaw_deg + s.block_turned_deg - s.bias_dps * seconds
     scale_deg = c.scale * (s.yaw_deg - s.begun_yaw_deg)
     noise_var = max(0.0, s.density_var)
     moving_var = seconds * (s.base_bias_var * seconds - 2.0 * s.base_covariance + noise_var)
     s.yaw_sigma_deg = sqrt(max(0.0, s.base_yaw_var + moving_var + scale_deg * scale_deg))
-    return True
 
 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
@@ -98,7 +103,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         else:
             split(c, s, seconds)
     summarise(s)
-    s.block_t_s = s.t_s
+    s.block_seconds = 0.0
     s.block_samples = 0
     s.block_turned_deg = 0.0
     s.block_sum = 0.0

@@ -69,7 +69,7 @@ class Filtering:
         if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
             self.log.warning("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
             self._rejected, self._rejected_s = self.state.rejected, now_s
-        if not self._is_rate_checked and self.watch is not None:
+        if not self._is_rate_checked and self.watch is not None and self._filter is HDR:
             self._compare_rate(self.watch.config)
 
     def stats(self) -> dict[str, Any]:
@@ -119,5 +119,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint=f"{self._filter.name} was tuned at another rate: tune at the rate of this stream",
+                hint="i_c_dps and the attenuator count samples: tune at the rate of this stream",
             )

@@ -6,10 +6,11 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.filter import HdrParams
+from gyrodrift.filters import Params
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.result import Pi
 from gyrodrift.tune.space import Axis, limits
+from gyrodrift.tune.tunables import Tunable
 
 AT_BOUND = 0.01
 """A parameter this near to an end of its range, in shares of it, would perhaps go on."""
@@ -22,14 +23,6 @@ SCAN_POINTS = 41
 WORSE = 2.0
 """A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
 
-WHAT_DECIDES = {
-    "i_c_dps": "it takes sessions with a drift to learn",
-    "tau_s": "it takes rests long enough for noise to matter, and turns that begin sharply",
-    "theta_w_dps": "it takes motion at all rates, slow turns too",
-    "c1": "it takes long stretches of one direction as well as rests",
-    "c2": "it takes long stretches of one direction as well as rests, and a c1 above 0",
-}
-
 
 def bound_of(axis: Axis, value: float) -> str:
     """Whether a value lies at the lower or the upper bound of its range; empty where it lies inside."""
@@ -39,41 +32,45 @@ def bound_of(axis: Axis, value: float) -> str:
     return "upper" if at >= 1.0 - AT_BOUND else ""
 
 
-def bound_caveats(axes: Sequence[Axis], params: HdrParams) -> Iterator[str]:
+def bound_caveats(tunable: Tunable, axes: Sequence[Axis], params: Params) -> Iterator[str]:
     """Parameters at an end of their range."""
     for axis in axes:
         end = bound_of(axis, getattr(params, axis.name))
         if end:
             value = axis.low if end == "lower" else axis.high
             advice = (
-                ", which is where the filter's own ends" if value in limits(axis.name) else "; widen it with --range"
+                ", which is where the filter's own ends"
+                if value in limits(axis.name, tunable.filter)
+                else "; widen it with --range"
             )
             yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
 
 
-def flat_caveats(axes: Sequence[Axis], params: HdrParams, pi: Callable[[Floats], Floats]) -> Iterator[str]:
+def flat_caveats(
+    tunable: Tunable, axes: Sequence[Axis], params: Params, pi: Callable[[Floats], Floats]
+) -> Iterator[str]:
     """Parameters that the training sessions leave open, by a walk along each axis.
 
     Parameters
     ----------
     axes
-        Of all five parameters, in their order.
+        Of the parameters that were searched.
     params
         From where to walk.
     pi
-        The cost of candidates, shape (c, 5), on the training sessions.
+        The cost of candidates, shape (c, parameters), on the training sessions.
     """
-    for number, axis in enumerate(axes):
+    for axis in axes:
         values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
         rows = np.repeat(np.array([astuple(params)]), SCAN_POINTS, axis=0)
-        rows[:, number] = values
+        rows[:, tunable.names.index(axis.name)] = values
         costs = pi(rows)
         is_flat = costs <= (1.0 + FLAT) * costs.min()
         if is_flat.mean() > FLAT_SHARE:
             low, high = values[is_flat][[0, -1]]
             yield (
                 f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
-                f"{FLAT:.0%} of its least; {WHAT_DECIDES[axis.name]}"
+                f"{FLAT:.0%} of its least; {tunable.meanings[axis.name].takes}"
             )
 
 

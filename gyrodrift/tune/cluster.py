@@ -28,8 +28,9 @@ from gyrodrift.errors import UsageError
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.cost import BLOCK, Scores
 from gyrodrift.tune.course import Course
-from gyrodrift.tune.kernel import LANES, group_sums, groups, unknown_steps
+from gyrodrift.tune.kernel import LANES, groups
 from gyrodrift.tune.sources import About, Source, load_course
+from gyrodrift.tune.tunables import HDR_TUNABLE, TUNABLES, Tunable
 
 BATCHES_PER_THREAD = 2
 """So that a thread with quick batches may take over, while the scheduler, at up to a millisecond a task, keeps up."""
@@ -84,15 +85,15 @@ def abouts_of(batch: Batch) -> tuple[About, ...]:
     return batch.abouts
 
 
-def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats) -> Floats:
-    """Mean squares, mean absolutes and worst of candidates, shape (3, places, c), by one thread."""
-    found = np.empty((3, len(places), len(params)))
+def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats, name: str) -> Floats:
+    """Mean squares, mean absolutes and worst of candidates of a filter, shape (3, places, c), by one thread."""
+    kernel, found = TUNABLES[name].kernel, np.empty((3, len(places), len(params)))
     for group in groups(len(params)):
         lanes = params[group]
-        steps_dps = unknown_steps(len(lanes))
+        prepared = kernel.prepare(lanes)
         for at, place in enumerate(places.tolist()):
             course = batch.courses[place]
-            found[:, at, group] = group_sums(course.dt_s, course.rate_dps, course.reference_deg, lanes, steps_dps)
+            found[:, at, group] = kernel.sums(course.dt_s, course.rate_dps, course.reference_deg, lanes, prepared)
     found[:2] /= batch.counts[places]
     return found
 
@@ -106,6 +107,8 @@ class ClusterCost:
         Of the scheduler, as in `tcp://host:8786`.
     sessions
         Paths as the workers see them, at least one, and whether each is a still.
+    tunable
+        The filter.
 
     Raises
     ------
@@ -120,7 +123,8 @@ class ClusterCost:
     known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
     """
 
-    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]]) -> None:
+    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], tunable: Tunable = HDR_TUNABLE) -> None:
+        self._name = tunable.filter.name
         self.evaluations = 0
         self._workers = Workers(address, "tuning")
         try:
@@ -148,7 +152,7 @@ class ClusterCost:
         self._workers.close()
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, 5): i_c_dps, tau_s, theta_w_dps, c1, c2; over some of the sessions or all."""
+        """Scores of candidates, shape (c, parameters of the filter), over some of the sessions or all."""
         chosen = np.arange(len(self.abouts)) if sessions is None else np.asarray(sessions, np.int64)
         number = np.searchsorted(self._edges, chosen, side="right") - 1
         asked = [(batch, np.flatnonzero(number == batch)) for batch in np.unique(number).tolist()]
@@ -159,6 +163,7 @@ class ClusterCost:
             [self._batches[batch] for batch, _, _ in rows],
             [chosen[at] - self._edges[batch] for batch, at, _ in rows],
             [params[cut] for _, _, cut in rows],
+            [self._name] * len(rows),
         )
         found = np.empty((3, len(chosen), len(params)))
         for (_, at, cut), scores in zip(rows, self._workers.results(tasks), strict=True):

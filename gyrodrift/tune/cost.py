@@ -13,7 +13,8 @@ import numpy as np
 
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.course import Course
-from gyrodrift.tune.kernel import group_sums, groups, unknown_steps
+from gyrodrift.tune.kernel import groups
+from gyrodrift.tune.tunables import HDR_TUNABLE, Tunable
 
 FLOAT_BYTES = 8
 BLOCK = 512
@@ -55,11 +56,20 @@ class Cost:
         None: as many as there are processors for this process. The results do not depend on it.
     memory_bytes
         Courses beyond it are kept in a temporary file; None: half of the machine's memory.
+    tunable
+        The filter.
 
     `evaluations` counts the candidates so far.
     """
 
-    def __init__(self, courses: Iterable[Course], threads: int | None = None, memory_bytes: int | None = None) -> None:
+    def __init__(
+        self,
+        courses: Iterable[Course],
+        threads: int | None = None,
+        memory_bytes: int | None = None,
+        tunable: Tunable = HDR_TUNABLE,
+    ) -> None:
+        self._kernel = tunable.kernel
         self.courses = tuple(_held(courses, _half_of_memory_bytes() if memory_bytes is None else memory_bytes))
         self.evaluations = 0
         self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.courses])
@@ -79,7 +89,7 @@ class Cost:
         self._pool.shutdown(cancel_futures=True)
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, 5): i_c_dps, tau_s, theta_w_dps, c1, c2; over some of the courses, or all."""
+        """Scores of candidates, shape (c, parameters of the filter), over some of the courses, or all."""
         chosen = range(len(self.courses)) if sessions is None else sessions
         found = np.empty((3, len(chosen), len(params)))
         for first in range(0, len(params), BLOCK):
@@ -96,11 +106,11 @@ class Cost:
     def _walk(self, params: Floats, chosen: Sequence[int], found: Floats) -> None:
         """Fill in squares, absolutes and worst, shape (3, chosen, c); the longest first, so that all end together."""
         cuts = groups(len(params))
-        tables = [unknown_steps(cut.stop - cut.start) for cut in cuts]
+        tables = [self._kernel.prepare(params[cut]) for cut in cuts]
 
         def work(at: int, group: int) -> None:
             course, cut = self.courses[chosen[at]], cuts[group]
-            found[:, at, cut] = group_sums(
+            found[:, at, cut] = self._kernel.sums(
                 course.dt_s, course.rate_dps, course.reference_deg, params[cut], tables[group]
             )
 

@@ -59,7 +59,7 @@ def _draw_costs(axes: Axes, tuning: Tuning) -> None:
     axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
     for other in tuning.others:
         axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
-    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.two.train, TWO, ":")):
+    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.few.train, TWO, ":")):
         axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
     marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
     axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
@@ -89,14 +89,14 @@ def _drawable(costs: Floats) -> Floats:
 def highest_drawn(tuning: Tuning) -> float:
     """The top of the figure of the search: nine in ten evaluations lie below, and so does plain integration."""
     known = _drawable(tuning.run.history)
-    high = [tuning.euler.train, tuning.two.train]
+    high = [tuning.euler.train, tuning.few.train]
     high += [float(np.percentile(known[np.isfinite(known)], 90))] if np.isfinite(known).any() else []
     finite = [value for value in high if np.isfinite(value) and value > 0.0]
     return 2.0 * max(finite, default=1.0)
 
 
 def _limit_costs(axes: Axes, tuning: Tuning) -> None:
-    levels = _drawable(np.concatenate([tuning.run.history, [tuning.euler.train, tuning.two.train]]))
+    levels = _drawable(np.concatenate([tuning.run.history, [tuning.euler.train, tuning.few.train]]))
     lowest = float(np.nanmin(levels)) if np.isfinite(levels).any() else 0.1
     highest = highest_drawn(tuning)
     axes.set_ylim(lowest / 1.6, max(highest, 10.0 * lowest))
@@ -158,11 +158,11 @@ class Heights:
 
 def heights(curves: Sequence[Curve]) -> Heights:
     """Scales that hold these curves."""
-    everything = np.concatenate([[0.0], *(part for one in curves for part in (one.euler_deg, one.hdr_deg))])
+    everything = np.concatenate([[0.0], *(part for one in curves for part in (one.euler_deg, one.tuned_deg))])
     known = everything[np.isfinite(everything)]
     low, high = float(known.min()), float(known.max())
     margin = 0.05 * (high - low) or 1.0
-    largest = [float(np.abs(one.hdr_deg[np.isfinite(one.hdr_deg)]).max(initial=0.0)) for one in curves]
+    largest = [float(np.abs(one.tuned_deg[np.isfinite(one.tuned_deg)]).max(initial=0.0)) for one in curves]
     zoom_deg = min(max(largest, default=0.0), ZOOM_TYPICAL * float(np.median(largest or [0.0])))
     is_worth_it = 0.0 < zoom_deg < WORTH_A_ZOOM * max(abs(low), abs(high))
     return Heights((low - margin, high + margin), 1.1 * zoom_deg if is_worth_it else None)
@@ -195,5 +195,5 @@ def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
 def _draw_errors(panel: Axes, curve: Curve) -> None:
     panel.axhline(0.0, color=QUIET, linewidth=0.6)
     panel.plot(*thinned(curve.minutes, curve.euler_deg), color=PLAIN, linewidth=1.1)
-    panel.plot(*thinned(curve.minutes, curve.hdr_deg), color=TUNED, linewidth=1.1)
+    panel.plot(*thinned(curve.minutes, curve.tuned_deg), color=TUNED, linewidth=1.1)
     label_steps(panel.yaxis, 4)

@@ -13,6 +13,7 @@ from gyrodrift.tune.course import Course
 from gyrodrift.tune.progress import Progress
 from gyrodrift.tune.result import Split
 from gyrodrift.tune.sources import About, Source, load_course, split_sources
+from gyrodrift.tune.tunables import HDR_TUNABLE, Tunable
 from gyrodrift.tune.work import Costs, Plan
 
 
@@ -28,7 +29,13 @@ class Prepared:
     """
 
     def __init__(
-        self, sources: Sequence[Source], seed: int, threads: int | None, cluster: str | None, progress: Progress
+        self,
+        sources: Sequence[Source],
+        seed: int,
+        threads: int | None,
+        cluster: str | None,
+        progress: Progress,
+        tunable: Tunable = HDR_TUNABLE,
     ) -> None:
         self._sources = split_sources(sources, seed)
         self.splits = [source.split or Split.TRAIN for source in self._sources]
@@ -36,13 +43,14 @@ class Prepared:
         self.costs: Costs
         self._close: Callable[[], None]
         if cluster is None:
-            local = Cost(self._courses(progress), threads)
+            local = Cost(self._courses(progress), threads, tunable=tunable)
             self.costs, self._close = local, local.close
         else:
             from gyrodrift.tune.cluster import ClusterCost  # noqa: PLC0415 - an extra that few have
 
             progress.evaluated("sessions read by the cluster", 0, 1)
-            shared = ClusterCost(cluster, [(source.path.resolve(), source.is_still) for source in self._sources])
+            seen = [(source.path.resolve(), source.is_still) for source in self._sources]
+            shared = ClusterCost(cluster, seen, tunable)
             self.costs, self._close, self.abouts = shared, shared.close, list(shared.abouts)
         self.abouts = _told_apart(self.abouts, self._sources)
 
@@ -68,7 +76,8 @@ class Prepared:
 
 def identity(plan: Plan, prepared: Prepared) -> str:
     """What the searches of a tuning depend on, as a digest."""
-    about = [plan.method, plan.evaluations, [asdict(axis) for axis in plan.axes]]
+    about: list[object] = [plan.tunable.filter.name, plan.method, plan.evaluations]
+    about += [asdict(axis) for axis in plan.axes]
     about += [[one.digest, split.value] for one, split in zip(prepared.abouts, prepared.splits, strict=True)]
     return hashlib.sha256(json.dumps(about).encode()).hexdigest()
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gyrodrift.filters import HDR
 from gyrodrift.page.html import header, page, paragraph, tile, tiles, warnings
 from gyrodrift.page.numbers import degrees, mean, significant
 from gyrodrift.tune.report_method import how_it_was_done
@@ -101,7 +102,7 @@ def _tile(tuning: Tuning, split: Split) -> str:
     rows = [
         ("tuned filter", degrees(tuned_deg)),
         ("plain integration", degrees(plain_deg)),
-        ("filter with two parameters", degrees(mean([score.e_two_deg for score in scores]))),
+        (f"filter with {tuning.tunable.few_title} tuned", degrees(mean([score.e_few_deg for score in scores]))),
     ]
     return tile(f"{kind}: mean E of {len(scores)} session{'s' * (len(scores) > 1)}", rows)
 
@@ -114,6 +115,15 @@ def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
     return (
         f"{found} They stand in the YAML file that <code>tune</code> wrote: start "
         "<code>gyrodrift serve --port PORT --config FILE.yaml</code> with it, or write it over the file that a running "
-        "<code>serve</code> watches, which takes it over between two samples. Steps count samples, so these numbers "
-        f"hold for this sensor at about {tuning.sample_rate_hz:.4g} Hz; at another rate, tune again."
+        "<code>serve</code> watches, which takes it over between two samples. "
+        f"{_where_it_holds(tuning)}"
     )
+
+
+def _where_it_holds(tuning: Tuning) -> str:
+    if tuning.tunable.filter is HDR:
+        rate = f"{tuning.sample_rate_hz:.4g} Hz"
+        return (
+            f"Steps count samples, so these numbers hold for this sensor at about {rate}; at another rate, tune again."
+        )
+    return "These numbers hold for this sensor."

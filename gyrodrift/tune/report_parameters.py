@@ -6,19 +6,6 @@ from gyrodrift.tune.caveats import bound_of
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.space import Axis
 
-UNITS = {"i_c_dps": "deg/s per sample", "tau_s": "s", "theta_w_dps": "deg/s"}
-
-MEANINGS = {
-    "i_c_dps": "How far the drift estimate moves at each sample. Small: drift is learnt slowly. "
-    "Large: the estimate hunts to and fro.",
-    "tau_s": "How long the rate is averaged before its sign is looked at. Small: the noise of single samples decides. "
-    "Large: it decides late.",
-    "theta_w_dps": "Turn switch: above this rate nothing is learnt. Small: learns only near rest, and a bias larger "
-    "than this never. Large: slow turns pass for drift.",
-    "c1": "How strongly the step shrinks while the rate keeps its sign. 0: not at all. Large: long runs count little.",
-    "c2": "How steeply it shrinks as the run gets longer. Small: hardly. Above 1: what one run can correct is bounded.",
-}
-
 
 def found(run: Run, axis: Axis) -> float:
     """The value that a search found, in the unit of the parameter."""
@@ -41,17 +28,18 @@ def parameters(tuning: Tuning) -> str:
             " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "
             "ends there, as c1 and c2 do at 0."
         )
-    return section("Parameters", table(caption, head, rows, words=2), _two_note(tuning))
+    return section("Parameters", table(caption, head, rows, words=2), _few_note(tuning))
 
 
 def _row(tuning: Tuning, axis: Axis) -> list[str]:
-    unit = f" {span(UNITS[axis.name], 'note')}" if axis.name in UNITS else ""
+    known = tuning.tunable.meanings[axis.name]
+    unit = f" {span(known.unit, 'note')}" if known.unit else ""
     values = [found(run, axis) for run in (tuning.run, *tuning.others)]
     spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.others else []
     searched = f"{significant(axis.low, 4)} – {significant(axis.high, 4)}"
     bound = bound_of(axis, values[0])
     mark = span(f"at the {bound} bound", "mark") if bound else ""
-    meaning = f'<div class="meaning">{MEANINGS.get(axis.name, "")}</div>'
+    meaning = f'<div class="meaning">{known.words}</div>'
     chosen = f"<b>{parameter(tuning, axis)}</b>"
     return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, meaning]
 
@@ -67,11 +55,10 @@ def _track(axis: Axis, values: Numbers) -> str:
     )
 
 
-def _two_note(tuning: Tuning) -> str:
-    two = tuning.two_params
+def _few_note(tuning: Tuning) -> str:
+    values = ", ".join(f"{name} {significant(getattr(tuning.few_params, name), 4)}" for name in tuning.tunable.few)
     return paragraph(
-        "The filter with two parameters, without low-pass and attenuator, was tuned too: "
-        f"i_c_dps {significant(two.i_c_dps, 4)}, theta_w_dps {significant(two.theta_w_dps, 4)}. Where it does about "
-        "as well on the test sessions, the other three parameters earn nothing.",
+        f"The filter with {tuning.tunable.few_title} tuned, the others idle: {values}. Where it does about as well on "
+        "the test sessions, the other parameters earn nothing.",
         "note",
     )

@@ -5,7 +5,7 @@ import numpy as np
 from gyrodrift.page.html import figure, headings, legend, panels, section, span, table, text
 from gyrodrift.page.numbers import significant
 from gyrodrift.tune.figures import DOTS, density_svgs, highest_drawn, search_svg
-from gyrodrift.tune.report_parameters import UNITS, parameter
+from gyrodrift.tune.report_parameters import parameter
 from gyrodrift.tune.result import Pi, Tuning
 from gyrodrift.tune.space import Axis
 
@@ -36,12 +36,16 @@ def _search_words(tuning: Tuning) -> str:
 def _search_legend(tuning: Tuning) -> str:
     marks = [("note", "dot", "an evaluation"), ("tuned", "key", "best so far")]
     marks += [("tuned", "key thin", "other seeds")] if tuning.others else []
-    marks += [("plain", "key dashed", "plain integration"), ("two", "key dotted", "filter with two parameters")]
+    marks += [
+        ("plain", "key dashed", "plain integration"),
+        ("two", "key dotted", f"filter with {tuning.tunable.few_title} tuned"),
+    ]
     return legend(marks)
 
 
 def _density_name(tuning: Tuning, axis: Axis) -> str:
-    unit = f", {UNITS[axis.name]}" if axis.name in UNITS else ""
+    known = tuning.tunable.meanings[axis.name]
+    unit = f", {known.unit}" if known.unit else ""
     return f"<b>{text(axis.name)}{unit}</b>" + span(f"found: {parameter(tuning, axis)}", "note")
 
 
@@ -59,7 +63,7 @@ def _density_words(tuning: Tuning) -> str:
 def _pi_table(tuning: Tuning) -> str:
     rows = [
         ("plain integration", tuning.euler),
-        ("filter with two parameters", tuning.two),
+        (f"filter with {tuning.tunable.few_title} tuned", tuning.few),
         ("tuned filter", tuning.run.pi),
     ]
     has_test = any(pi.test is not None for _, pi in rows)

@@ -34,7 +34,7 @@ def _shown(tuning: Tuning, split: Split) -> list[Curve]:
     curves = [curve for curve in tuning.curves if curve.split is split]
     if len(curves) <= PANELS:
         return curves
-    e_deg = {score.name: score.e_hdr_deg for score in scores_of(tuning, split)}
+    e_deg = {score.name: score.e_tuned_deg for score in scores_of(tuning, split)}
     return sorted(curves, key=lambda curve: -e_deg.get(curve.name, 0.0))[:PANELS]
 
 
@@ -56,7 +56,7 @@ def _curve_name(curve: Curve, score: SessionScore | None) -> str:
     name = f'<b title="{text(curve.name)}">{text(curve.name)}</b>'
     if score is None:
         return name
-    plain, tuned = span(degrees(score.e_euler_deg), "plain"), span(degrees(score.e_hdr_deg), "tuned")
+    plain, tuned = span(degrees(score.e_euler_deg), "plain"), span(degrees(score.e_tuned_deg), "tuned")
     return name + span(f"E {plain} → {tuned}", "note")
 
 
@@ -64,7 +64,7 @@ def by_session(tuning: Tuning) -> str:
     """The section of the tables."""
     train, test = scores_of(tuning, Split.TRAIN), scores_of(tuning, Split.TEST)
     parts = [
-        _scores_table(f"<b>Table {number}.</b> {kind} sessions.", scores)
+        _scores_table(f"<b>Table {number}.</b> {kind} sessions.", scores, tuning.tunable.few_title)
         for number, kind, scores in ((2, "Training", train), (3, "Test", test))
         if scores
     ]
@@ -74,24 +74,24 @@ def by_session(tuning: Tuning) -> str:
     return section("Session by session", paragraph(words), *parts, _left_out_table(tuning))
 
 
-def _scores_table(caption: str, scores: Sequence[SessionScore]) -> str:
+def _scores_table(caption: str, scores: Sequence[SessionScore], few_title: str) -> str:
     columns = [
         [score.minutes for score in scores],
         [score.e_euler_deg for score in scores],
         [score.ne_euler for score in scores],
-        [score.e_hdr_deg for score in scores],
-        [score.ne_hdr for score in scores],
-        [score.e_two_deg for score in scores],
+        [score.e_tuned_deg for score in scores],
+        [score.ne_tuned for score in scores],
+        [score.e_few_deg for score in scores],
     ]
     if any(map(_is_no_better, scores)):
         caption += " Where the tuned filter is no better than plain integration, the name is marked."
-    return _with_means(caption, _scores_head(), [_session_name(score) for score in scores], columns)
+    return _with_means(caption, _scores_head(few_title), [_session_name(score) for score in scores], columns)
 
 
-def _scores_head() -> str:
+def _scores_head(few_title: str) -> str:
     group = (
         '<tr><th></th><th></th><th colspan="2" class="number plain">plain integration</th>'
-        '<th colspan="2" class="number tuned">tuned filter</th><th class="number two">two parameters</th></tr>\n'
+        f'<th colspan="2" class="number tuned">tuned filter</th><th class="number two">{few_title}</th></tr>\n'
     )
     return group + headings(["session", "minutes", "E", "NE", "E", "NE", "E"])
 
@@ -103,7 +103,7 @@ def _session_name(score: SessionScore) -> str:
 
 def _is_no_better(score: SessionScore) -> bool:
     """No number is no gain either."""
-    return not score.e_hdr_deg < score.e_euler_deg
+    return not score.e_tuned_deg < score.e_euler_deg
 
 
 def _with_means(caption: str, head: str, names: Sequence[str], columns: Sequence[Numbers]) -> str:
@@ -119,7 +119,7 @@ def _left_out_table(tuning: Tuning) -> str:
         return ""
     columns = [
         [score.e_euler_deg for score in scores],
-        [score.e_hdr_deg for score in scores],
+        [score.e_tuned_deg for score in scores],
         [tuning.left_out[score.name] for score in scores],
     ]
     head = headings(["session", "plain integration", "tuned on all", "tuned on the others"])

@@ -5,9 +5,10 @@ from enum import Enum
 
 import numpy as np
 
-from gyrodrift.filter import HdrParams
+from gyrodrift.filters import Params
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.space import Axis
+from gyrodrift.tune.tunables import Tunable
 
 
 class Split(Enum):
@@ -21,8 +22,8 @@ class Split(Enum):
 class SessionScore:
     """One session under the filter: E in deg (equation 10) and NE, E over the true duration, in deg/min (11).
 
-    euler, hdr, two
-        Plain integration; the tuned filter; the tuned filter with two parameters.
+    euler, tuned, few
+        Plain integration; the tuned filter; the filter with few of its parameters tuned.
     digest
         SHA-256 of the session's content.
     """
@@ -31,8 +32,8 @@ class SessionScore:
     split: Split
     minutes: float
     e_euler_deg: float
-    e_hdr_deg: float
-    e_two_deg: float
+    e_tuned_deg: float
+    e_few_deg: float
     digest: str = ""
 
     @property
@@ -41,9 +42,9 @@ class SessionScore:
         return self.e_euler_deg / self.minutes
 
     @property
-    def ne_hdr(self) -> float:
+    def ne_tuned(self) -> float:
         """Of the tuned filter, deg/min."""
-        return self.e_hdr_deg / self.minutes
+        return self.e_tuned_deg / self.minutes
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,29 +57,29 @@ class Pi:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One search: its seed, every cost in deg², shape (n,), the points asked, shape (n, 5), and what it found.
+    """One search: its seed, every cost in deg², shape (n,), the points asked, shape (n, axes), and what it found.
 
     densities
-        Of the automata over their axes at the end, shape (5, GRID); None for methods without automata.
+        Of the automata over their axes at the end, shape (axes, GRID); None for methods without automata.
     """
 
     seed: int
     history: Floats
     cube: Floats
-    params: HdrParams
+    params: Params
     pi: Pi
     densities: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Yaw error of a session over time, thinned for a picture: minutes, and degrees for plain integration and HDR."""
+    """Yaw error of a session over time, thinned for a picture: minutes, and deg for plain integration and filter."""
 
     name: str
     split: Split
     minutes: Floats
     euler_deg: Floats
-    hdr_deg: Floats
+    tuned_deg: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,21 +90,24 @@ class Tuning:
         The search whose parameters were chosen: the one that is best on the training sessions.
     others
         The searches of the other seeds.
-    euler, two
-        PI of plain integration, and of the two-parameter filter (no low-pass, no attenuator), which was tuned too.
+    tunable
+        The filter.
+    euler, few
+        PI of plain integration, and of the filter with few of its parameters tuned, the others idle.
     left_out
         E in deg of each session under parameters tuned on all others, by name; empty where sessions were kept apart.
     warnings : tuple of str
         What should be known before believing it, a sentence each.
     """
 
+    tunable: Tunable
     method: str
     evaluations: int
     axes: tuple[Axis, ...]
     run: Run
     euler: Pi
-    two: Pi
-    two_params: HdrParams
+    few: Pi
+    few_params: Params
     scores: tuple[SessionScore, ...]
     sample_rate_hz: float
     seconds: float
@@ -117,4 +121,4 @@ class Tuning:
         chosen = [score for score in self.scores if score.split is split]
         if not chosen:
             return float("nan"), float("nan")
-        return float(np.mean([s.e_euler_deg for s in chosen])), float(np.mean([s.e_hdr_deg for s in chosen]))
+        return float(np.mean([s.e_euler_deg for s in chosen])), float(np.mean([s.e_tuned_deg for s in chosen]))

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import get_type_hints
 
 import numpy as np
-from annotated_types import Ge, Le
+from annotated_types import Ge, Le, Lt
 
 from gyrodrift.errors import UsageError
-from gyrodrift.filter import HdrParams
+from gyrodrift.filters import HDR, Filter
 from gyrodrift.session.session import Floats
 
 
@@ -65,26 +65,26 @@ def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
 
 
 def params_of(axes: Sequence[Axis], cube: Floats) -> Floats:
-    """Parameter vectors, shape (c, 5), from points of the unit cube of the same shape."""
+    """Parameter vectors, shape (c, axes), from points of the unit cube of the same shape."""
     return np.column_stack([axis.values(cube[:, number]) for number, axis in enumerate(axes)])
 
 
-def with_ranges(texts: Sequence[str]) -> tuple[Axis, ...]:
-    """The axes with some ranges replaced: `tau_s=0.01:2`.
+def with_ranges(texts: Sequence[str], known: Sequence[Axis] = AXES, chosen: Filter = HDR) -> tuple[Axis, ...]:
+    """The axes of a filter with some ranges replaced: `tau_s=0.01:2`.
 
     Raises
     ------
     UsageError
         Where a name is unknown, a range is upside down, or the filter does not take its values.
     """
-    axes = {axis.name: axis for axis in AXES}
+    axes = {axis.name: axis for axis in known}
     for text in texts:
         name, low, high = _parsed(text)
         if name not in axes:
             raise UsageError(f"--range {text}: unknown parameter {name}; there are {', '.join(axes)}")
         if not low < high:
             raise UsageError(f"--range {text}: the range is upside down or empty")
-        axes[name] = _checked(text, replace(axes[name], low=low, high=high))
+        axes[name] = _checked(text, replace(axes[name], low=low, high=high), chosen)
     return tuple(axes.values())
 
 
@@ -97,19 +97,19 @@ def _parsed(text: str) -> tuple[str, float, float]:
         raise UsageError(f"--range {text}: expected NAME=LOW:HIGH, such as tau_s=0.01:2") from None
 
 
-def limits(name: str) -> tuple[float, float]:
-    """What the filter takes for a parameter, least and most."""
+def limits(name: str, chosen: Filter = HDR) -> tuple[float, float]:
+    """What a filter takes for a parameter, least and most."""
     low, high = -np.inf, np.inf
-    for bound in get_type_hints(HdrParams, include_extras=True)[name].__metadata__:
-        if isinstance(bound, Le):
-            high = float(bound.le)  # type: ignore[arg-type]  # a bound of a float is a float
+    for bound in get_type_hints(chosen.params, include_extras=True)[name].__metadata__:
+        if isinstance(bound, Le | Lt):
+            high = float(bound.le if isinstance(bound, Le) else bound.lt)  # type: ignore[arg-type]
         else:
             low = float(bound.ge if isinstance(bound, Ge) else bound.gt)  # type: ignore[arg-type]
     return low, high
 
 
-def _checked(text: str, axis: Axis) -> Axis:
-    low, high = limits(axis.name)
+def _checked(text: str, axis: Axis, chosen: Filter) -> Axis:
+    low, high = limits(axis.name, chosen)
     if axis.high > high:
         raise UsageError(f"--range {text}: {axis.name} goes up to {high:g}")
     if axis.low < low:

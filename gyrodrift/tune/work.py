@@ -2,32 +2,28 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass, field, fields, replace
+from dataclasses import astuple, dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from gyrodrift.errors import DataError
-from gyrodrift.filter import HdrParams
+from gyrodrift.filters import Params
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.caveats import bound_caveats, flat_caveats, worse_caveats
 from gyrodrift.tune.cost import Scores
 from gyrodrift.tune.course import Course
 from gyrodrift.tune.journal import Journal
-from gyrodrift.tune.kernel import euler, yaw
+from gyrodrift.tune.kernel import euler
 from gyrodrift.tune.methods import METHODS, spend
 from gyrodrift.tune.objective import Objective
 from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
 from gyrodrift.tune.sources import About, check_rates
-from gyrodrift.tune.space import AXES, Axis, params_of
+from gyrodrift.tune.space import Axis, params_of
+from gyrodrift.tune.tunables import HDR_TUNABLE, Tunable
 
-TWO_EVALUATIONS = 600
-"""Two parameters are found with fewer evaluations than five."""
-
-NAMES = tuple(f.name for f in fields(HdrParams))
-TWO = ("i_c_dps", "theta_w_dps")
-EULER: Floats = np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
-"""Nothing is learnt, and nothing filtered: plain integration."""
+FEW_EVALUATIONS = 600
+"""Few parameters are found with fewer evaluations than all of them."""
 
 CURVES = 12
 CURVE_POINTS = 500
@@ -51,14 +47,15 @@ class Plan:
     evaluations: int = 3000
     seeds: tuple[int, ...] = (0,)
     method: str = "race"
-    axes: tuple[Axis, ...] = AXES
+    axes: tuple[Axis, ...] = HDR_TUNABLE.axes
+    tunable: Tunable = HDR_TUNABLE
 
 
 class Costs(Protocol):
     """What works out costs, here or on a cluster."""
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, 5), over some of the sessions."""
+        """Scores of candidates, shape (c, parameters), over some of the sessions."""
         ...
 
 
@@ -90,7 +87,7 @@ class Work:
         DataError
             Where every parameter vector that was tried makes yaw leave the floats.
         """
-        train, axes = self._used_for(Split.TRAIN), self.plan.axes
+        train, axes, tunable = self._used_for(Split.TRAIN), self.plan.axes, self.plan.tunable
         runs: list[Run] = []
         for seed in self.plan.seeds:
             runs += [self._search(f"seed {seed}", seed, axes, train, self.plan.evaluations)]
@@ -99,11 +96,11 @@ class Work:
         best = min(runs, key=lambda run: run.pi.train)
         if not np.isfinite(best.pi.train):
             raise DataError("every parameter vector that was tried gives an infinite cost; are the rates deg/s?")
-        pair = tuple(axis for axis in axes if axis.name in TWO)
-        evaluations = min(TWO_EVALUATIONS, self.plan.evaluations)
-        two = best if self.was_interrupted else self._search("two parameters", best.seed, pair, train, evaluations)
+        some = tuple(axis for axis in axes if axis.name in tunable.few)
+        evaluations = min(FEW_EVALUATIONS, self.plan.evaluations)
+        few = best if self.was_interrupted else self._search(tunable.few_title, best.seed, some, train, evaluations)
         left_out = {} if self._used_for(Split.TEST) or self.was_interrupted else self._leave_one_out(best.seed)
-        return self._judge(best, tuple(run for run in runs if run is not best), two, left_out)
+        return self._judge(best, tuple(run for run in runs if run is not best), few, left_out)
 
     def _used_for(self, split: Split) -> list[int]:
         return [at for at, one in enumerate(self.splits) if one is split]
@@ -111,14 +108,14 @@ class Work:
     def _search(self, name: str, seed: int, axes: tuple[Axis, ...], sessions: Sequence[int], evaluations: int) -> Run:
         """One search over some sessions."""
         method = METHODS[self.plan.method]()
-        searched = method.axes(axes)
+        tunable, searched = self.plan.tunable, method.axes(axes)
 
         def note(objective: Objective) -> None:
             self.journal.note(name, objective)
             self.progress(name, objective.count, objective.evaluations)
 
         def pi(params: Floats) -> Floats:
-            return self.costs.cost(_five(searched, params), sessions).pi
+            return self.costs.cost(tunable.full(searched, params), sessions).pi
 
         objective = Objective(pi, searched, evaluations, self.journal.known(name), note)
         try:
@@ -127,13 +124,13 @@ class Work:
             if not objective.count:
                 raise
             self.was_interrupted = True
-        best = _five(searched, params_of(searched, objective.cube[objective.best][np.newaxis]))
+        best = tunable.full(searched, params_of(searched, objective.cube[objective.best][np.newaxis]))
         densities = [automaton.density for automaton in method.automata()]
         return Run(
             seed=seed,
             history=objective.costs.copy(),
             cube=objective.cube.copy(),
-            params=HdrParams(*best[0].tolist()),
+            params=tunable.params(best[0]),
             pi=self._pi_of(best)[0],
             densities=np.array(densities) if densities else None,
         )
@@ -158,10 +155,11 @@ class Work:
                 return {}
         return found
 
-    def _judge(self, best: Run, others: tuple[Run, ...], two: Run, left_out: dict[str, LeftOut]) -> Tuning:
-        rows = np.vstack([EULER, _row(best.params), _row(two.params)])
+    def _judge(self, best: Run, others: tuple[Run, ...], few: Run, left_out: dict[str, LeftOut]) -> Tuning:
+        nothing = np.array([self.plan.tunable.nothing])
+        rows = np.vstack([nothing, _row(best.params), _row(few.params)])
         scores = self._scores(self.costs.cost(rows))
-        euler_pi = self._pi_of(EULER)[0]
+        euler_pi = self._pi_of(nothing)[0]
         if left_out:
             left_out_pi = float(np.mean([one.mean_square for one in left_out.values()]))
             best = replace(best, pi=replace(best.pi, test=left_out_pi))
@@ -169,13 +167,14 @@ class Work:
         axes = METHODS[self.plan.method]().axes(self.plan.axes)
         caveats = tuple(self._caveats(axes, best, euler_pi))
         return Tuning(
+            tunable=self.plan.tunable,
             method=self.plan.method,
             evaluations=self.plan.evaluations,
             axes=axes,
             run=best,
             euler=euler_pi,
-            two=two.pi,
-            two_params=two.params,
+            few=few.pi,
+            few_params=few.params,
             scores=scores,
             sample_rate_hz=float(np.median([about.sample_rate_hz for about in self.abouts])),
             seconds=time.monotonic() - self._begun_s,
@@ -187,8 +186,8 @@ class Work:
 
     def _scores(self, scores: Scores) -> tuple[SessionScore, ...]:
         return tuple(
-            SessionScore(about.name, split, about.minutes, euler_deg, hdr_deg, two_deg, about.digest)
-            for about, split, (euler_deg, hdr_deg, two_deg) in zip(
+            SessionScore(about.name, split, about.minutes, euler_deg, tuned_deg, few_deg, about.digest)
+            for about, split, (euler_deg, tuned_deg, few_deg) in zip(
                 self.abouts, self.splits, scores.mean_absolutes.tolist(), strict=True
             )
         )
@@ -200,32 +199,26 @@ class Work:
         yield from check_rates(self.abouts)
         if self.was_interrupted:
             yield "it was interrupted: these are the best parameters so far; go on with --resume"
-        yield from bound_caveats(axes, best.params)
-        yield from flat_caveats(self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi)
+        yield from bound_caveats(self.plan.tunable, axes, best.params)
+        yield from flat_caveats(
+            self.plan.tunable, self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi
+        )
         yield from worse_caveats(best.pi, euler)
 
-    def _curves(self, scores: Sequence[SessionScore], params: HdrParams) -> tuple[Curve, ...]:
+    def _curves(self, scores: Sequence[SessionScore], params: Params) -> tuple[Curve, ...]:
         """Yaw errors over time of the sessions that are drawn, the worst of each split."""
         chosen: list[int] = []
         for split in Split:
-            worst = sorted(self._used_for(split), key=lambda at: -scores[at].e_hdr_deg)
+            worst = sorted(self._used_for(split), key=lambda at: -scores[at].e_tuned_deg)
             chosen += sorted(worst[:CURVES])
-        return tuple(_curve(self.course(at), self.splits[at], params) for at in chosen)
+        return tuple(_curve(self.plan.tunable, self.course(at), self.splits[at], params) for at in chosen)
 
 
-def _row(params: HdrParams) -> Floats:
+def _row(params: Params) -> Floats:
     return np.array([astuple(params)])
 
 
-def _five(axes: Sequence[Axis], params: Floats) -> Floats:
-    """Parameter vectors with the columns that are not searched at what switches them off."""
-    full = np.repeat(EULER, len(params), axis=0)
-    for number, axis in enumerate(axes):
-        full[:, NAMES.index(axis.name)] = params[:, number]
-    return full
-
-
-def _curve(course: Course, split: Split, params: HdrParams) -> Curve:
+def _curve(tunable: Tunable, course: Course, split: Split, params: Params) -> Curve:
     """Thinned by taking every so manieth sample that has a reference."""
     known = np.flatnonzero(np.isfinite(course.reference_deg))
     at = known[np.unique(np.linspace(0, len(known) - 1, CURVE_POINTS).astype(np.int64))]
@@ -235,5 +228,5 @@ def _curve(course: Course, split: Split, params: HdrParams) -> Curve:
         split=split,
         minutes=np.cumsum(course.dt_s)[at] / 60.0,
         euler_deg=euler(course.dt_s, course.rate_dps)[at] - reference_deg,
-        hdr_deg=yaw(course.dt_s, course.rate_dps, _row(params)[0])[at] - reference_deg,
+        tuned_deg=tunable.kernel.yaw(course.dt_s, course.rate_dps, _row(params)[0])[at] - reference_deg,
     )

@@ -11,19 +11,9 @@ import yaml
 from gyrodrift import __version__
 from gyrodrift.files import write_whole
 from gyrodrift.tune.result import Run, Split, Tuning
+from gyrodrift.tune.tunables import Tunable
 
-HEAD = """\
-# Found by gyrodrift tune. serve --config follows this file while it runs.
-# i_c_dps and the attenuator count samples: the numbers belong to sample_rate_hz.
-"""
-
-MEANINGS = {
-    "i_c_dps": "integrator step per sample, deg/s: larger learns faster and hunts more",
-    "tau_s": "low-pass before the decision, s",
-    "theta_w_dps": "nothing is learnt above this rate, deg/s; a bias above it is never learnt",
-    "c1": "attenuator of repeated steps: 0 switches it off",
-    "c2": "its steepness",
-}
+HEAD = "# Found by gyrodrift tune. serve --config follows this file while it runs."
 
 
 def write_config(path: Path, tuning: Tuning, command: str) -> None:
@@ -35,9 +25,9 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
         Where the place cannot be written to.
     """
     content = {
-        "filter": "hdr",
+        "filter": tuning.tunable.filter.name,
         "sample_rate_hz": float(f"{tuning.sample_rate_hz:.6g}"),
-        "hdr": asdict(tuning.run.params),
+        tuning.tunable.filter.name: asdict(tuning.run.params),
         "provenance": {
             "command": command,
             "version": __version__,
@@ -58,13 +48,14 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
         },
     }
     lines = yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).splitlines()
-    write_whole(path, [HEAD, *(f"{_explained(line)}\n" for line in lines)])
+    head = [HEAD, f"# {tuning.tunable.note}", *(_explained(tuning.tunable, line) for line in lines)]
+    write_whole(path, [f"{line}\n" for line in head])
 
 
-def _explained(line: str) -> str:
+def _explained(tunable: Tunable, line: str) -> str:
     """A line of the config, with what it means where it is a parameter."""
-    meaning = MEANINGS.get(line.strip().partition(":")[0]) if line.startswith("  ") else None
-    return f"{line:34} # {meaning}" if meaning else line
+    meaning = tunable.meanings.get(line.strip().partition(":")[0]) if line.startswith("  ") else None
+    return f"{line:34} # {meaning.line}" if meaning else line
 
 
 def write_json(path: Path, tuning: Tuning) -> None:
@@ -80,10 +71,11 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "pi_test": _number(tuning.run.pi.test),
         "euler_pi_train": _number(tuning.euler.train),
         "euler_pi_test": _number(tuning.euler.test),
-        "two_pi_train": _number(tuning.two.train),
-        "two_pi_test": _number(tuning.two.test),
+        "few_pi_train": _number(tuning.few.train),
+        "few_pi_test": _number(tuning.few.test),
         "parameters": asdict(tuning.run.params),
-        "two_parameters": asdict(tuning.two_params),
+        "few_parameters": asdict(tuning.few_params),
+        "filter": tuning.tunable.filter.name,
         "method": tuning.method,
         "seed": tuning.run.seed,
         "sample_rate_hz": tuning.sample_rate_hz,
@@ -95,9 +87,9 @@ def write_json(path: Path, tuning: Tuning) -> None:
                 "minutes": score.minutes,
                 "e_euler_deg": _number(score.e_euler_deg),
                 "ne_euler": _number(score.ne_euler),
-                "e_hdr_deg": _number(score.e_hdr_deg),
-                "ne_hdr": _number(score.ne_hdr),
-                "e_two_deg": _number(score.e_two_deg),
+                "e_hdr_deg": _number(score.e_tuned_deg),
+                "ne_hdr": _number(score.ne_tuned),
+                "e_few_deg": _number(score.e_few_deg),
                 "sha256": score.digest,
             }
             for score in tuning.scores
@@ -114,10 +106,12 @@ def summary(tuning: Tuning) -> list[str]:
     """What a person wants to know at the end, a line each."""
     lines = []
     for split, name in ((Split.TRAIN, "tuned on"), (Split.TEST, "kept apart")):
-        euler_deg, hdr_deg = tuning.mean_e_deg(split)
+        euler_deg, tuned_deg = tuning.mean_e_deg(split)
         if isfinite(euler_deg):
             count = sum(score.split is split for score in tuning.scores)
-            lines.append(f"mean E of {count} sessions {name}: {hdr_deg:.4g} deg, plain integration {euler_deg:.4g} deg")
+            lines.append(
+                f"mean E of {count} sessions {name}: {tuned_deg:.4g} deg, plain integration {euler_deg:.4g} deg"
+            )
     if tuning.left_out:
         left_out_deg = sum(tuning.left_out.values()) / len(tuning.left_out)
         lines.append(f"mean E of each under parameters tuned on the others: {left_out_deg:.4g} deg")

@@ -105,9 +105,9 @@ def test_one_task(long: Sessions) -> None:
     sources = [Source(path) for path, _ in long[:4]]
     batch = load_batch(sources, __version__)
     params, places = candidates(64), np.arange(len(sources))
-    score_batch(batch, places, params)
+    score_batch(batch, places, params, "hdr")
     load_s = seconds(lambda: load_batch(sources, __version__), time.thread_time) / len(sources)
-    score_s = seconds(lambda: score_batch(batch, places, params), time.thread_time)
+    score_s = seconds(lambda: score_batch(batch, places, params, "hdr"), time.thread_time)
     show(
         f"One thread, sessions of {LONG} samples",
         [

@@ -1,14 +1,19 @@
 """`gyrodrift filter`: the recursion over a recording, column by column."""
 
 import csv
+import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support import Command, Recordings
 
 from gyrodrift.cli import main
+from gyrodrift.filters import RESTLEVEL
+from gyrodrift.restlevel.records import RestlevelParams
 
 HDR = "hdr: {{i_c_dps: {i_c}, tau_s: {tau}, theta_w_dps: {theta_w}, c1: {c1}, c2: {c2}}}\n"
 SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"
@@ -37,6 +42,20 @@ def test_a_golden_case_comes_out_of_the_command_as_it_stands_in_its_file(
     assert len(got) == len(expected) == 3000
     for one, other in zip(got, expected, strict=True):
         assert one == pytest.approx(other, abs=1e-9)
+
+
+def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None:
+    """Restlevel: drift estimate, certainty, and yaw that stands still at rest."""
+    rates = np.random.default_rng(1).normal(0.4, 0.05, 3000).tolist()
+    (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{n / 100},{rates[n]}\n" for n in range(3000)))
+    (tmp_path / "c.yaml").write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n")
+    out = tmp_path / "out.csv"
+    assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
+    rows = rows_of(out)
+    assert list(rows[0]) == [*("t_s", "rate_dps"), *RESTLEVEL.columns]
+    assert rows[-1]["bias_dps"] == pytest.approx(0.4, abs=0.02)
+    assert rows[-1]["rest_probability"] > 0.9
+    assert abs(rows[-1]["yaw_deg"]) < 0.1
 
 
 def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

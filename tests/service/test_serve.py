@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from contextlib import ExitStack
+from dataclasses import asdict
 from itertools import islice, pairwise
 from pathlib import Path
 from random import Random
@@ -19,6 +20,7 @@ from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import PROTOCOLS
 from gyrodrift.filter import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.native import NativeDecoder
+from gyrodrift.restlevel.records import RestlevelParams
 
 RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"
@@ -96,6 +98,25 @@ def test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key(por
     assert abs(first["yaw_deg"] - before["yaw_deg"]) < 0.1
     assert abs(first["bias_dps"] - before["bias_dps"]) == pytest.approx(0.002)
     assert abs(second["bias_dps"] - first["bias_dps"]) == pytest.approx(0.002)
+
+
+def test_another_filter_is_taken_while_it_runs_and_yaw_goes_on(port: Path, tmp_path: Path) -> None:
+    """It says how certain it is, which the one before does not."""
+    config = tmp_path / "c.yaml"
+    config.write_text(BLOCK.format(i_c=0.001))
+    frames = spoken("csv", 400)
+    with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
+        device.wait_for_reader(never)
+        device.send_all(b"".join(frames[:200]), never)
+        before = serve.take_lines(199)[-1]
+        config.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n")
+        serve.until_log("config_applied")
+        device.send_all(b"".join(frames[200:]), never)
+        after = serve.take_lines(200)
+        assert serve.stop() == 0
+    assert "yaw_sigma_deg" not in before
+    assert after[0]["yaw_deg"] == pytest.approx(before["yaw_deg"], abs=0.1)
+    assert all(line["yaw_sigma_deg"] >= 0.0 and 0.0 < line["confidence"] <= 1.0 for line in after)
 
 
 def test_an_invalid_change_is_refused_whole_and_the_old_config_stays(port: Path, tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def test_sessions_left_out_in_turn_are_the_verdict_without_others() -> None:
 
 def test_a_filter_that_is_worse_is_not_praised() -> None:
     """Neither in the headline, nor in what to do, nor in its table."""
-    worse = replace(tuning(test=0), scores=(score("walk-0", e_hdr_deg=70.0),))
+    worse = replace(tuning(test=0), scores=(score("walk-0", e_tuned_deg=70.0),))
     html = report_html(worse)
     assert "No gain on the sessions it was tuned on: yaw error 70.0° tuned, 56.4° by plain integration" in words(html)
     assert "keep the config you have" in words(html)
@@ -119,7 +119,7 @@ def odd_tunings() -> dict[str, Tuning]:
     """Whatever a search may end as."""
     usual = tuning()
     run_away = np.where(np.arange(90) % 3 == 0, inf, usual.run.history)
-    gap = replace(curve("walk-0"), euler_deg=np.where(np.arange(400) < 9, nan, 3.0), hdr_deg=np.full(400, inf))
+    gap = replace(curve("walk-0"), euler_deg=np.where(np.arange(400) < 9, nan, 3.0), tuned_deg=np.full(400, inf))
     return {
         "no automata": replace(usual, method="de", run=replace(usual.run, densities=None)),
         "costs that are infinite": replace(usual, run=replace(usual.run, history=run_away)),
@@ -127,11 +127,11 @@ def odd_tunings() -> dict[str, Tuning]:
         "one evaluation": replace(usual, run=run(evaluations=1)),
         "one evaluation, no automata": replace(usual, run=replace(run(evaluations=1), densities=None)),
         "a perfect fit": replace(
-            usual, run=replace(usual.run, history=np.zeros(90), pi=Pi(0.0, 0.0)), two=Pi(0.0, 0.0)
+            usual, run=replace(usual.run, history=np.zeros(90), pi=Pi(0.0, 0.0)), few=Pi(0.0, 0.0)
         ),
-        "no drift at all": replace(usual, euler=Pi(0.0, 0.0), scores=(score("walk-0", e_hdr_deg=0.0),)),
+        "no drift at all": replace(usual, euler=Pi(0.0, 0.0), scores=(score("walk-0", e_tuned_deg=0.0),)),
         "plain integration ran away": replace(usual, euler=Pi(inf, inf)),
-        "a score that is infinite": replace(usual, scores=(*usual.scores, score("far", e_hdr_deg=inf))),
+        "a score that is infinite": replace(usual, scores=(*usual.scores, score("far", e_tuned_deg=inf))),
         "curves with holes": replace(usual, curves=(gap,)),
         "curves of nothing": replace(usual, curves=(replace(gap, euler_deg=np.full(400, nan)),)),
         "no curves": replace(usual, curves=()),
@@ -194,10 +194,10 @@ def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables
     many = tuning(train=40, test=40)
     rng = np.random.default_rng(2)
     noisy = tuple(
-        replace(one, minutes=np.arange(4000.0), euler_deg=rng.normal(size=4000), hdr_deg=rng.normal(size=4000))
+        replace(one, minutes=np.arange(4000.0), euler_deg=rng.normal(size=4000), tuned_deg=rng.normal(size=4000))
         for one in many.curves
     )
-    scores = tuple(replace(one, e_hdr_deg=1.0 + number % 40) for number, one in enumerate(many.scores))
+    scores = tuple(replace(one, e_tuned_deg=1.0 + number % 40) for number, one in enumerate(many.scores))
     html = report_html(replace(many, run=run(evaluations=20_000), curves=noisy, scores=scores))
     assert len(html.encode()) < 3_000_000
     shown = [name.attrib["title"] for name in parsed(html).iter("b") if "title" in name.attrib]
