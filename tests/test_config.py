@@ -55,7 +55,7 @@ def test_the_filter_that_is_named_has_to_have_its_block(tmp_path: Path) -> None:
     given = asdict(RestlevelParams()) | {"still_start": 1, "rest_share": "often"}
     assert problems(tmp_path, f"filter: restlevel\nrestlevel: {json.dumps(given)}\n") == [
         "c.yaml:2:110 restlevel.still_start: is 1; expected a number from 0 to below 1",
-        "c.yaml:2:126 restlevel.rest_share: is 'often' (text); expected a number from 0 to below 1",
+        "c.yaml:2:128 restlevel.rest_share: is 'often' (text); expected a number from 0 to below 1",
     ]
 
 
