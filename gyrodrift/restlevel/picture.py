@@ -1,6 +1,6 @@
 """The picture of the README: what restlevel holds for possible in two minutes that begin in motion.
 
-`python -m gyrodrift.restlevel.picture --out docs/restlevel.svg` draws it; matplotlib comes with the workstation extra.
+`python -m gyrodrift.restlevel.picture --out docs/restlevel.png` draws it; matplotlib comes with the workstation extra.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def motion() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def draw(path: Path) -> None:
-    """Write the picture as SVG; the same bytes every time."""
+    """Write the picture."""
     t_s, rate_dps, true_deg = motion()
     c, s = coefficients(RestlevelParams()), RestlevelState()
     accounts: list[tuple[float, float, float]] = []
@@ -53,12 +53,12 @@ def draw(path: Path) -> None:
             accounts += [(each_s, h.bias_dps, h.weight) for h in s.stories if h.weight > 0.0]
     t_s, rate_dps, true_deg, plain_deg = (each[::EVERY] for each in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
     yaw_deg, sigma_deg, bias_dps, resting = np.array(rows[::EVERY]).T
-    mpl.rcParams.update({"svg.hashsalt": "restlevel", "font.size": 9.0})
+    mpl.rcParams.update({"font.size": 9.0})
     figure, (rates, biases, errors) = plt.subplots(3, 1, figsize=(8.0, 6.6), sharex=True, layout="constrained")
     _rates(rates, t_s, rate_dps, resting)
     _biases(biases, t_s, bias_dps, accounts)
     _errors(errors, t_s, plain_deg / RATE_HZ - true_deg, yaw_deg - true_deg, sigma_deg)
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, dpi=110)
     plt.close(figure)
 
 
@@ -87,5 +87,5 @@ def _errors(axes: Axes, t_s: np.ndarray, plain_deg: np.ndarray, error_deg: np.nd
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE.svg")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.png")
     draw(parser.parse_args().out)
