@@ -8,7 +8,7 @@ of the bias, which takes back what a wrong bias has made of yaw since the rest b
 
 from math import exp, log, pi, sqrt
 
-from gyrodrift.restlevel.blocks import CONFIRMED
+from gyrodrift.restlevel.blocks import CONFIRMED, LONG
 from gyrodrift.restlevel.records import MOST, RestlevelCoefficients, RestlevelState, Story
 
 LEAST_WEIGHT = 1e-9
@@ -16,6 +16,9 @@ LEAST_WEIGHT = 1e-9
 DRIFT_SHARE = 0.3
 """How often the bias has drifted fast since the rest before, rather than walked."""
 
+GENTLE = 0.05
+
+SLOWEST = 0.1
 SLOW_DPS = 0.3
 """Spins that are much slower than this are rare."""
 
@@ -30,10 +33,6 @@ DENSITY_GAIN = 0.05
 SURPRISE = 9.0
 """A squared step between two blocks at rest counts up to this many times what is expected."""
 
-MOST_SURPRISE = 40.0
-REGAINED = 0.05
-DOUBTED = 6.0
-LEAST_EVIDENCE = -30.0
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
@@ -57,8 +56,11 @@ def enter_plateau(s: RestlevelState) -> None:
 def leave_plateau(s: RestlevelState) -> None:
     """Nothing stands still any more."""
     for h in s.stories:
+        if h.rests and h.is_news and s.left_gently:
+            h.weight *= GENTLE
         h.rested = h.rests
         h.rests = False
+    _normalise(s)
 
 
 def turn(c: RestlevelCoefficients, s: RestlevelState, turned_deg: float, seconds: float) -> None:
@@ -93,12 +95,11 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         rest.bias_dps = h.bias_dps
         rest.bias_var = h.bias_var
         rest.knows_bias = h.knows_bias
-        rest.evidence = rest.evidence_waits = rest.evidence_comes = 0.0
         rest.rests = True
         rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
         if h.knows_bias:
             spin_dps = level_dps - h.bias_dps
-            h.weight *= spin_dps * spin_dps / (spin_dps * spin_dps + SLOW_DPS * SLOW_DPS) + LEAST_WEIGHT
+            h.weight *= spin_dps * spin_dps / (spin_dps * spin_dps + SLOW_DPS * SLOW_DPS) + SLOWEST
     _tidy(s)
 
 
@@ -106,9 +107,10 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """The plateau that ended a moment ago goes on: a block was out of line by chance, and that is no evidence."""
     for h in s.stories:
         if h.weight > 0.0 and h.rested:
+            was_news = h.is_news
             _go_back(h, h)
             _learn_first(c, h, s.plateau_level_dps, s.density_var / (seconds * CONFIRMED))
-            h.rests = True
+            h.rests, h.is_news = True, was_news
 
 
 def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float) -> None:
@@ -120,17 +122,10 @@ def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_
         if h.weight == 0.0 or not h.rests:
             continue
         resting += h.weight
-        gained = h.evidence_comes
-        h.evidence_comes = h.evidence_waits
-        off_dps = level_dps - h.bias_dps
-        surprise = off_dps * off_dps / (h.bias_var + drift_var + level_var) - DOUBTED
-        h.evidence_waits = REGAINED - 0.5 * max(0.0, min(surprise, MOST_SURPRISE))
-        evidence = max(LEAST_EVIDENCE, min(0.0, h.evidence + gained))
-        h.weight *= exp(evidence - h.evidence)
-        h.evidence = evidence
+        if s.plateau_blocks >= LONG:
+            h.is_news = False
         _learn(h, level_dps, level_var, drift_var)
         h.moved_s = 0.0
-    _normalise(s)
     found = min(0.5 * step_dps * step_dps * seconds, SURPRISE * s.density_var)
     s.density_var += DENSITY_GAIN * resting * (found - s.density_var)
 
@@ -178,6 +173,8 @@ def _go_back(h: Story, to: Story) -> None:
 
 def _learn_first(c: RestlevelCoefficients, h: Story, level_dps: float, level_var: float) -> float:
     """Learn from the first blocks of a rest; the logarithm of how probable their level was."""
+    off_dps = level_dps - h.bias_dps
+    h.is_news = not h.knows_bias or off_dps * off_dps > 9.0 * (h.bias_var + level_var)
     if h.knows_bias:
         drift_dps = c.drift_dps_s * min(h.moved_s, LONGEST_DRIFT_S)
         found = _learn(h, level_dps, level_var, drift_dps * drift_dps)

@@ -18,6 +18,11 @@ LEVEL_SIGMAS = 4.0
 EVEN_SIGMAS = 3.0
 """The two halves of a plateau that is to be confirmed may differ by this."""
 
+LONG = 20
+SLIDE_SIGMAS = 0.5
+SLIDE = 5.0
+GENTLE_DPS_S = 0.4
+
 RESUMED = 3
 """A level that comes back within so many blocks has not been away."""
 
@@ -58,7 +63,7 @@ def is_quiet(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> boo
 
 def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, seconds: float) -> None:
     """Count the blocks of the present plateau: 0 where there is none, 1 where one begins."""
-    is_confirmed, level_before_dps = s.plateau_blocks >= CONFIRMED, s.plateau_level_dps
+    blocks_before, level_before_dps, step_dps = s.plateau_blocks, s.plateau_level_dps, level_dps - s.plateau_last_dps
     is_now_quiet = is_quiet(c, s, seconds)
     level_var = s.density_var / seconds
     drift_dps = c.drift_dps_s * seconds
@@ -67,6 +72,7 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
     elif s.plateau_blocks == 0 or not _is_level(s, level_dps, level_var, drift_dps):
         s.plateau_from_start = s.samples == s.block_samples
         s.plateau_blocks = 1
+        s.plateau_up = s.plateau_down = 0.0
         s.plateau_head_dps = s.plateau_level_dps = level_dps
     else:
         s.plateau_blocks += 1
@@ -76,9 +82,12 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
             uneven_dps = 0.5 * (s.plateau_last_dps + level_dps - s.plateau_head_dps)
             if abs(uneven_dps) >= EVEN_SIGMAS * sqrt(level_var + 4.0 * drift_dps * drift_dps):
                 s.plateau_blocks = 0
+        elif s.plateau_blocks > CONFIRMED and _slides(s, level_dps, level_var, drift_dps):
+            s.plateau_blocks = 0
     s.plateau_last_dps = level_dps
-    if is_confirmed and s.plateau_blocks < CONFIRMED:
+    if blocks_before >= CONFIRMED > s.plateau_blocks:
         s.left_level_dps, s.left_blocks = level_before_dps, 0
+        s.left_gently = is_now_quiet and abs(step_dps) < GENTLE_DPS_S * seconds
     s.left_blocks += 1
 
 
@@ -89,6 +98,16 @@ def goes_on(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool
     spread = level_var * (1.0 / CONFIRMED + 1.0 / REMEMBERED) + drift_dps * drift_dps
     off_dps = s.plateau_level_dps - s.left_level_dps
     return s.left_blocks <= RESUMED + CONFIRMED and abs(off_dps) < LEVEL_SIGMAS * sqrt(spread)
+
+
+def _slides(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:
+    """Whether the level has been moving away, faster than a bias drifts; a sum of deviations tells (CUSUM)."""
+    blocks = min(s.plateau_blocks - 1, REMEMBERED)
+    off_dps = level_dps - s.plateau_level_dps
+    beyond = max(0.0, abs(off_dps) - blocks * drift_dps) / sqrt(level_var * (1.0 + 1.0 / blocks))
+    s.plateau_up = max(0.0, s.plateau_up + (beyond if off_dps > 0.0 else -beyond) - SLIDE_SIGMAS)
+    s.plateau_down = max(0.0, s.plateau_down + (beyond if off_dps < 0.0 else -beyond) - SLIDE_SIGMAS)
+    return max(s.plateau_up, s.plateau_down) > SLIDE
 
 
 def _is_level(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:

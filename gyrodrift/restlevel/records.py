@@ -97,10 +97,8 @@ class Story:
     knows_bias: bool = False
     rests: bool = False
     rested: bool = False
+    is_news: bool = False
     moved_s: float = 0.0
-    evidence: float = 0.0
-    evidence_waits: float = 0.0
-    evidence_comes: float = 0.0
     entry_yaw_deg: float = 0.0
     entry_covariance: float = 0.0
     entry_yaw_var: float = 0.0
@@ -167,8 +165,11 @@ class RestlevelState:
     plateau_level_dps: float = 0.0
     plateau_head_dps: float = 0.0
     plateau_last_dps: float = 0.0
+    plateau_up: float = 0.0
+    plateau_down: float = 0.0
     plateau_from_start: bool = False
     left_level_dps: float = 0.0
+    left_gently: bool = False
     left_blocks: int = 1 << 30
     base_yaw_deg: float = 0.0
     base_yaw_var: float = 0.0
