@@ -62,8 +62,7 @@ class Account:
     rests: bool = False
     rested: bool = False
     moved_s: float = 0.0
-    evidence: float = 0.0
-    pending: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    is_news: bool = False
     entry: tuple[float, Floats, float] = (0.0, np.zeros((2, 2)), 0.0)
 
 
@@ -97,6 +96,8 @@ def merged(shares: Floats, means: list[Floats], covs: list[Floats]) -> tuple[Flo
 
 def first_told(h: Account, level: float, var: float, p: RestlevelParams) -> tuple[Account, float]:
     """The same for the first blocks of a plateau."""
+    off = abs(level - h.mean[1])
+    h = replace(h, is_news=not h.knows or off > 3.0 * np.sqrt(h.cov[1, 1] + var))
     if h.knows:
         return told(h, level, var, (p.drift_dps_s * min(h.moved_s, 20.0)) ** 2)
     narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.9)
@@ -167,6 +168,10 @@ class Reading:
         self.left += 1
         if was >= 4 > len(self.plateau):
             self.left, self.left_level = 1, level_was
+            is_gentle = is_quiet and abs(mean_dps - self.last) < 0.4 * b.seconds
+            for h in self.accounts:
+                h.weight *= 0.05 if is_gentle and h.rests and h.is_news else 1.0
+            self.normalise()
 
     def pass_through(self, b: Block) -> None:
         """Every account, by one block."""
@@ -182,20 +187,20 @@ class Reading:
                 h.moved_s += b.seconds
             h.cov = h.cov + np.diag([0.0, self.p.walk_dps_rts**2 * b.seconds])
 
+    def normalise(self) -> None:
+        """Probabilities add up to 1."""
+        total = sum(h.weight for h in self.accounts)
+        for h in self.accounts:
+            h.weight /= total
+
     def rest_on(self, b: Block, mean_dps: float) -> None:
-        """Accounts of rest learn, and are doubted."""
+        """Accounts of rest learn."""
         var, drift = self.density / b.seconds, self.p.drift_dps_s * b.seconds
         resting = sum(h.weight for h in self.accounts if h.rests)
         for k, h in enumerate(self.accounts):
             if h.rests:
-                surprise = (mean_dps - h.mean[1]) ** 2 / (h.cov[1, 1] + drift**2 + var) - 6.0
-                evidence = max(-30.0, min(0.0, h.evidence + h.pending[0]))
-                pending = [h.pending[1], 0.05 - 0.5 * max(0.0, min(surprise, 40.0))]
-                weight = h.weight * np.exp(evidence - h.evidence)
-                doubted = replace(h, weight=weight, evidence=evidence, pending=pending)
-                self.accounts[k], _ = told(doubted, mean_dps, var, drift**2)
-        total = sum(h.weight for h in self.accounts)
-        self.accounts = [replace(h, weight=h.weight / total) for h in self.accounts]
+                is_news = h.is_news and len(self.plateau) < 20
+                self.accounts[k], _ = told(replace(h, is_news=is_news), mean_dps, var, drift**2)
         found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.density)
         self.density += 0.05 * resting * (found - self.density)
 
@@ -205,7 +210,9 @@ class Reading:
         spread = np.sqrt(self.density / b.seconds * 0.35 + (self.p.drift_dps_s * b.seconds * self.left) ** 2)
         if self.left <= 7 and abs(self.level - self.left_level) < 4.0 * spread:
             self.accounts = [
-                replace(first_told(entered(h), self.level, var, self.p)[0], rests=True) if h.rested else h
+                replace(first_told(entered(h), self.level, var, self.p)[0], rests=True, is_news=h.is_news)
+                if h.rested
+                else h
                 for h in self.accounts
             ]
             return
@@ -213,14 +220,14 @@ class Reading:
         odds = share / (1.0 - share) / 0.03
         everyone = list(self.accounts)
         for h in self.accounts:
-            back = replace(entered(h), evidence=0.0, pending=[0.0, 0.0], rested=False)
+            back = replace(entered(h), rested=False)
             found, likely = first_told(back, self.level, var, self.p)
             place = min(set(range(12)) - {other.place for other in everyone})
             weight = h.weight * odds * np.exp(likely)
             everyone.append(replace(found, rests=True, place=place, weight=weight))
             if h.knows:
                 off = self.level - h.mean[1]
-                h.weight *= off**2 / (off**2 + 0.09) + 1e-9
+                h.weight *= off**2 / (off**2 + 0.09) + 0.1
         self.accounts = tidied(sorted(everyone, key=lambda h: h.place))
 
 

@@ -16,11 +16,12 @@ LEAST_WEIGHT = 1e-9
 DRIFT_SHARE = 0.3
 """How often the bias has drifted fast since the rest before, rather than walked."""
 
-GENTLE = 0.05
+DOUBT = 0.05
+"""What is left of the probability of a short rest at a new level that was left gently: a curve, even for once."""
 
-SLOWEST = 0.1
 SLOW_DPS = 0.3
-"""Spins that are much slower than this are rare."""
+SLOWEST = 0.1
+"""Spins that are much slower than this are rare, a tenth as frequent at most."""
 
 LONGEST_DRIFT_S = 20.0
 """A fast drift does not last longer than this."""
@@ -32,7 +33,6 @@ WIDE_FACTOR = 16.0
 DENSITY_GAIN = 0.05
 SURPRISE = 9.0
 """A squared step between two blocks at rest counts up to this many times what is expected."""
-
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
@@ -57,7 +57,7 @@ def leave_plateau(s: RestlevelState) -> None:
     """Nothing stands still any more."""
     for h in s.stories:
         if h.rests and h.is_news and s.left_gently:
-            h.weight *= GENTLE
+            h.weight *= DOUBT
         h.rested = h.rests
         h.rests = False
     _normalise(s)
@@ -95,7 +95,7 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         rest.bias_dps = h.bias_dps
         rest.bias_var = h.bias_var
         rest.knows_bias = h.knows_bias
-        rest.rests = True
+        rest.rests, rest.rested = True, False
         rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
         if h.knows_bias:
             spin_dps = level_dps - h.bias_dps
@@ -114,7 +114,7 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
 
 
 def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float) -> None:
-    """A confirmed plateau goes on: accounts of rest learn, and are believed less where they follow it badly."""
+    """A confirmed plateau goes on: accounts of rest learn."""
     level_var = s.density_var / seconds
     drift_var = c.drift_dps_s * c.drift_dps_s * seconds * seconds
     resting = 0.0

@@ -19,9 +19,10 @@ EVEN_SIGMAS = 3.0
 """The two halves of a plateau that is to be confirmed may differ by this."""
 
 LONG = 20
-SLIDE_SIGMAS = 0.5
-SLIDE = 5.0
+"""Blocks after which a rest is beyond doubt."""
+
 GENTLE_DPS_S = 0.4
+"""A plateau that is left by less than this, deg/s², with nothing but its level changing, is left gently."""
 
 RESUMED = 3
 """A level that comes back within so many blocks has not been away."""
@@ -72,7 +73,6 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
     elif s.plateau_blocks == 0 or not _is_level(s, level_dps, level_var, drift_dps):
         s.plateau_from_start = s.samples == s.block_samples
         s.plateau_blocks = 1
-        s.plateau_up = s.plateau_down = 0.0
         s.plateau_head_dps = s.plateau_level_dps = level_dps
     else:
         s.plateau_blocks += 1
@@ -82,8 +82,6 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
             uneven_dps = 0.5 * (s.plateau_last_dps + level_dps - s.plateau_head_dps)
             if abs(uneven_dps) >= EVEN_SIGMAS * sqrt(level_var + 4.0 * drift_dps * drift_dps):
                 s.plateau_blocks = 0
-        elif s.plateau_blocks > CONFIRMED and _slides(s, level_dps, level_var, drift_dps):
-            s.plateau_blocks = 0
     s.plateau_last_dps = level_dps
     if blocks_before >= CONFIRMED > s.plateau_blocks:
         s.left_level_dps, s.left_blocks = level_before_dps, 0
@@ -98,16 +96,6 @@ def goes_on(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool
     spread = level_var * (1.0 / CONFIRMED + 1.0 / REMEMBERED) + drift_dps * drift_dps
     off_dps = s.plateau_level_dps - s.left_level_dps
     return s.left_blocks <= RESUMED + CONFIRMED and abs(off_dps) < LEVEL_SIGMAS * sqrt(spread)
-
-
-def _slides(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:
-    """Whether the level has been moving away, faster than a bias drifts; a sum of deviations tells (CUSUM)."""
-    blocks = min(s.plateau_blocks - 1, REMEMBERED)
-    off_dps = level_dps - s.plateau_level_dps
-    beyond = max(0.0, abs(off_dps) - blocks * drift_dps) / sqrt(level_var * (1.0 + 1.0 / blocks))
-    s.plateau_up = max(0.0, s.plateau_up + (beyond if off_dps > 0.0 else -beyond) - SLIDE_SIGMAS)
-    s.plateau_down = max(0.0, s.plateau_down + (beyond if off_dps < 0.0 else -beyond) - SLIDE_SIGMAS)
-    return max(s.plateau_up, s.plateau_down) > SLIDE
 
 
 def _is_level(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:

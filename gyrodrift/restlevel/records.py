@@ -40,9 +40,9 @@ class RestlevelParams:
     quiet: Annotated[float, Gt(0.0), Le(100.0)] = 5.0
     turn_on_dps: Annotated[float, Gt(0.0), Le(1000.0)] = 0.5
     walk_dps_rts: Annotated[float, Ge(0.0), Le(10.0)] = 0.0005
-    drift_dps_s: Annotated[float, Ge(0.0), Le(10.0)] = 0.012
+    drift_dps_s: Annotated[float, Ge(0.0), Le(10.0)] = 0.008
     still_start: Annotated[float, Ge(0.0), Lt(1.0)] = 0.99
-    rest_share: Annotated[float, Ge(0.0), Lt(1.0)] = 0.1
+    rest_share: Annotated[float, Ge(0.0), Lt(1.0)] = 0.2
     scale_percent: Annotated[float, Ge(0.0), Le(100.0)] = 1.0
 
 
@@ -79,11 +79,10 @@ class Story:
         There has been a rest in it. Until then the bias is 0 with the spread of the power-on.
     rests, rested
         The device stands still now; it did on the plateau before.
+    is_news
+        That it rests has taught this account a bias it did not expect, and not for long yet.
     moved_s
         Time since the last rest, s.
-    evidence, evidence_waits, evidence_comes
-        For a rest against a spin since the plateau was confirmed, as a logarithm, never above 0; and what the last
-        two blocks say, which counts once the plateau has gone on: a device that sets out was at rest before.
     entry_yaw_deg, entry_covariance, entry_yaw_var, entry_moved_s
         As they were where the plateau began: what is gained in a rest is taken back.
     """
@@ -135,8 +134,8 @@ class RestlevelState:
     plateau_*
         Constant rate: its blocks so far, 0 for none; its level now; the first two levels and the last; whether it
         began with the first sample.
-    left_level_dps, left_blocks
-        Level of the last plateau that was confirmed, and the blocks since it ended.
+    left_level_dps, left_gently, left_blocks
+        Level of the last plateau that was confirmed, whether it ended gently, and the blocks since it ended.
     base_*
         The accounts taken together as the block began: yaw, its variances.
     """
@@ -165,8 +164,6 @@ class RestlevelState:
     plateau_level_dps: float = 0.0
     plateau_head_dps: float = 0.0
     plateau_last_dps: float = 0.0
-    plateau_up: float = 0.0
-    plateau_down: float = 0.0
     plateau_from_start: bool = False
     left_level_dps: float = 0.0
     left_gently: bool = False
