@@ -100,8 +100,8 @@ def first_told(h: Account, level: float, var: float, p: RestlevelParams) -> tupl
     h = replace(h, is_news=not h.knows or off > 3.0 * np.sqrt(h.cov[1, 1] + var))
     if h.knows:
         return told(h, level, var, (p.drift_dps_s * min(h.moved_s, 20.0)) ** 2)
-    narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.9)
-    wide = norm.logpdf(level, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.1)
+    narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.99)
+    wide = norm.logpdf(level, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.01)
     far = max(1.0, level**2 / (9.0 * h.cov[1, 1]))
     cov = h.cov * np.array([[1.0, far], [far, far]])
     found, _ = told(replace(h, cov=cov), level, var, 0.0)
@@ -142,7 +142,7 @@ class Reading:
         limit = 1.0 + self.p.quiet * error
         if self.noise < 0.0:
             self.noise, self.density = variance, 2.0 * variance / b.samples * b.seconds
-        elif max(variance, self.before) < self.noise * np.exp(-2.5 * error):
+        elif max(variance, self.before) < self.noise * np.exp(-4.5 * error):
             self.noise = max(variance, self.before)
         elif variance < self.noise * limit:
             self.noise *= (variance / self.noise) ** 0.05
@@ -224,10 +224,8 @@ class Reading:
             found, likely = first_told(back, self.level, var, self.p)
             place = min(set(range(12)) - {other.place for other in everyone})
             weight = h.weight * odds * np.exp(likely)
+            weight *= 1.0 if h.knows or self.at_start else 0.05
             everyone.append(replace(found, rests=True, place=place, weight=weight))
-            if h.knows:
-                off = self.level - h.mean[1]
-                h.weight *= off**2 / (off**2 + 0.09) + 0.1
         self.accounts = tidied(sorted(everyone, key=lambda h: h.place))
 
 

@@ -19,14 +19,13 @@ DRIFT_SHARE = 0.3
 DOUBT = 0.05
 """What is left of the probability of a short rest at a new level that was left gently: a curve, even for once."""
 
-SLOW_DPS = 0.3
-SLOWEST = 0.1
-"""Spins that are much slower than this are rare, a tenth as frequent at most."""
+UNKNOWN = 0.05
+"""A first rest is believed so much less: it has to come back."""
 
 LONGEST_DRIFT_S = 20.0
 """A fast drift does not last longer than this."""
 
-WIDE_SHARE = 0.1
+WIDE_SHARE = 0.01
 WIDE_FACTOR = 16.0
 """Of parts whose bias at power-on is far out, and how much larger its variance is."""
 
@@ -97,9 +96,8 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         rest.knows_bias = h.knows_bias
         rest.rests, rest.rested = True, False
         rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
-        if h.knows_bias:
-            spin_dps = level_dps - h.bias_dps
-            h.weight *= spin_dps * spin_dps / (spin_dps * spin_dps + SLOW_DPS * SLOW_DPS) + SLOWEST
+        if not (h.knows_bias or s.plateau_from_start):
+            rest.weight *= UNKNOWN
     _tidy(s)
 
 

