@@ -9,7 +9,7 @@ of the bias, which takes back what a wrong bias has made of yaw since the rest b
 from math import exp, log, pi, sqrt
 
 from gyrodrift.restlevel.blocks import CONFIRMED, LONG
-from gyrodrift.restlevel.records import MOST, RestlevelCoefficients, RestlevelState, Story
+from gyrodrift.restlevel.records import MOST, Account, RestlevelCoefficients, RestlevelState
 
 LEAST_WEIGHT = 1e-9
 
@@ -36,7 +36,7 @@ SURPRISE = 9.0
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """The one account that there is before anything is known."""
-    first = s.stories[0]
+    first = s.accounts[0]
     first.weight = 1.0
     first.yaw_deg = s.yaw_deg
     first.bias_var = c.turn_on_var
@@ -45,7 +45,7 @@ def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
 
 def enter_plateau(s: RestlevelState) -> None:
     """Keep what each account says now, where a plateau may begin."""
-    for h in s.stories:
+    for h in s.accounts:
         h.entry_yaw_deg = h.yaw_deg
         h.entry_covariance = h.covariance
         h.entry_yaw_var = h.yaw_var
@@ -54,7 +54,7 @@ def enter_plateau(s: RestlevelState) -> None:
 
 def leave_plateau(s: RestlevelState) -> None:
     """Nothing stands still any more."""
-    for h in s.stories:
+    for h in s.accounts:
         if h.rests and h.is_news and s.left_gently:
             h.weight *= DOUBT
         h.rested = h.rests
@@ -64,7 +64,7 @@ def leave_plateau(s: RestlevelState) -> None:
 
 def turn(c: RestlevelCoefficients, s: RestlevelState, turned_deg: float, seconds: float) -> None:
     """A block passes: yaw turns where the device is not at rest, and the bias may have walked."""
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight == 0.0:
             continue
         if not h.rests:
@@ -83,13 +83,13 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     level_dps, level_var = s.plateau_level_dps, s.density_var / (seconds * CONFIRMED)
     odds_dps = c.start_odds_dps if s.plateau_from_start else c.rest_odds_dps
     free = 0
-    for k in range(len(s.stories)):
-        h = s.stories[k]
+    for k in range(len(s.accounts)):
+        h = s.accounts[k]
         if h.weight == 0.0 or h.rests:
             continue
-        while s.stories[free].weight > 0.0:
+        while s.accounts[free].weight > 0.0:
             free += 1
-        rest = s.stories[free]
+        rest = s.accounts[free]
         _go_back(h, rest)
         rest.bias_dps = h.bias_dps
         rest.bias_var = h.bias_var
@@ -103,7 +103,7 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
 
 def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """The plateau that ended a moment ago goes on: a block was out of line by chance, and that is no evidence."""
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight > 0.0 and h.rested:
             was_news = h.is_news
             _go_back(h, h)
@@ -116,7 +116,7 @@ def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_
     level_var = s.density_var / seconds
     drift_var = c.drift_dps_s * c.drift_dps_s * seconds * seconds
     resting = 0.0
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight == 0.0 or not h.rests:
             continue
         resting += h.weight
@@ -131,7 +131,7 @@ def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_
 def summarise(s: RestlevelState) -> None:
     """Take the accounts together: yaw and bias are their mean, in which doubtful ones count by their square."""
     total = yaw_deg = bias_dps = resting = top = 0.0
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight == 0.0:
             continue
         share = h.weight * h.weight
@@ -144,7 +144,7 @@ def summarise(s: RestlevelState) -> None:
     yaw_deg /= total
     bias_dps /= total
     yaw_var = covariance = bias_var = 0.0
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight == 0.0:
             continue
         off_deg, off_dps = h.yaw_deg - yaw_deg, h.bias_dps - bias_dps
@@ -161,7 +161,7 @@ def summarise(s: RestlevelState) -> None:
     s.rest_probability = resting
 
 
-def _go_back(h: Story, to: Story) -> None:
+def _go_back(h: Account, to: Account) -> None:
     """Put yaw and its certainty into `to` as they were in `h` where the plateau began."""
     to.yaw_deg = h.entry_yaw_deg
     to.covariance = h.entry_covariance
@@ -169,7 +169,7 @@ def _go_back(h: Story, to: Story) -> None:
     to.moved_s = h.entry_moved_s
 
 
-def _learn_first(c: RestlevelCoefficients, h: Story, level_dps: float, level_var: float) -> float:
+def _learn_first(c: RestlevelCoefficients, h: Account, level_dps: float, level_var: float) -> float:
     """Learn from the first blocks of a rest; the logarithm of how probable their level was."""
     off_dps = level_dps - h.bias_dps
     h.is_news = not h.knows_bias or off_dps * off_dps > 9.0 * (h.bias_var + level_var)
@@ -190,7 +190,7 @@ def _learn_first(c: RestlevelCoefficients, h: Story, level_dps: float, level_var
     return found
 
 
-def _learn(h: Story, level_dps: float, level_var: float, drift_var: float) -> float:
+def _learn(h: Account, level_dps: float, level_var: float, drift_var: float) -> float:
     """Take a level for a measurement of the bias, which has walked, or else has drifted evenly since the last rest.
 
     Both are worked out and mixed by how well the level fits to them. Returned is the logarithm of its density.
@@ -234,13 +234,13 @@ def _learn(h: Story, level_dps: float, level_var: float, drift_var: float) -> fl
 def _tidy(s: RestlevelState) -> None:
     """Join accounts that say the same, and forget those that are believed least."""
     _normalise(s)
-    slots = len(s.stories)
+    slots = len(s.accounts)
     for k in range(slots):
         for j in range(k + 1, slots):
-            if _are_same(s.stories[k], s.stories[j]):
-                _join(s.stories[k], s.stories[j])
+            if _are_same(s.accounts[k], s.accounts[j]):
+                _join(s.accounts[k], s.accounts[j])
     alive = 0
-    for h in s.stories:
+    for h in s.accounts:
         if h.weight < LEAST_WEIGHT:
             h.weight = 0.0
         if h.weight > 0.0:
@@ -248,15 +248,15 @@ def _tidy(s: RestlevelState) -> None:
     while alive > MOST:
         least = -1
         for k in range(slots):
-            weight = s.stories[k].weight
-            if weight > 0.0 and (least < 0 or weight < s.stories[least].weight):
+            weight = s.accounts[k].weight
+            if weight > 0.0 and (least < 0 or weight < s.accounts[least].weight):
                 least = k
-        s.stories[least].weight = 0.0
+        s.accounts[least].weight = 0.0
         alive -= 1
     _normalise(s)
 
 
-def _are_same(h: Story, other: Story) -> bool:
+def _are_same(h: Account, other: Account) -> bool:
     if h.weight == 0.0 or other.weight == 0.0 or h.rests != other.rests or h.knows_bias != other.knows_bias:
         return False
     off_dps, off_deg = h.bias_dps - other.bias_dps, h.yaw_deg - other.yaw_deg
@@ -265,7 +265,7 @@ def _are_same(h: Story, other: Story) -> bool:
     )
 
 
-def _join(h: Story, other: Story) -> None:
+def _join(h: Account, other: Account) -> None:
     """Into the first: the Gaussian with the mean and the variances of both together."""
     share = other.weight / (h.weight + other.weight)
     off_dps, off_deg = other.bias_dps - h.bias_dps, other.yaw_deg - h.yaw_deg
@@ -282,9 +282,9 @@ def _join(h: Story, other: Story) -> None:
 
 def _normalise(s: RestlevelState) -> None:
     total = 0.0
-    for h in s.stories:
+    for h in s.accounts:
         total += h.weight
-    for h in s.stories:
+    for h in s.accounts:
         h.weight /= total
 
 

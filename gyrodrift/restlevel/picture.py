@@ -50,7 +50,7 @@ def draw(path: Path) -> None:
         step(c, s, each_s, each_dps)
         rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.rest_probability))
         if s.samples % EVERY == 0:
-            accounts += [(each_s, h.bias_dps, h.weight) for h in s.stories if h.weight > 0.0]
+            accounts += [(each_s, h.bias_dps, h.weight) for h in s.accounts if h.weight > 0.0]
     t_s, rate_dps, true_deg, plain_deg = (each[::EVERY] for each in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
     yaw_deg, sigma_deg, bias_dps, resting = np.array(rows[::EVERY]).T
     mpl.rcParams.update({"font.size": 9.0})

@@ -6,7 +6,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Le, Lt
 
 MOST = 6
-"""Stories that are kept from one plateau to the next; each can become two at a plateau."""
+"""Accounts that are kept from one plateau to the next; each can become two at a plateau."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class RestlevelCoefficients:
 
 
 @dataclass(slots=True)
-class Story:
+class Account:
     """One account of what has happened: which of the plateaus were rests. A slot of weight 0 is free.
 
     weight
@@ -104,8 +104,8 @@ class Story:
     entry_moved_s: float = 0.0
 
 
-def _no_stories() -> list[Story]:
-    return [Story() for _ in range(2 * MOST)]
+def _no_accounts() -> list[Account]:
+    return [Account() for _ in range(2 * MOST)]
 
 
 @dataclass(slots=True)
@@ -173,4 +173,4 @@ class RestlevelState:
     base_covariance: float = 0.0
     base_bias_var: float = 0.0
     begun_yaw_deg: float = 0.0
-    stories: list[Story] = field(default_factory=_no_stories)
+    accounts: list[Account] = field(default_factory=_no_accounts)

@@ -138,11 +138,11 @@ def test_it_does_not_grow() -> None:
     """As many accounts after an hour as there were places at the start, and never more alive than it keeps."""
     t_s, rate_dps, _ = measured(held(*TURNS * 20), 0.3)
     c, s = coefficients(RestlevelParams()), RestlevelState()
-    places = len(s.stories)
+    places = len(s.accounts)
     for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
         step(c, s, each_s, each_dps)
-        assert sum(h.weight > 0.0 for h in s.stories) <= MOST
-    assert len(s.stories) == places
+        assert sum(h.weight > 0.0 for h in s.accounts) <= MOST
+    assert len(s.accounts) == places
 
 
 def test_what_cannot_be_used_is_passed_by_and_counted() -> None:

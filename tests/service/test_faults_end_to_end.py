@@ -22,7 +22,7 @@ def link(tmp_path: Path) -> Path:
 
 
 @dataclass(frozen=True)
-class Story:
+class Account:
     """Every line of stdout, the events of the log, and the counters at the end."""
 
     lines: list[dict[str, Any]]
@@ -45,15 +45,15 @@ def served(
             yield serve, device
 
 
-def story_of(serve: Command) -> Story:
+def story_of(serve: Command) -> Account:
     """What the service has said when it was stopped."""
     assert serve.stop() == 0
     assert "Traceback" not in serve.log
     events = [json.loads(line) for line in serve.log.splitlines()]
-    return Story(serve.all_lines(), events, events[-1])
+    return Account(serve.all_lines(), events, events[-1])
 
 
-def story(link: Path, *faults: str, seconds: int, speed: str = "max", protocol: str = "native") -> Story:
+def story(link: Path, *faults: str, seconds: int, speed: str = "max", protocol: str = "native") -> Account:
     """A device that plays so many seconds of its own time, to the last sample."""
     options = ("--speed", speed, "--protocol", protocol, "--duration", str(seconds))
     with served(link, *faults, options=options) as (serve, device):
