@@ -235,7 +235,7 @@ def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Fl
     rows = []
     for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
         mean_dps = b.turned_deg / b.seconds
-        reading.follow(b, mean_dps, is_first=number == 0)
+        reading.follow(b, mean_dps, is_first=number < 3)
         reading.pass_through(b)
         if len(reading.plateau) > 4:
             reading.rest_on(b, mean_dps)

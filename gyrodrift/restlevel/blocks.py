@@ -25,7 +25,7 @@ GENTLE_DPS_S = 0.4
 """A plateau that is left by less than this, deg/s², with nothing but its level changing, is left gently."""
 
 RESUMED = 3
-"""A level that comes back within so many blocks has not been away."""
+"""A level that comes back within so many blocks has not been away; one that begins by then began at the start."""
 
 REMEMBERED = 10
 """Blocks that the level of a plateau is the mean of."""
@@ -66,12 +66,13 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
     """Count the blocks of the present plateau: 0 where there is none, 1 where one begins."""
     blocks_before, level_before_dps, step_dps = s.plateau_blocks, s.plateau_level_dps, level_dps - s.plateau_last_dps
     is_now_quiet = is_quiet(c, s, seconds)
+    s.blocks += 1
     level_var = s.density_var / seconds
     drift_dps = c.drift_dps_s * seconds
     if not is_now_quiet:
         s.plateau_blocks = 0
     elif s.plateau_blocks == 0 or not _is_level(s, level_dps, level_var, drift_dps):
-        s.plateau_from_start = s.samples == s.block_samples
+        s.plateau_from_start = s.blocks <= RESUMED
         s.plateau_blocks = 1
         s.plateau_head_dps = s.plateau_level_dps = level_dps
     else:

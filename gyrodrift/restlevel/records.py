@@ -131,9 +131,11 @@ class RestlevelState:
     noise_var, variance_before, least_step_dps, density_var
         Of the sensor itself: variance of samples at rest; variance of the last block; smallest step between two
         samples, which is the resolution; variance of a block's mean times its length, (deg/s)²·s. −1 until known.
+    blocks
+        Ended so far.
     plateau_*
         Constant rate: its blocks so far, 0 for none; its level now; the first two levels and the last; whether it
-        began with the first sample.
+        began at the start.
     left_level_dps, left_gently, left_blocks
         Level of the last plateau that was confirmed, whether it ended gently, and the blocks since it ended.
     base_*
@@ -160,6 +162,7 @@ class RestlevelState:
     variance_before: float = -1.0
     least_step_dps: float = -1.0
     density_var: float = -1.0
+    blocks: int = 0
     plateau_blocks: int = 0
     plateau_level_dps: float = 0.0
     plateau_head_dps: float = 0.0
