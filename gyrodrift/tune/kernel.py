@@ -134,7 +134,6 @@ def _compiled(count: int) -> Any:
     that is not known. `path_deg`, shape (n, count), receives yaw; with (0, count) it is not wanted.
     """
 
-    @njit(nogil=True, cache=True, error_model="numpy")
     def walk(
         dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats, path_deg: Floats
     ) -> Floats:
@@ -175,7 +174,10 @@ def _compiled(count: int) -> Any:
         store(found[2], worst)
         return found
 
-    return walk
+    # Symbols of compiled code are made of this name and a number that counts functions by process: one from the cache
+    # and one compiled here may have the same number, and must not have the same name.
+    walk.__qualname__ = f"walk_of_{count}"
+    return njit(nogil=True, cache=True, error_model="numpy")(walk)
 
 
 _walk_of_one = _compiled(1)
