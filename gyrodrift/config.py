@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from gyrodrift.errors import ConfigError
 from gyrodrift.filter import HdrParams
-from gyrodrift.filters import FILTERS, HDR, Filter
+from gyrodrift.filters import FILTERS, HDR, Filter, Params
 from gyrodrift.restlevel.records import RestlevelParams
 from gyrodrift.yaml_file import Key, YamlFile, read_yaml
 
@@ -41,7 +41,7 @@ class Config:
         return FILTERS[self.filter]
 
     @property
-    def params(self) -> HdrParams | RestlevelParams:
+    def params(self) -> Params:
         """Its parameters."""
         return self.hdr if self.chosen is HDR else self.restlevel
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with hdr: parameters (default: published)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with parameters of our filters")
     parser.add_argument(
         "--train", type=Path, action="append", default=[], metavar="PATH", help="tune every method on these too"
     )
