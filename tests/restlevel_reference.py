@@ -100,8 +100,8 @@ def first_told(h: Account, level: float, var: float, p: RestlevelParams) -> tupl
     h = replace(h, is_news=not h.knows or off > 3.0 * np.sqrt(h.cov[1, 1] + var))
     if h.knows:
         return told(h, level, var, (p.drift_dps_s * min(h.moved_s, 20.0)) ** 2)
-    narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.99)
-    wide = norm.logpdf(level, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.01)
+    narrow = norm.logpdf(level, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.97)
+    wide = norm.logpdf(level, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.03)
     far = max(1.0, level**2 / (9.0 * h.cov[1, 1]))
     cov = h.cov * np.array([[1.0, far], [far, far]])
     found, _ = told(replace(h, cov=cov), level, var, 0.0)
@@ -128,27 +128,36 @@ class Reading:
     noise: float = -1.0
     before: float = -1.0
     density: float = -1.0
+    quiet: int = 0
+    is_measured: bool = False
     plateau: list[float] = field(default_factory=list)
     level: float = 0.0
     last: float = 0.0
     at_start: bool = False
     left: int = 10**9
     left_level: float = 0.0
+    is_gentle: bool = False
 
     def is_quiet(self, b: Block) -> bool:
         """And the noise follows."""
         variance = max(b.variance, 0.25 * b.resolution_dps**2, 1e-12)
         error = np.sqrt(2.0 / b.samples)
-        limit = 1.0 + self.p.quiet * error
         if self.noise < 0.0:
-            self.noise, self.density = variance, 2.0 * variance / b.samples * b.seconds
-        elif max(variance, self.before) < self.noise * np.exp(-4.5 * error):
+            self.noise = variance
+        limit = 1.0 + self.p.quiet * error * np.sqrt(1.0 + 1.0 / max(self.quiet, 1))
+        if max(variance, self.before) < self.noise * np.exp(-4.5 * error):
             self.noise = max(variance, self.before)
         elif variance < self.noise * limit:
-            self.noise *= (variance / self.noise) ** 0.05
+            self.quiet = min(self.quiet + 1, 20)
+            if self.quiet == 20:
+                self.noise *= (variance / self.noise) ** 0.05
+            else:
+                self.noise += (variance - self.noise) / self.quiet
         else:
             self.noise *= 1.0 + 0.001 * b.seconds
         self.before = variance
+        if not self.is_measured:
+            self.density = 2.0 * self.noise * b.seconds / b.samples
         return bool(variance < self.noise * limit)
 
     def follow(self, b: Block, mean_dps: float, *, is_first: bool) -> None:
@@ -163,14 +172,14 @@ class Reading:
         else:
             self.plateau.append(mean_dps)
             a = self.plateau
-            if len(a) == 4 and abs(0.5 * (a[3] + a[2] - a[1] - a[0])) >= 3.0 * np.sqrt(var + 4.0 * drift**2):
+            if len(a) == 5 and abs(0.5 * (a[4] + a[3] - a[1] - a[0])) >= 2.0 * np.sqrt(var + 4.0 * drift**2):
                 self.plateau = []
         self.left += 1
-        if was >= 4 > len(self.plateau):
+        if was >= 5 > len(self.plateau):
             self.left, self.left_level = 1, level_was
-            is_gentle = is_quiet and abs(mean_dps - self.last) < 0.4 * b.seconds
+            self.is_gentle = is_quiet and abs(mean_dps - self.last) < 0.4 * b.seconds
             for h in self.accounts:
-                h.weight *= 0.05 if is_gentle and h.rests and h.is_news else 1.0
+                h.weight *= 0.002 if self.is_gentle and h.rests and h.is_news else 1.0
             self.normalise()
 
     def pass_through(self, b: Block) -> None:
@@ -199,22 +208,26 @@ class Reading:
         resting = sum(h.weight for h in self.accounts if h.rests)
         for k, h in enumerate(self.accounts):
             if h.rests:
-                is_news = h.is_news and len(self.plateau) < 20
+                is_news = h.is_news and len(self.plateau) * b.seconds < 8.0
                 self.accounts[k], _ = told(replace(h, is_news=is_news), mean_dps, var, drift**2)
+        self.is_measured = self.is_measured or resting > 0.5
         found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.density)
         self.density += 0.05 * resting * (found - self.density)
 
     def confirm(self, b: Block) -> None:
         """The plateau is one: it is the one before, or every account has two sequels."""
-        var = self.density / (4.0 * b.seconds)
-        spread = np.sqrt(self.density / b.seconds * 0.35 + (self.p.drift_dps_s * b.seconds * self.left) ** 2)
-        if self.left <= 7 and abs(self.level - self.left_level) < 4.0 * spread:
+        var = self.density / (5.0 * b.seconds)
+        spread = np.sqrt(self.density / b.seconds * 0.3 + (self.p.drift_dps_s * b.seconds * self.left) ** 2)
+        if self.left <= 15 and abs(self.level - self.left_level) < 4.0 * spread:
             self.accounts = [
                 replace(first_told(entered(h), self.level, var, self.p)[0], rests=True, is_news=h.is_news)
                 if h.rested
                 else h
                 for h in self.accounts
             ]
+            for h in self.accounts:
+                h.weight /= 0.002 if self.is_gentle and h.rests and h.is_news else 1.0
+            self.normalise()
             return
         share = self.p.still_start if self.at_start else self.p.rest_share
         odds = share / (1.0 - share) / 0.03
@@ -223,9 +236,7 @@ class Reading:
             back = replace(entered(h), rested=False)
             found, likely = first_told(back, self.level, var, self.p)
             place = min(set(range(12)) - {other.place for other in everyone})
-            weight = h.weight * odds * np.exp(likely)
-            weight *= 1.0 if h.knows or self.at_start else 0.05
-            everyone.append(replace(found, rests=True, place=place, weight=weight))
+            everyone.append(replace(found, rests=True, place=place, weight=h.weight * odds * np.exp(likely)))
         self.accounts = tidied(sorted(everyone, key=lambda h: h.place))
 
 
@@ -235,13 +246,13 @@ def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Fl
     rows = []
     for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
         mean_dps = b.turned_deg / b.seconds
-        reading.follow(b, mean_dps, is_first=number < 3)
+        reading.follow(b, mean_dps, is_first=number < 10)
         reading.pass_through(b)
-        if len(reading.plateau) > 4:
+        if len(reading.plateau) > 5:
             reading.rest_on(b, mean_dps)
         if len(reading.plateau) > 1:
             reading.level += (mean_dps - reading.level) / min(len(reading.plateau), 10)
-        if len(reading.plateau) == 4:
+        if len(reading.plateau) == 5:
             reading.confirm(b)
         reading.last = mean_dps
         rows.append((b.end, *summary(reading.accounts)))

@@ -8,7 +8,7 @@ of the bias, which takes back what a wrong bias has made of yaw since the rest b
 
 from math import exp, log, pi, sqrt
 
-from gyrodrift.restlevel.blocks import CONFIRMED, LONG
+from gyrodrift.restlevel.blocks import CONFIRMED
 from gyrodrift.restlevel.records import MOST, Account, RestlevelCoefficients, RestlevelState
 
 LEAST_WEIGHT = 1e-9
@@ -16,16 +16,16 @@ LEAST_WEIGHT = 1e-9
 DRIFT_SHARE = 0.3
 """How often the bias has drifted fast since the rest before, rather than walked."""
 
-DOUBT = 0.05
+DOUBT = 0.002
 """What is left of the probability of a short rest at a new level that was left gently: a curve, even for once."""
 
-UNKNOWN = 0.05
-"""A first rest is believed so much less: it has to come back."""
+LONG_S = 8.0
+"""A rest of this length is not short."""
 
 LONGEST_DRIFT_S = 20.0
 """A fast drift does not last longer than this."""
 
-WIDE_SHARE = 0.01
+WIDE_SHARE = 0.03
 WIDE_FACTOR = 16.0
 """Of parts whose bias at power-on is far out, and how much larger its variance is."""
 
@@ -55,7 +55,7 @@ def enter_plateau(s: RestlevelState) -> None:
 def leave_plateau(s: RestlevelState) -> None:
     """Nothing stands still any more."""
     for h in s.accounts:
-        if h.rests and h.is_news and s.left_gently:
+        if h.rests and _is_doubtful(s, h):
             h.weight *= DOUBT
         h.rested = h.rests
         h.rests = False
@@ -96,8 +96,6 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         rest.knows_bias = h.knows_bias
         rest.rests, rest.rested = True, False
         rest.weight = h.weight * odds_dps * exp(_learn_first(c, rest, level_dps, level_var))
-        if not (h.knows_bias or s.plateau_from_start):
-            rest.weight *= UNKNOWN
     _tidy(s)
 
 
@@ -109,6 +107,9 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
             _go_back(h, h)
             _learn_first(c, h, s.plateau_level_dps, s.density_var / (seconds * CONFIRMED))
             h.rests, h.is_news = True, was_news
+            if _is_doubtful(s, h):
+                h.weight /= DOUBT
+    _normalise(s)
 
 
 def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float) -> None:
@@ -120,10 +121,11 @@ def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_
         if h.weight == 0.0 or not h.rests:
             continue
         resting += h.weight
-        if s.plateau_blocks >= LONG:
+        if s.plateau_blocks * seconds >= LONG_S:
             h.is_news = False
         _learn(h, level_dps, level_var, drift_var)
         h.moved_s = 0.0
+    s.knows_density = s.knows_density or resting > 0.5
     found = min(0.5 * step_dps * step_dps * seconds, SURPRISE * s.density_var)
     s.density_var += DENSITY_GAIN * resting * (found - s.density_var)
 
@@ -159,6 +161,11 @@ def summarise(s: RestlevelState) -> None:
     s.bias_sigma_dps = sqrt(max(0.0, bias_var))
     s.confidence = top
     s.rest_probability = resting
+
+
+def _is_doubtful(s: RestlevelState, h: Account) -> bool:
+    """Whether the last plateau may have been a curve rather than a rest, for an account that takes it for a rest."""
+    return h.is_news and s.left_gently
 
 
 def _go_back(h: Account, to: Account) -> None:

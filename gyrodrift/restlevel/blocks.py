@@ -9,26 +9,26 @@ LEAST_SAMPLES = 6
 
 LEAST_VAR = 1e-12
 
-CONFIRMED = 4
+CONFIRMED = 5
 """Blocks after which a plateau is one: the turning point of a gentle curve is over by then."""
 
 LEVEL_SIGMAS = 4.0
 """A block whose mean is further from the level than this begins another plateau."""
 
-EVEN_SIGMAS = 3.0
-"""The two halves of a plateau that is to be confirmed may differ by this."""
-
-LONG = 20
-"""Blocks after which a rest is beyond doubt."""
+EVEN_SIGMAS = 2.0
+"""The two ends of a plateau that is to be confirmed may differ by this: a curve's do."""
 
 GENTLE_DPS_S = 0.4
 """A plateau that is left by less than this, deg/s², with nothing but its level changing, is left gently."""
 
-RESUMED = 3
+RESUMED = 10
 """A level that comes back within so many blocks has not been away; one that begins by then began at the start."""
 
 REMEMBERED = 10
 """Blocks that the level of a plateau is the mean of."""
+
+FEW = 20
+"""Up to so many quiet blocks the noise is their mean, and itself uncertain; later it follows."""
 
 NOISE_GAIN = 0.05
 NOISE_RISE = 0.001
@@ -48,17 +48,22 @@ def is_quiet(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> boo
     resolution_var = 0.25 * s.least_step_dps * s.least_step_dps if s.least_step_dps > 0.0 else 0.0
     variance = max(s.block_squares / s.block_samples - mean * mean, resolution_var, LEAST_VAR)
     error = sqrt(2.0 / s.block_samples)  # of a variance, relative
-    limit = 1.0 + c.quiet * error
     if s.noise_var < 0.0:
         s.noise_var = variance
-        s.density_var = 2.0 * variance / s.block_samples * seconds
-    elif max(variance, s.variance_before) < s.noise_var * exp(-DROP_SIGMAS * error):
+    limit = 1.0 + c.quiet * error * sqrt(1.0 + 1.0 / max(s.quiet_blocks, 1))
+    if max(variance, s.variance_before) < s.noise_var * exp(-DROP_SIGMAS * error):
         s.noise_var = max(variance, s.variance_before)
     elif variance < s.noise_var * limit:
-        s.noise_var *= (variance / s.noise_var) ** NOISE_GAIN
+        s.quiet_blocks = min(s.quiet_blocks + 1, FEW)
+        if s.quiet_blocks < FEW:
+            s.noise_var += (variance - s.noise_var) / s.quiet_blocks
+        else:
+            s.noise_var *= (variance / s.noise_var) ** NOISE_GAIN
     else:
         s.noise_var *= 1.0 + NOISE_RISE * seconds
     s.variance_before = variance
+    if not s.knows_density:
+        s.density_var = 2.0 * s.noise_var / s.block_samples * seconds
     return variance < s.noise_var * limit
 
 

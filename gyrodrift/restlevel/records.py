@@ -40,7 +40,7 @@ class RestlevelParams:
     quiet: Annotated[float, Gt(0.0), Le(100.0)] = 5.0
     turn_on_dps: Annotated[float, Gt(0.0), Le(1000.0)] = 0.5
     walk_dps_rts: Annotated[float, Ge(0.0), Le(10.0)] = 0.0005
-    drift_dps_s: Annotated[float, Ge(0.0), Le(10.0)] = 0.008
+    drift_dps_s: Annotated[float, Ge(0.0), Le(10.0)] = 0.004
     still_start: Annotated[float, Ge(0.0), Lt(1.0)] = 0.99
     rest_share: Annotated[float, Ge(0.0), Lt(1.0)] = 0.2
     scale_percent: Annotated[float, Ge(0.0), Le(100.0)] = 1.0
@@ -131,6 +131,9 @@ class RestlevelState:
     noise_var, variance_before, least_step_dps, density_var
         Of the sensor itself: variance of samples at rest; variance of the last block; smallest step between two
         samples, which is the resolution; variance of a block's mean times its length, (deg/s)²·s. −1 until known.
+    quiet_blocks, knows_density
+        Blocks that the noise is known from, up to 20; whether the density has been seen at a rest, or is only what
+        white noise would make it.
     blocks
         Ended so far.
     plateau_*
@@ -162,6 +165,8 @@ class RestlevelState:
     variance_before: float = -1.0
     least_step_dps: float = -1.0
     density_var: float = -1.0
+    quiet_blocks: int = 0
+    knows_density: bool = False
     blocks: int = 0
     plateau_blocks: int = 0
     plateau_level_dps: float = 0.0
