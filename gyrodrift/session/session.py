@@ -67,12 +67,12 @@ def load_session(path: Path) -> Session:
 def session_paths(paths: Iterable[Path]) -> list[Path]:
     """The sessions that paths stand for: a file is itself, a folder the sessions in it by name.
 
-    Other files in a folder, and hidden ones, are passed over.
+    A folder without sessions stands for those of the folders in it. Other files, and hidden ones, are passed over.
 
     Raises
     ------
     DataError
-        Where a path does not exist, or a folder holds no session.
+        Where a path does not exist, or a folder holds no session, nor any folder in it.
     """
     found: list[Path] = []
     for path in paths:
@@ -81,8 +81,16 @@ def session_paths(paths: Iterable[Path]) -> list[Path]:
                 raise DataError(f"{path}: there is no such session or folder")
             found.append(path)
             continue
-        inside = sorted(p for p in path.iterdir() if p.suffix in ENDINGS and not p.name.startswith("."))
+        inside = _sessions_in(path) or [p for each in _seen_in(path) if each.is_dir() for p in _sessions_in(each)]
         if not inside:
             raise DataError(f"{path}: there are no sessions in this folder; they end in {' or '.join(ENDINGS)}")
         found += inside
     return list(dict.fromkeys(found))
+
+
+def _seen_in(folder: Path) -> list[Path]:
+    return sorted(p for p in folder.iterdir() if not p.name.startswith("."))
+
+
+def _sessions_in(folder: Path) -> list[Path]:
+    return [p for p in _seen_in(folder) if p.suffix in ENDINGS]

@@ -31,3 +31,12 @@ def test_nothing_there_is_told(folder: Path, name: str, message: str) -> None:
     """By its path."""
     with pytest.raises(DataError, match=message):
         session_paths([folder / name])
+
+
+def test_a_folder_of_folders_is_the_sessions_in_those(folder: Path) -> None:
+    """Where it holds none of its own: a set of cases, a folder each."""
+    deeper = folder / "empty" / "case"
+    deeper.mkdir()
+    (deeper / "a.mcap").touch()
+    assert session_paths([folder / "empty"]) == [deeper / "a.mcap"]
+    assert len(session_paths([folder])) == 2
