@@ -130,6 +130,7 @@ class Reading:
     density: float = -1.0
     quiet: int = 0
     is_measured: bool = False
+    flicker: float = 0.0
     plateau: list[float] = field(default_factory=list)
     level: float = 0.0
     last: float = 0.0
@@ -137,6 +138,7 @@ class Reading:
     left: int = 10**9
     left_level: float = 0.0
     is_gentle: bool = False
+    was_long: bool = False
 
     def is_quiet(self, b: Block) -> bool:
         """And the noise follows."""
@@ -164,7 +166,7 @@ class Reading:
         """The plateau grows, begins or ends."""
         was, level_was, is_quiet = len(self.plateau), self.level, self.is_quiet(b)
         var, drift = self.density / b.seconds, self.p.drift_dps_s * b.seconds
-        spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + drift**2)
+        spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + drift**2 + self.flicker)
         if not is_quiet:
             self.plateau = []
         elif not self.plateau or abs(mean_dps - self.level) >= 4.0 * spread:
@@ -176,7 +178,7 @@ class Reading:
                 self.plateau = []
         self.left += 1
         if was >= 5 > len(self.plateau):
-            self.left, self.left_level = 1, level_was
+            self.left, self.left_level, self.was_long = 1, level_was, was * b.seconds >= 15.0
             self.is_gentle = is_quiet and abs(mean_dps - self.last) < 0.4 * b.seconds
             for h in self.accounts:
                 h.weight *= 0.002 if self.is_gentle and h.rests and h.is_news else 1.0
@@ -206,6 +208,10 @@ class Reading:
         """Accounts of rest learn."""
         var, drift = self.density / b.seconds, self.p.drift_dps_s * b.seconds
         resting = sum(h.weight for h in self.accounts if h.rests)
+        resters = [h for h in self.accounts if h.rests]
+        beyond = [(mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker for h in resters]
+        pull = sum(h.weight * min(b, 4.0 * (var + self.flicker)) for h, b in zip(resters, beyond, strict=True))
+        self.flicker = max(0.0, self.flicker + 0.002 * pull)
         for k, h in enumerate(self.accounts):
             if h.rests:
                 is_news = h.is_news and len(self.plateau) * b.seconds < 8.0
@@ -217,8 +223,10 @@ class Reading:
     def confirm(self, b: Block) -> None:
         """The plateau is one: it is the one before, or every account has two sequels."""
         var = self.density / (5.0 * b.seconds)
-        spread = np.sqrt(self.density / b.seconds * 0.3 + (self.p.drift_dps_s * b.seconds * self.left) ** 2)
-        if self.left <= 15 and abs(self.level - self.left_level) < 4.0 * spread:
+        spread = np.sqrt(
+            self.density / b.seconds * 0.3 + (self.p.drift_dps_s * b.seconds * self.left) ** 2 + self.flicker
+        )
+        if self.left <= 15 and abs(self.level - self.left_level) < (6.0 if self.was_long else 4.0) * spread:
             self.accounts = [
                 replace(first_told(entered(h), self.level, var, self.p)[0], rests=True, is_news=h.is_news)
                 if h.rested

@@ -19,8 +19,8 @@ DRIFT_SHARE = 0.3
 DOUBT = 0.002
 """What is left of the probability of a short rest at a new level that was left gently: a curve, even for once."""
 
-LONG_S = 8.0
-"""A rest of this length is not short."""
+SHORT_S = 8.0
+"""A rest of this length is no longer short."""
 
 LONGEST_DRIFT_S = 20.0
 """A fast drift does not last longer than this."""
@@ -32,6 +32,10 @@ WIDE_FACTOR = 16.0
 DENSITY_GAIN = 0.05
 SURPRISE = 9.0
 """A squared step between two blocks at rest counts up to this many times what is expected."""
+
+FLICKER_GAIN = 0.002
+FLICKER_SURPRISE = 4.0
+"""The same for flicker, which is learned over minutes: in seconds the slide of a gentle curve looks like it."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
@@ -116,15 +120,19 @@ def rest_on(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_
     """A confirmed plateau goes on: accounts of rest learn."""
     level_var = s.density_var / seconds
     drift_var = c.drift_dps_s * c.drift_dps_s * seconds * seconds
-    resting = 0.0
+    resting = flicker_var = 0.0
     for h in s.accounts:
         if h.weight == 0.0 or not h.rests:
             continue
         resting += h.weight
-        if s.plateau_blocks * seconds >= LONG_S:
+        if s.plateau_blocks * seconds >= SHORT_S:
             h.is_news = False
+        off_dps = level_dps - h.bias_dps
+        beyond_var = off_dps * off_dps - h.bias_var - level_var - s.flicker_var
+        flicker_var += h.weight * min(beyond_var, FLICKER_SURPRISE * (level_var + s.flicker_var))
         _learn(h, level_dps, level_var, drift_var)
         h.moved_s = 0.0
+    s.flicker_var = max(0.0, s.flicker_var + FLICKER_GAIN * flicker_var)
     s.knows_density = s.knows_density or resting > 0.5
     found = min(0.5 * step_dps * step_dps * seconds, SURPRISE * s.density_var)
     s.density_var += DENSITY_GAIN * resting * (found - s.density_var)

@@ -24,6 +24,10 @@ GENTLE_DPS_S = 0.4
 RESUMED = 10
 """A level that comes back within so many blocks has not been away; one that begins by then began at the start."""
 
+LONG_S = 15.0
+LONG_SIGMAS = 6.0
+"""After a plateau of this length the level may come back as far off as this: a bias that jumped, rather than a spin."""
+
 REMEMBERED = 10
 """Blocks that the level of a plateau is the mean of."""
 
@@ -91,6 +95,7 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
     s.plateau_last_dps = level_dps
     if blocks_before >= CONFIRMED > s.plateau_blocks:
         s.left_level_dps, s.left_blocks = level_before_dps, 0
+        s.left_long = blocks_before * seconds >= LONG_S
         s.left_gently = is_now_quiet and abs(step_dps) < GENTLE_DPS_S * seconds
     s.left_blocks += 1
 
@@ -99,11 +104,12 @@ def goes_on(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool
     """Whether a plateau that has just been confirmed is the one before."""
     level_var = s.density_var / seconds
     drift_dps = c.drift_dps_s * seconds * s.left_blocks
-    spread = level_var * (1.0 / CONFIRMED + 1.0 / REMEMBERED) + drift_dps * drift_dps
+    spread = level_var * (1.0 / CONFIRMED + 1.0 / REMEMBERED) + drift_dps * drift_dps + s.flicker_var
+    sigmas = LONG_SIGMAS if s.left_long else LEVEL_SIGMAS
     off_dps = s.plateau_level_dps - s.left_level_dps
-    return s.left_blocks <= RESUMED + CONFIRMED and abs(off_dps) < LEVEL_SIGMAS * sqrt(spread)
+    return s.left_blocks <= RESUMED + CONFIRMED and abs(off_dps) < sigmas * sqrt(spread)
 
 
 def _is_level(s: RestlevelState, level_dps: float, level_var: float, drift_dps: float) -> bool:
-    spread = level_var * (1.0 + 1.0 / min(s.plateau_blocks, REMEMBERED)) + drift_dps * drift_dps
+    spread = level_var * (1.0 + 1.0 / min(s.plateau_blocks, REMEMBERED)) + drift_dps * drift_dps + s.flicker_var
     return abs(level_dps - s.plateau_level_dps) < LEVEL_SIGMAS * sqrt(spread)

@@ -134,13 +134,16 @@ class RestlevelState:
     quiet_blocks, knows_density
         Blocks that the noise is known from, up to 20; whether the density has been seen at a rest, or is only what
         white noise would make it.
+    flicker_var
+        By how much levels at rest wander beyond that within seconds, (deg/s)².
     blocks
         Ended so far.
     plateau_*
         Constant rate: its blocks so far, 0 for none; its level now; the first two levels and the last; whether it
         began at the start.
-    left_level_dps, left_gently, left_blocks
-        Level of the last plateau that was confirmed, whether it ended gently, and the blocks since it ended.
+    left_level_dps, left_gently, left_long, left_blocks
+        Level of the last plateau that was confirmed, whether it ended gently and had been a long one, and the blocks
+        since it ended.
     base_*
         The accounts taken together as the block began: yaw, its variances.
     """
@@ -167,6 +170,7 @@ class RestlevelState:
     density_var: float = -1.0
     quiet_blocks: int = 0
     knows_density: bool = False
+    flicker_var: float = 0.0
     blocks: int = 0
     plateau_blocks: int = 0
     plateau_level_dps: float = 0.0
@@ -175,6 +179,7 @@ class RestlevelState:
     plateau_from_start: bool = False
     left_level_dps: float = 0.0
     left_gently: bool = False
+    left_long: bool = False
     left_blocks: int = 1 << 30
     base_yaw_deg: float = 0.0
     base_yaw_var: float = 0.0

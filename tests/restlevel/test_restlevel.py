@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from restlevel_reference import reference
+from scipy.signal import lfilter
 from support import Recordings
 
 from gyrodrift.restlevel.records import MOST, RestlevelParams, RestlevelState
@@ -200,6 +201,36 @@ def test_yaw_stands_still_in_a_long_rest_while_the_bias_drifts() -> None:
     yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
     assert np.abs(yaw_deg[200:]).max() < 0.5
     assert np.abs(found_dps - bias_dps)[1000:].max() < 0.05
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_bias_that_flickers_is_not_a_spin(seed: int) -> None:
+    """An hour at rest; wobbles of seconds to minutes, larger than what the noise makes of a block."""
+    dice, bias_dps = np.random.default_rng(seed), np.full(360_000, 0.2)
+    for memory_s in (1.0, 5.0, 25.0, 125.0):
+        kept = np.exp(-1.0 / (RATE_HZ * memory_s))
+        shocks = dice.normal(0.0, 0.008 * np.sqrt(1.0 - kept**2), len(bias_dps))
+        bias_dps += lfilter([1.0], [1.0, -kept], shocks)
+    t_s, rate_dps, _ = measured(np.zeros(360_000), bias_dps, seed)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg[200:]).max() < 1.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_rest_at_the_start_is_found_whatever_chance_does_to_its_first_blocks(seed: int) -> None:
+    """The noise is known from few samples then; ten seconds at rest are enough to tell a slow spin by."""
+    t_s, rate_dps, true_deg = measured(held((0.0, 10.0), (1.5, 60.0)), 0.5, seed)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg)[1000:].max() < 2.0
+
+
+def test_what_is_left_gently_after_a_second_or_two_was_a_curve() -> None:
+    """A vehicle that is under way when the device is switched on: the ends of its curves are no rests."""
+    t_s = np.arange(12_000) / RATE_HZ
+    curves_dps = 0.9 + 3.0 * np.cos(2.0 * np.pi * t_s / 25.0) + 1.5 * np.cos(2.0 * np.pi * t_s / 17.3)
+    t_s, rate_dps, true_deg = measured(curves_dps, 0.1)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert abs(yaw_deg - true_deg)[-1] < 1.5 * 0.1 * t_s[-1]
 
 
 def test_one_that_does_not_know_says_so() -> None:
