@@ -24,8 +24,7 @@ from firmware_sim.motion import Ambient, Profile, Segment
 from firmware_sim.rig import Base, Rig
 from firmware_sim.segments import Drive, Hold, Ramp, Rest
 from gyrodrift.files import write_whole
-from gyrodrift.session.write import write_session
-from gyrodrift.simulate import Simulation, rig_yaml
+from gyrodrift.simulate import Simulation, rig_yaml, write_simulation
 
 STILL_S = 10.0
 SESSIONS = 10
@@ -217,13 +216,8 @@ def write_hard_cases(
 
 def _write(place: Path, simulated: Simulation, ending: str) -> Path:
     name = f"session-{simulated.number + 1:02d}"
-    rig = rig_yaml(simulated.rig)
-    write_whole(place / f"{name}.rig.yaml", [rig])
-    about = {
-        "simulation": {"rig": rig, "seed": str(simulated.seed), "session": str(simulated.number)},
-        "device": {"device_id": f"{place.name}-{simulated.number + 1:02d}"},
-    }
-    write_session(place / f"{name}.{ending}", simulated.chunks(), about)
+    write_whole(place / f"{name}.rig.yaml", [rig_yaml(simulated.rig)])
+    write_simulation(place / f"{name}.{ending}", simulated, f"{place.name}-{simulated.number + 1:02d}")
     return place / f"{name}.{ending}"
 
 

@@ -69,9 +69,17 @@ def write_sessions(
     write_whole(folder / "rig.yaml", [rig_yaml(rig)])
     for number in range(sessions):
         path = folder / f"session-{number + 1:02d}.{ending}"
-        about = {"simulation": {"rig": rig_yaml(rig), "seed": str(seed), "session": str(number)}}
-        write_session(path, Simulation(rig, profile, seed, number, minutes).chunks(), about)
+        write_simulation(path, Simulation(rig, profile, seed, number, minutes))
         yield path
+
+
+def write_simulation(path: Path, simulated: Simulation, device_id: str | None = None) -> None:
+    """Write one session, with all that it takes to simulate it again."""
+    rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)
+    about = {"simulation": {"rig": rig, "seed": seed, "session": number}}
+    if device_id is not None:
+        about["device"] = {"device_id": device_id}
+    write_session(path, simulated.chunks(), about)
 
 
 def rig_yaml(rig: Rig) -> str:

@@ -184,9 +184,7 @@ def _compared(work: _Work) -> Compared:
 
 
 def _curves(recording: Recording, yaws_deg: Sequence[Floats]) -> Curves:
-    """Every so manieth sample that has a reference."""
-    known = np.flatnonzero(np.isfinite(recording.course.reference_deg))
-    at = known[np.unique(np.linspace(0, len(known) - 1, CURVE_POINTS).astype(np.int64))]
+    at = recording.course.drawn_at(CURVE_POINTS)
     minutes = (recording.t_s[at] - recording.t_s[0]) / 60.0
     return Curves(minutes, recording.course.reference_deg[at], np.array([yaw_deg[at] for yaw_deg in yaws_deg]))
 

@@ -16,6 +16,7 @@ from gyrodrift.page.svg import (
     PLAIN,
     QUIET,
     ROLES,
+    SIX,
     STEPS,
     THREE,
     TUNED,
@@ -33,7 +34,8 @@ COLOURS = {
     "start": QUIET,
     "sign": TWO,
     "kalman": THREE,
-    "hdr": TUNED,
+    "hdr": SIX,
+    "restlevel": TUNED,
     "xio": FOUR,
     "vqf": FIVE,
     "vqf_offline": FIVE,
@@ -57,8 +59,8 @@ class Look:
 
 
 def look_of(entry: Entry) -> Look:
-    """A method without a colour of its own is drawn in ink."""
-    return Look(COLOURS.get(entry.method.key, INK), "--" if entry.method.is_offline else "-")
+    """By method; offline ones are dashed."""
+    return Look(COLOURS[entry.method.key], "--" if entry.method.is_offline else "-")
 
 
 def session_svgs(sessions: Sequence[Compared], entries: Sequence[Entry], shown: Sequence[int], name: str) -> list[str]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.compare.method import Params
-from gyrodrift.compare.plain import steps_s
+from gyrodrift.compare.plain import mean_step_s, steps_s
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.kernel import euler
 
@@ -12,8 +12,8 @@ def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     """Yaw of the rates that `imufusion.Bias` gives back for (0, 0, rate), deg, shape (n,)."""
     from imufusion import Bias, BiasSettings  # noqa: PLC0415 - not everybody has it
 
-    mean_hz = (len(t_s) - 1) / float(t_s[-1] - t_s[0])
-    bias = Bias().set_settings(BiasSettings(mean_hz, params["stationary_threshold"], params["stationary_period"]))
+    settings = BiasSettings(1.0 / mean_step_s(t_s), params["stationary_threshold"], params["stationary_period"])
+    bias = Bias().set_settings(settings)
     axes = np.zeros((len(rate_dps), 3))
     axes[:, 2] = rate_dps
     # It answers in 32-bit floats: what it took off is small, so that is kept, and the rate keeps its digits.

@@ -12,6 +12,11 @@ def steps_s(t_s: Floats) -> Floats:
     return np.diff(t_s, prepend=t_s[0])
 
 
+def mean_step_s(t_s: Floats) -> float:
+    """Mean distance of the samples, s: for packages that take all to be equally far apart."""
+    return float(t_s[-1] - t_s[0]) / (len(t_s) - 1)
+
+
 def run_euler(t_s: Floats, rate_dps: Floats, _params: Params) -> Floats:
     """Yaw of the rate as it is, deg, shape (n,)."""
     return euler(steps_s(t_s), rate_dps)

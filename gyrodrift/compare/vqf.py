@@ -7,7 +7,7 @@ disturbance rejection", Information Fusion 91, 2023, DOI 10.1016/j.inffus.2022.1
 import numpy as np
 
 from gyrodrift.compare.method import Params
-from gyrodrift.compare.plain import steps_s
+from gyrodrift.compare.plain import mean_step_s, steps_s
 from gyrodrift.session.session import Floats
 from gyrodrift.tune.kernel import euler
 
@@ -23,7 +23,7 @@ def run_vqf(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     """
     from vqf import VQF  # noqa: PLC0415 - not everybody has it
 
-    learnt = VQF(_mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
+    learnt = VQF(mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
     return _without(t_s, rate_dps, learnt["bias"])
 
 
@@ -31,12 +31,8 @@ def run_vqf_offline(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     """The same with a bias that was learnt forwards and backwards."""
     from vqf import offlineVQF  # noqa: PLC0415
 
-    learnt = offlineVQF(*_as_imu(rate_dps), None, _mean_step_s(t_s), dict(params))
+    learnt = offlineVQF(*_as_imu(rate_dps), None, mean_step_s(t_s), dict(params))
     return _without(t_s, rate_dps, learnt["bias"])
-
-
-def _mean_step_s(t_s: Floats) -> float:
-    return float(t_s[-1] - t_s[0]) / (len(t_s) - 1)
 
 
 def _as_imu(rate_dps: Floats) -> tuple[Floats, Floats]:

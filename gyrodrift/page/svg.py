@@ -18,7 +18,7 @@ from gyrodrift.page.numbers import factor_label
 Floats = NDArray[np.float64]
 
 INK, QUIET, GRID, PLAIN, TUNED, TWO = "#101112", "#606162", "#d0d1d2", "#c05012", "#1060b2", "#703092"
-THREE, FOUR, FIVE = "#1f7a4c", "#94740e", "#b0226e"
+THREE, FOUR, FIVE, SIX = "#1f7a4c", "#94740e", "#b0226e", "#0b7285"
 ROLES = {
     INK: "ink",
     QUIET: "quiet",
@@ -29,6 +29,7 @@ ROLES = {
     THREE: "three",
     FOUR: "four",
     FIVE: "five",
+    SIX: "six",
 }
 """Each colour stands for a variable of the page's style sheet, so that figures follow light, dark and paper."""
 

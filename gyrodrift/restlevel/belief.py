@@ -212,30 +212,19 @@ def _learn(h: Account, level_dps: float, level_var: float, drift_var: float) -> 
     """
     half_s = 0.5 * h.moved_s
     off_dps = level_dps - h.bias_dps
-    walked_var, drifted_var = h.bias_var + level_var, h.bias_var + drift_var + level_var
-    walked, drifted = _log_density(off_dps, walked_var), _log_density(off_dps, drifted_var)
+    bias_var, covariance = h.bias_var + drift_var, h.covariance - drift_var * half_s
+    yaw_var = h.yaw_var + drift_var * half_s * half_s
+    walked, drifted = _log_density(off_dps, h.bias_var + level_var), _log_density(off_dps, bias_var + level_var)
     odds = exp(max(-700.0, min(walked - drifted, 700.0)))
     both = DRIFT_SHARE + (1.0 - DRIFT_SHARE) * odds
     share = DRIFT_SHARE / both
-
-    gain = h.bias_var / walked_var
-    yaw_gain_s = h.covariance / walked_var
-    a_bias_dps = gain * off_dps
-    a_yaw_deg = yaw_gain_s * off_dps
-    a_bias_var = h.bias_var * (1.0 - gain)
-    a_covariance = h.covariance * (1.0 - gain)
-    a_yaw_var = h.yaw_var - yaw_gain_s * h.covariance
-
-    bias_var = h.bias_var + drift_var
-    covariance = h.covariance - drift_var * half_s
-    gain = bias_var / drifted_var
-    yaw_gain_s = covariance / drifted_var
-    b_bias_dps = gain * off_dps
-    b_yaw_deg = yaw_gain_s * off_dps
-    b_bias_var = bias_var * (1.0 - gain)
-    b_covariance = covariance * (1.0 - gain)
-    b_yaw_var = h.yaw_var + drift_var * half_s * half_s - yaw_gain_s * covariance
-
+    a_gain, a_yaw_gain_s = _gains(h.bias_var, h.covariance, level_var)
+    b_gain, b_yaw_gain_s = _gains(bias_var, covariance, level_var)
+    a_bias_dps, a_yaw_deg = a_gain * off_dps, a_yaw_gain_s * off_dps
+    b_bias_dps, b_yaw_deg = b_gain * off_dps, b_yaw_gain_s * off_dps
+    a_bias_var, a_covariance = h.bias_var * (1.0 - a_gain), h.covariance * (1.0 - a_gain)
+    b_bias_var, b_covariance = bias_var * (1.0 - b_gain), covariance * (1.0 - b_gain)
+    a_yaw_var, b_yaw_var = h.yaw_var - a_yaw_gain_s * h.covariance, yaw_var - b_yaw_gain_s * covariance
     apart_dps, apart_deg = b_bias_dps - a_bias_dps, b_yaw_deg - a_yaw_deg
     h.bias_dps += a_bias_dps + share * apart_dps
     h.yaw_deg += a_yaw_deg + share * apart_deg
@@ -244,6 +233,11 @@ def _learn(h: Account, level_dps: float, level_var: float, drift_var: float) -> 
     h.covariance = a_covariance + share * (b_covariance - a_covariance) + mixed * apart_dps * apart_deg
     h.yaw_var = a_yaw_var + share * (b_yaw_var - a_yaw_var) + mixed * apart_deg * apart_deg
     return drifted + log(both)
+
+
+def _gains(bias_var: float, covariance: float, level_var: float) -> tuple[float, float]:
+    """How much of an innovation goes to the bias, and how much of it, in s, to yaw."""
+    return bias_var / (bias_var + level_var), covariance / (bias_var + level_var)
 
 
 def _tidy(s: RestlevelState) -> None:

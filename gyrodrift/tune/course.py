@@ -31,6 +31,12 @@ class Course:
     reference_deg: Floats
     minutes: float
 
+    def drawn_at(self, points: int) -> NDArray[np.int64]:
+        """Indices of at most so many of the samples that have a reference, evenly spread, for a figure."""
+        known = np.flatnonzero(np.isfinite(self.reference_deg))
+        drawn: NDArray[np.int64] = known[np.unique(np.linspace(0, len(known) - 1, points).astype(np.int64))]
+        return drawn
+
     @property
     def sample_rate_hz(self) -> float:
         """By the median step."""

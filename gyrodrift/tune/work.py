@@ -219,9 +219,7 @@ def _row(params: Params) -> Floats:
 
 
 def _curve(tunable: Tunable, course: Course, split: Split, params: Params) -> Curve:
-    """Thinned by taking every so manieth sample that has a reference."""
-    known = np.flatnonzero(np.isfinite(course.reference_deg))
-    at = known[np.unique(np.linspace(0, len(known) - 1, CURVE_POINTS).astype(np.int64))]
+    at = course.drawn_at(CURVE_POINTS)
     reference_deg = course.reference_deg[at]
     return Curve(
         name=course.name,
