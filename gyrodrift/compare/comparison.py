@@ -85,7 +85,7 @@ class Comparison:
     missing
         Methods that could not run, since their packages are not installed.
     train
-        Names of the sessions that the tuned entries were tuned on.
+        Names of the sessions that the tuned entries were tuned on, after that of their folder.
 
     Notes
     -----
@@ -131,12 +131,12 @@ def compare(asked: Asked) -> Comparison:
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
     entries = [Entry(method, method.defaults) for method in present]
     entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
-    sessions = _run(asked, entries)
+    sessions, trained_in = _run(asked, entries), folder_names(asked.train)
     return Comparison(
         entries=tuple(entries),
         missing=tuple(method for method in asked.methods if not method.is_installed),
         sessions=tuple(sessions),
-        train=tuple(one.about.name for one in train),
+        train=tuple(f"{folder}/{path.stem}" for folder, path in zip(trained_in, asked.train, strict=True)),
         iterations=asked.iterations,
         seed=asked.seed,
         notes=tuple(_notes(sessions, train)),

@@ -29,6 +29,9 @@ MEASURES = (
     "in deg², largest the largest absolute error in degrees; each is a mean over sessions."
 )
 
+NAMED = 6
+"""So many of the training sessions are named."""
+
 HOW = (
     "Yaw and reference are compared unwrapped, both from 0 at the first sample that has a reference; samples whose "
     "time does not advance are left out for all alike. Each method is given times and rates and no more; where a "
@@ -77,7 +80,9 @@ def _absences(comparison: Comparison) -> list[str]:
 def _tuning_words(comparison: Comparison) -> str:
     if not comparison.train:
         return "Every method ran with its defaults. Nothing is tuned: <code>--train</code> gives sessions to tune on."
-    names = ", ".join(map(text, comparison.train))
+    names = ", ".join(map(text, comparison.train[:NAMED]))
+    more = len(comparison.train) - NAMED
+    names += f" and {more} more" if more > 0 else ""
     return (
         f"Tuned rows: each method's own parameters, by the search that <code>tune</code> uses, {comparison.iterations} "
         f"evaluations and seed {comparison.seed} for each, on {names}; where the search ended above the defaults, "

@@ -1,4 +1,4 @@
-"""The picture of the README: what restlevel holds for possible in two minutes that begin in motion.
+"""The picture of the README: what restlevel holds for possible in a minute and a half that begins in motion.
 
 `python -m gyrodrift.restlevel.picture --out docs/restlevel.png` draws it; matplotlib comes with the workstation extra.
 """
@@ -75,6 +75,7 @@ def _biases(axes: Axes, t_s: np.ndarray, bias_dps: np.ndarray, accounts: list[tu
     axes.plot(t_s, bias_dps, color=BLUE, linewidth=1.2)
     axes.set(ylabel="bias, deg/s", title="grey: every account, as large as it is probable; dotted: the truth")
     axes.set_yscale("symlog", linthresh=1.0)
+    axes.set_yticks([-1.0, 0.0, 1.0, 10.0], ["−1", "0", "1", "10"])
 
 
 def _errors(axes: Axes, t_s: np.ndarray, plain_deg: np.ndarray, error_deg: np.ndarray, sigma_deg: np.ndarray) -> None:
