@@ -81,7 +81,7 @@ def test_every_method_is_told_of_with_what_it_ran_with(told: Path) -> None:
     assert [one["method"] for one in said["methods"] if one["offline"]] == ["vqf_offline"] * 2
     assert of(said["methods"], "hdr")["parameters"]["theta_w_dps"] == 0.5608
     assert of(said["methods"], "hdr", tuned=True)["parameters"]["theta_w_dps"] != 0.5608
-    assert said["train"] == ["table-0", "table-1"]
+    assert said["train"] == ["b/table-0", "b/table-1"]
 
 
 def test_tuning_makes_no_method_worse_where_it_was_tuned(told: Path) -> None:
