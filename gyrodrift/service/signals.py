@@ -1,15 +1,19 @@
-"""SIGINT and SIGTERM as something a loop can wait on, so that nothing is interrupted half way."""
+"""SIGINT, SIGTERM and SIGHUP as something a loop can wait on, so that nothing is interrupted half way."""
 
 import os
 import signal
 from types import TracebackType
 from typing import Self
 
+OUTPUTS = (1, 2)
+
 
 class StopSignal:
-    """From entering to leaving, the two signals only set `is_set` and make `fd` readable."""
+    """From entering to leaving, the signals only set `is_set` and make `fd` readable.
 
-    NUMBERS = (signal.SIGINT, signal.SIGTERM)
+    With SIGHUP the terminal is gone, and what is still said to it goes nowhere. Where SIGHUP is ignored, as nohup asks
+    for, it stays so.
+    """
 
     def __init__(self) -> None:
         self.is_set = False
@@ -17,18 +21,27 @@ class StopSignal:
 
     def __enter__(self) -> Self:
         self.fd, self._write_fd = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        self._terminals = [fd for fd in OUTPUTS if os.isatty(fd)]
         self._old_fd = signal.set_wakeup_fd(self._write_fd, warn_on_full_buffer=False)
-        self._old_handlers = [signal.signal(number, self._set) for number in self.NUMBERS]
+        numbers = [signal.SIGINT, signal.SIGTERM]
+        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+            numbers.append(signal.SIGHUP)
+        self._old_handlers = {number: signal.signal(number, self._set) for number in numbers}
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for number, handler in zip(self.NUMBERS, self._old_handlers, strict=True):
+        for number, handler in self._old_handlers.items():
             signal.signal(number, handler)
         signal.set_wakeup_fd(self._old_fd)
         os.close(self.fd)
         os.close(self._write_fd)
 
-    def _set(self, _number: int, _frame: object) -> None:
+    def _set(self, number: int, _frame: object) -> None:
+        if number == signal.SIGHUP:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            for fd in self._terminals:
+                os.dup2(nowhere, fd)
+            os.close(nowhere)
         self.is_set = True
