@@ -47,6 +47,8 @@ class Filter:
         Takes coefficients, state, device time in s and rate in deg/s; False where the sample was passed by.
     columns
         Attributes of the state that `gyrodrift filter` writes beside time and rate.
+    counts_samples
+        Whether its parameters belong to the sample rate they were found at.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Filter:
     state: Callable[[], Any]
     step: Callable[[Any, Any, float, float], bool]
     columns: tuple[str, ...]
+    counts_samples: bool = False
 
 
 HDR = Filter(
@@ -64,6 +67,7 @@ HDR = Filter(
     hdr.HdrState,
     hdr.step,
     ("lpf_dps", "i_dps", "omega_dps", "omega_d_dps", "yaw_deg"),
+    counts_samples=True,
 )
 
 RESTLEVEL = Filter(

@@ -1,4 +1,4 @@
-"""Run this filter, and the drift reducers that people use instead, over the same sessions with an encoder.
+"""Run both filters, and the drift reducers that people use instead, over the same sessions with an encoder.
 
 For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
 error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
@@ -7,7 +7,6 @@ are written only where --out names a folder for compare.json and compare.html.
 """
 
 import argparse
-import os
 import shlex
 import signal
 import sys
@@ -15,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
-from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
 
 if TYPE_CHECKING:
@@ -43,17 +41,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare; 0 when everything is told and written."""
     for name in ("iterations", "jobs"):
         options.positive(f"--{name}", getattr(arguments, name))
-    if arguments.seed < 0:
-        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    options.check_seed(arguments.seed)
     if arguments.out is not None:
         check_writable(arguments.out)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
-    try:
-        import cma  # noqa: F401
-        import matplotlib as mpl  # noqa: F401
-        import numba  # noqa: F401
-    except ImportError as error:
-        raise UsageError(f"compare needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+    options.hold_product_threads()
+    options.need_packages("compare", "cma", "matplotlib", "numba")
     from gyrodrift.compare.comparison import compare
     from gyrodrift.tune.progress import Progress
 
@@ -79,7 +71,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
         stills=frozenset(stills),
         iterations=arguments.iterations,
         seed=arguments.seed,
-        jobs=arguments.jobs or len(os.sched_getaffinity(0)),
+        jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
     )
 

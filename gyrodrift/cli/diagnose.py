@@ -5,7 +5,6 @@ and how far adding it closes the gap. DIR gets gap.json, report.html, and rig.ya
 """
 
 import argparse
-import os
 import shlex
 import sys
 from pathlib import Path
@@ -31,13 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 when everything is written, whatever the verdict."""
     options.positive("--jobs", arguments.jobs)
     check_writable(arguments.out)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
-    try:
-        import matplotlib as mpl  # noqa: F401
-        import numba  # noqa: F401
-        import scipy  # noqa: F401
-    except ImportError as error:
-        raise UsageError(f"diagnose needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+    options.hold_product_threads()
+    options.need_packages("diagnose", "matplotlib", "numba", "scipy")
     from firmware_sim.effects.catalogue import CATALOGUE
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
@@ -54,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         rig = load_rig(arguments.rig)
     except FileError as error:
         raise UsageError(str(error)) from error
-    jobs = arguments.jobs or len(os.sched_getaffinity(0))
+    jobs = options.processes(arguments.jobs)
     with Progress(sys.stderr) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(

@@ -1,7 +1,9 @@
 """Options that several commands share, and how their values are read."""
 
 import argparse
+import os
 import re
+from importlib import import_module
 from pathlib import Path
 
 from gyrodrift.errors import UsageError
@@ -42,6 +44,31 @@ def add_recording_options(parser: argparse.ArgumentParser) -> None:
         "--rotate", metavar="SIZE|TIME", help="begin a new file at a size (100MB, 2GB) or after a time (90s, 30min, 1h)"
     )
     parser.add_argument("--raw", action="store_true", help="keep the bytes of the link too, each read with its time")
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that no generator takes."""
+    if seed < 0:
+        raise UsageError(f"--seed {seed}: expected a whole number from 0")
+
+
+def need_packages(command: str, *names: str) -> None:
+    """Refuse to begin where a package of the workstation is missing, rather than break off half way."""
+    try:
+        for name in names:
+            import_module(name)
+    except ImportError as error:
+        raise UsageError(f"{command} needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+
+
+def hold_product_threads() -> None:
+    """Before numpy is imported: the products of the analyses are small, and its threads only get in the way."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def processes(jobs: int | None) -> int:
+    """Of `--jobs`: as many as there are processors where nothing is said."""
+    return jobs or len(os.sched_getaffinity(0))
 
 
 def rotation(text: str | None) -> tuple[int | None, float | None]:

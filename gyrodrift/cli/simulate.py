@@ -6,7 +6,6 @@ drift reducers fail at: 13 cases, each still at first and moving at first, a fol
 """
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -42,13 +41,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when everything is written."""
     options.positive("--minutes", arguments.minutes)
     options.positive("--sessions", arguments.sessions)
-    if arguments.seed < 0:
-        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    options.check_seed(arguments.seed)
     if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
         raise UsageError(
             "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
         )
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the products here are small: threads only get in the way
+    options.hold_product_threads()
     from firmware_sim.motion import load_profile
     from firmware_sim.rig import load_rig, parse_effect, with_effects
     from firmware_sim.yaml_file import FileError

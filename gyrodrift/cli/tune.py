@@ -51,14 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 when everything is written."""
     for name in ("iterations", "seeds", "threads"):
         options.positive(f"--{name}", getattr(arguments, name))
-    if arguments.seed < 0:
-        raise UsageError(f"--seed {arguments.seed}: expected a whole number from 0")
+    options.check_seed(arguments.seed)
     _check_place(arguments.out, arguments.report)
-    try:
-        import cma  # noqa: F401
-        import numba  # noqa: F401
-    except ImportError as error:
-        raise UsageError(f"tune needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+    options.need_packages("tune", "cma", "numba")
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
     tuning, was_interrupted = _tuned(arguments)

@@ -86,10 +86,8 @@ class Comparison:
         Methods that could not run, since their packages are not installed.
     train
         Names of the sessions that the tuned entries were tuned on, after that of their folder.
-
-    Notes
-    -----
-        What should be known before believing it, a sentence each.
+    notes, seconds
+        What should be known before believing it, a sentence each, and how long it took.
     """
 
     entries: tuple[Entry, ...]

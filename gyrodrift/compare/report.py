@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from gyrodrift.compare.comparison import SHOWN, Compared, Comparison, Entry
 from gyrodrift.compare.figures import look_of, session_svgs
-from gyrodrift.compare.score import Score
-from gyrodrift.compare.write import absence, cells
+from gyrodrift.compare.write import absence, cells, e_cell
 from gyrodrift.page.html import (
     command_line,
     facts,
@@ -92,7 +91,7 @@ def _tuning_words(comparison: Comparison) -> str:
 
 def _folders(comparison: Comparison) -> list[str]:
     """A row of means for each folder."""
-    rows = [[text(name), *(significant(mean.e_deg, 3) for mean in means)] for name, means in comparison.folders.items()]
+    rows = [[text(name), *map(e_cell, means)] for name, means in comparison.folders.items()]
     return [table("Mean E in degrees, by folder.", headings(["folder", *_titles(comparison)]), rows)]
 
 
@@ -129,17 +128,13 @@ def _panel_name(one: Compared) -> str:
 
 def _sessions_table(comparison: Comparison) -> str:
     several = len(comparison.folders) > 1
-    rows = [[_session_name(one, several=several), *map(_e, one.scores)] for one in comparison.sessions]
-    foot = ["mean", *map(_e, comparison.means)]
+    rows = [[_session_name(one, several=several), *map(e_cell, one.scores)] for one in comparison.sessions]
+    foot = ["mean", *map(e_cell, comparison.means)]
     return table("E in degrees.", headings(["session", *_titles(comparison)]), rows, foot)
 
 
 def _session_name(one: Compared, *, several: bool) -> str:
     return text(f"{one.folder}/{one.about.name}" if several else one.about.name)
-
-
-def _e(score: Score) -> str:
-    return significant(score.e_deg, 3)
 
 
 def _entries(entries: Sequence[Entry]) -> str:

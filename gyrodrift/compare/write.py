@@ -101,6 +101,11 @@ def cells(score: Score) -> list[str]:
     return [significant(value, DIGITS) for value in (score.e_deg, score.ne, score.pi_deg2, score.worst_deg)]
 
 
+def e_cell(score: Score) -> str:
+    """E alone."""
+    return significant(score.e_deg, DIGITS)
+
+
 def absence(method: Method) -> str:
     """Why a method has no numbers."""
     return f"its package {method.package} is not installed (pip install {method.package})"
@@ -111,7 +116,7 @@ def _by_folder(comparison: Comparison) -> list[str]:
     names = ["", *(entry.method.key for entry in entries)]
     marks = ["", *("tuned" if entry.is_tuned else "" for entry in entries)]
     head = [names, marks] if comparison.train else [names]
-    rows = [[name, *(significant(mean.e_deg, DIGITS) for mean in means)] for name, means in comparison.folders.items()]
+    rows = [[name, *map(e_cell, means)] for name, means in comparison.folders.items()]
     return _aligned([*head, *rows])
 
 

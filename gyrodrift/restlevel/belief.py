@@ -8,7 +8,7 @@ of the bias, which takes back what a wrong bias has made of yaw since the rest b
 
 from math import exp, log, pi, sqrt
 
-from gyrodrift.restlevel.blocks import CONFIRMED
+from gyrodrift.restlevel.blocks import CONFIRMED, RESUMED
 from gyrodrift.restlevel.records import MOST, Account, RestlevelCoefficients, RestlevelState
 
 LEAST_WEIGHT = 1e-9
@@ -85,7 +85,8 @@ def split(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the plateau began; what was gained since is taken back.
     """
     level_dps, level_var = s.plateau_level_dps, s.density_var / (seconds * CONFIRMED)
-    odds_dps = c.start_odds_dps if s.plateau_from_start else c.rest_odds_dps
+    is_from_start = s.blocks < RESUMED + CONFIRMED  # it began within the first RESUMED
+    odds_dps = c.start_odds_dps if is_from_start else c.rest_odds_dps
     free = 0
     for k in range(len(s.accounts)):
         h = s.accounts[k]

@@ -71,9 +71,11 @@ def is_quiet(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> boo
     return variance < s.noise_var * limit
 
 
-def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float, seconds: float) -> None:
+def follow_plateau(
+    c: RestlevelCoefficients, s: RestlevelState, level_dps: float, step_dps: float, seconds: float
+) -> None:
     """Count the blocks of the present plateau: 0 where there is none, 1 where one begins."""
-    blocks_before, level_before_dps, step_dps = s.plateau_blocks, s.plateau_level_dps, level_dps - s.plateau_last_dps
+    blocks_before, level_before_dps = s.plateau_blocks, s.plateau_level_dps
     is_now_quiet = is_quiet(c, s, seconds)
     s.blocks += 1
     level_var = s.density_var / seconds
@@ -81,7 +83,6 @@ def follow_plateau(c: RestlevelCoefficients, s: RestlevelState, level_dps: float
     if not is_now_quiet:
         s.plateau_blocks = 0
     elif s.plateau_blocks == 0 or not _is_level(s, level_dps, level_var, drift_dps):
-        s.plateau_from_start = s.blocks <= RESUMED
         s.plateau_blocks = 1
         s.plateau_head_dps = s.plateau_level_dps = level_dps
     else:

@@ -139,8 +139,7 @@ class RestlevelState:
     blocks
         Ended so far.
     plateau_*
-        Constant rate: its blocks so far, 0 for none; its level now; the first two levels and the last; whether it
-        began at the start.
+        Constant rate: its blocks so far, 0 for none; its level now; the sum of its first two levels; the last level.
     left_level_dps, left_gently, left_long, left_blocks
         Level of the last plateau that was confirmed, whether it ended gently and had been a long one, and the blocks
         since it ended.
@@ -176,7 +175,6 @@ class RestlevelState:
     plateau_level_dps: float = 0.0
     plateau_head_dps: float = 0.0
     plateau_last_dps: float = 0.0
-    plateau_from_start: bool = False
     left_level_dps: float = 0.0
     left_gently: bool = False
     left_long: bool = False

@@ -87,7 +87,7 @@ def advance(c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     level_dps = s.block_turned_deg / seconds
     step_dps = level_dps - s.plateau_last_dps
-    follow_plateau(c, s, level_dps, seconds)
+    follow_plateau(c, s, level_dps, step_dps, seconds)
     if s.left_blocks == 1:
         leave_plateau(s)
     if s.plateau_blocks == 1:

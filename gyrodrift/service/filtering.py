@@ -69,7 +69,7 @@ class Filtering:
         if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
             self.log.warning("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
             self._rejected, self._rejected_s = self.state.rejected, now_s
-        if not self._is_rate_checked and self.watch is not None and self._filter is HDR:
+        if not self._is_rate_checked and self.watch is not None and self._filter.counts_samples:
             self._compare_rate(self.watch.config)
 
     def stats(self) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gyrodrift.filters import HDR
 from gyrodrift.page.html import header, page, paragraph, tile, tiles, warnings
 from gyrodrift.page.numbers import degrees, mean, significant
 from gyrodrift.tune.report_method import how_it_was_done
@@ -121,7 +120,7 @@ def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
 
 
 def _where_it_holds(tuning: Tuning) -> str:
-    if tuning.tunable.filter is HDR:
+    if tuning.tunable.filter.counts_samples:
         rate = f"{tuning.sample_rate_hz:.4g} Hz"
         return (
             f"Steps count samples, so these numbers hold for this sensor at about {rate}; at another rate, tune again."

@@ -5,11 +5,13 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from itertools import islice, pairwise
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from support import Command, never, speaking_on
@@ -80,19 +82,25 @@ def test_lines_are_thinned_on_request(port: Path) -> None:
     assert [line["t_s"] for line in lines] == pytest.approx([i / 10 for i in range(51)])
 
 
-def test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key(port: Path, tmp_path: Path) -> None:
-    """Yaw and drift estimate go on."""
-    config = tmp_path / "c.yaml"
+@contextmanager
+def config_changed_half_way(port: Path, config: Path, to: str) -> Iterator[tuple[Command, dict[str, Any]]]:
+    """The service half way through a stream, after another config was applied; with the last line before that."""
     config.write_text(BLOCK.format(i_c=0.001))
     frames = spoken("csv", 400)
     with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(frames[:200]), never)
         before = serve.take_lines(199)[-1]
-        config.write_text(BLOCK.format(i_c=0.002))
+        config.write_text(to)
         serve.until_log("config_applied")
-        assert "hdr.i_c_dps: 0.001 → 0.002" in serve.log
         device.send_all(b"".join(frames[200:]), never)
+        yield serve, before
+
+
+def test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key(port: Path, tmp_path: Path) -> None:
+    """Yaw and drift estimate go on."""
+    with config_changed_half_way(port, tmp_path / "c.yaml", BLOCK.format(i_c=0.002)) as (serve, before):
+        assert "hdr.i_c_dps: 0.001 → 0.002" in serve.log
         first, second = serve.take_lines(2)
         assert serve.stop() == 0
     assert abs(first["yaw_deg"] - before["yaw_deg"]) < 0.1
@@ -102,16 +110,8 @@ def test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key(por
 
 def test_another_filter_is_taken_while_it_runs_and_yaw_goes_on(port: Path, tmp_path: Path) -> None:
     """It says how certain it is, which the one before does not."""
-    config = tmp_path / "c.yaml"
-    config.write_text(BLOCK.format(i_c=0.001))
-    frames = spoken("csv", 400)
-    with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
-        device.wait_for_reader(never)
-        device.send_all(b"".join(frames[:200]), never)
-        before = serve.take_lines(199)[-1]
-        config.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n")
-        serve.until_log("config_applied")
-        device.send_all(b"".join(frames[200:]), never)
+    other = f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n"
+    with config_changed_half_way(port, tmp_path / "c.yaml", other) as (serve, before):
         after = serve.take_lines(200)
         assert serve.stop() == 0
     assert "yaw_sigma_deg" not in before
