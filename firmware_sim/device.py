@@ -55,7 +55,8 @@ class PtyDevice:
     """The master end of a pty whose slave is linked at `link`.
 
     What a reader left unread waits for the next one, as in a real port; pyserial flushes it away when it opens.
-    `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises.
+    `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises;
+    a frame that is being sent in that very moment may still stand before it.
     """
 
     def __init__(self, link: Path, greeting: bytes = b"", cable: Cable | None = None) -> None:
