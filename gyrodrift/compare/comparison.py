@@ -14,7 +14,7 @@ from gyrodrift.compare.session import Recording, folder_names, load_recording
 from gyrodrift.compare.tuning import Progress, tuned
 from gyrodrift.compare.workers import workers
 from gyrodrift.session.session import Floats
-from gyrodrift.tune.sources import About, Source
+from gyrodrift.tune.sources import About, Source, rates_differ
 
 CURVE_POINTS = 300
 SHOWN = 24
@@ -193,8 +193,7 @@ def _notes(sessions: Sequence[Compared], train: Sequence[Recording]) -> list[str
     both = [one.about.name for one in sessions if one.about.digest in digests]
     if both:
         notes.append(f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on")
-    rates_hz = [one.about.sample_rate_hz for one in sessions]
-    trained_hz = [one.about.sample_rate_hz for one in train]
-    if trained_hz and (max(rates_hz) > 1.02 * min(trained_hz) or min(rates_hz) < 0.98 * max(trained_hz)):
-        notes.append("sample rates differ from those tuned on: steps of HDR and of the sign integrator count samples")
+    abouts = [*(one.about for one in sessions), *(one.about for one in train)]
+    if train and rates_differ([about.sample_rate_hz for about in abouts]):
+        notes.append("sample rates differ: tuned steps of HDR and of the sign integrator count samples of one rate")
     return notes

@@ -99,10 +99,15 @@ def _has_moved(course: Course) -> bool:
     return len(seconds) > 1 and float(np.ptp(seconds)) > MOVES_DPS
 
 
+def rates_differ(rates_hz: Sequence[float]) -> bool:
+    """Whether sample rates differ by more than crystals do."""
+    return max(rates_hz) > min(rates_hz) * (1.0 + RATE_TOLERANCE)
+
+
 def check_rates(sessions: Sequence[About]) -> list[str]:
-    """A warning where sample rates differ: parameters count samples, and belong to one rate."""
+    """A warning where sample rates differ, for parameters that count samples: they belong to one rate."""
     rates = [about.sample_rate_hz for about in sessions]
-    if max(rates) <= min(rates) * (1.0 + RATE_TOLERANCE):
+    if not rates_differ(rates):
         return []
     low, high = sessions[int(np.argmin(rates))], sessions[int(np.argmax(rates))]
     ends = f"from {min(rates):.4g} Hz ({low.name}) to {max(rates):.4g} Hz ({high.name})"

@@ -196,7 +196,8 @@ class Work:
         """What to know before believing it, in sentences."""
         train = self._used_for(Split.TRAIN)
         yield from (odd for about in self.abouts for odd in about.odd)
-        yield from check_rates(self.abouts)
+        if self.plan.tunable.filter.counts_samples:
+            yield from check_rates(self.abouts)
         if self.was_interrupted:
             yield "it was interrupted: these are the best parameters so far; go on with --resume"
         yield from bound_caveats(self.plan.tunable, axes, best.params)

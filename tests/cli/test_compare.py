@@ -112,6 +112,18 @@ def test_the_page_shows_all_of_it(told: Path) -> None:
     assert "http://" not in html.replace("http://www.w3.org", "")
 
 
+def test_a_rate_that_differs_from_the_one_tuned_at_is_told(
+    tables: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Not where nothing is tuned."""
+    write_session(tmp_path / "odd.csv", [turntable(5, minutes=0.5, rate_hz=2.0 * RATE_HZ)])
+    arguments = ["compare", str(tmp_path / "odd.csv"), "--jobs", "1"]
+    assert main(arguments) == 0
+    assert "sample rates differ" not in "".join(capsys.readouterr())
+    assert main([*arguments, "--train", str(tables / "b"), "--iterations", "1"]) == 0
+    assert "sample rates differ" in "".join(capsys.readouterr())
+
+
 def test_a_table_without_tuning_says_so_and_nothing_is_written(
     tables: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

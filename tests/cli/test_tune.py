@@ -287,6 +287,17 @@ def test_mistakes_are_one_line(
     assert len(said.splitlines()) == 1
 
 
+def test_rates_that_differ_do_not_matter_to_parameters_that_count_no_samples(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is said of them where restlevel is tuned."""
+    write_turntables(tmp_path / "s", 1)
+    write_session(tmp_path / "s" / "odd.csv", [turntable(5, rate_hz=2.0 * RATE_HZ)])
+    arguments = ["--filter", "restlevel", "--iterations", "20", "--out", str(tmp_path / "c.yaml")]
+    assert main(["tune", str(tmp_path / "s"), *arguments]) == 0
+    assert "sample rates" not in capsys.readouterr().err
+
+
 def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Rates that differ, a parameter at its bound, parameters that are left open, encoder values missing."""
     folder = tmp_path / "s"
