@@ -217,8 +217,9 @@ def write_hard_cases(
 def _write(place: Path, simulated: Simulation, ending: str) -> Path:
     name = f"session-{simulated.number + 1:02d}"
     write_whole(place / f"{name}.rig.yaml", [rig_yaml(simulated.rig)])
-    write_simulation(place / f"{name}.{ending}", simulated, f"{place.name}-{simulated.number + 1:02d}")
-    return place / f"{name}.{ending}"
+    path = place / f"{name}.{ending}"
+    write_simulation(path, simulated, f"{place.name}-{simulated.number + 1:02d}")
+    return path
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:

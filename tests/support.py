@@ -17,6 +17,7 @@ from typing import Any, Self
 import pytest
 
 from firmware_sim.device import PtyDevice
+from gyrodrift.session.layout import MESSAGE
 
 PATIENCE_S = 20.0
 """How long a test waits for what should come at once: a loaded machine is slow, a hang is for ever."""
@@ -117,6 +118,11 @@ def speaking_on(link: Path) -> Iterator[PtyDevice]:
 def never() -> bool:
     """For the pty, which asks whether it is over."""
     return False
+
+
+def are_recorded(samples: int, folder: Path, more_bytes: int = 0) -> bool:
+    """Whether a file of the folder is long enough for so many samples, and for what else it holds."""
+    return any(path.stat().st_size > samples * MESSAGE.size + more_bytes for path in folder.glob("*.mcap"))
 
 
 def near(value: float, tolerance: float | None = None) -> Any:

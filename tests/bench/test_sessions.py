@@ -88,9 +88,9 @@ def test_recording_takes_a_small_share_of_a_core(tmp_path: Path, rate_hz: float,
     command = ["-m", "gyrodrift", "record", "--port", port, "--out", out, "--log-format", "json"]
     command += ["--raw"] if keeps != "samples" else []
     with metronome(port, count, rate_hz) as device, running(*map(str, command), log=log) as record:
-        time.sleep(1.5)
+        time.sleep(1.5)  # until it has started
         begun_s, begun_cpu_s = time.monotonic(), cpu_s(record.pid)
-        time.sleep(4.0)
+        time.sleep(4.0)  # what is measured
         share = (cpu_s(record.pid) - begun_cpu_s) / (time.monotonic() - begun_s)
         device.wait(PATIENCE_S)
         record.terminate()

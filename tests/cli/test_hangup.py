@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from support import PATIENCE_S, never, speaking_on
+from support import PATIENCE_S, are_recorded, never, speaking_on
 
+from firmware_sim.device import PtyDevice
 from firmware_sim.wire import csv_line
 
 ON_A_TERMINAL = """
@@ -42,10 +43,12 @@ def on_a_terminal(hangup: str, *arguments: str | Path) -> Iterator[tuple["subpro
             process.wait()
 
 
-def wait_for_samples(folder: Path, terminal: RawIOBase) -> None:
-    """Until all that were sent have been taken; what is written to a terminal has to be read."""
+def send_samples(device: PtyDevice, folder: Path, terminal: RawIOBase) -> None:
+    """A hundred; back when nearly all have been written. What is written to a terminal has to be read meanwhile."""
+    device.wait_for_reader(never)
+    device.send_all(b"".join(csv_line(10_000 * i, 0.25, None, None) for i in range(100)), never)
     until_s = time.monotonic() + PATIENCE_S
-    while not any(path.stat().st_size > 90 * 83 for path in folder.glob("*.mcap")):
+    while not are_recorded(90, folder):
         assert time.monotonic() < until_s
         if select.select([terminal], [], [], 0.05)[0]:
             terminal.read(1 << 16)
@@ -60,9 +63,7 @@ def test_without_its_terminal_it_ends_with_a_closed_file(command: str, tmp_path:
         speaking_on(tmp_path / "gyro") as device,
         on_a_terminal("SIG_DFL", command, "--port", tmp_path / "gyro", option, out) as (process, terminal),
     ):
-        device.wait_for_reader(never)
-        device.send_all(b"".join(csv_line(10_000 * i, 0.25, None, None) for i in range(100)), never)
-        wait_for_samples(out, terminal)
+        send_samples(device, out, terminal)
         terminal.close()
         assert process.wait(PATIENCE_S) == 0
     with next(out.glob("*.mcap")).open("rb") as file:
@@ -79,9 +80,7 @@ def test_under_nohup_it_goes_on(tmp_path: Path) -> None:
             terminal,
         ),
     ):
-        device.wait_for_reader(never)
-        device.send_all(b"".join(csv_line(10_000 * i, 0.25, None, None) for i in range(100)), never)
-        wait_for_samples(out, terminal)
+        send_samples(device, out, terminal)
         process.send_signal(signal.SIGHUP)
         with pytest.raises(subprocess.TimeoutExpired):
             process.wait(0.5)

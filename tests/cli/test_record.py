@@ -13,7 +13,7 @@ from random import Random
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from support import Command, near, never, speaking_on
+from support import Command, are_recorded, near, never, speaking_on
 
 from firmware_sim.bench import measure
 from firmware_sim.motion import load_profile
@@ -60,7 +60,7 @@ def test_every_sample_of_a_device_is_recorded(port: Path, out: Path, protocol: s
         device.wait_for_reader(never)
         device.send_all(b"".join(frames(protocol, 500)), never)
         device.drain()
-        record.until(lambda _: any(path.stat().st_size > 495 * 83 for path in out.glob("*.mcap")), "samples on disk")
+        record.until(lambda _: are_recorded(495, out), "samples on disk")
         assert record.stop() == 0
     (session,) = recorded(out)
     first = next(iter(measure(load_rig(None), load_profile("turntable"), 1)))
@@ -155,7 +155,7 @@ def test_raw_bytes_are_kept_as_they_came(port: Path, out: Path) -> None:
         device.wait_for_reader(never)
         device.send_all(sent, never)
         device.drain()
-        record.until(lambda _: any(p.stat().st_size > 390 * 83 + len(sent) for p in out.glob("*.mcap")), "all on disk")
+        record.until(lambda _: are_recorded(390, out, len(sent)), "all on disk")
         assert record.stop() == 0
     (path,) = out.glob("*.mcap")
     reads = list(read_raw(path))
@@ -184,7 +184,7 @@ def test_a_signal_ends_it_with_a_closed_file(port: Path, out: Path, number: sign
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
         device.wait_for_reader(never)
         device.send_all(lines(100), never)
-        record.until(lambda _: any(path.stat().st_size > 90 * 83 for path in out.glob("*.mcap")), "samples on disk")
+        record.until(lambda _: are_recorded(90, out), "samples on disk")
         assert record.stop(number) == 0
     with next(out.glob("*.mcap")).open("rb") as file:
         assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(["/gyro"])) >= 99
@@ -230,7 +230,7 @@ def test_a_folder_that_vanishes_is_told_and_the_file_is_put_back(port: Path, out
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
         device.wait_for_reader(never)
         device.send_all(lines(300), never)
-        record.until(lambda _: any(path.stat().st_size > 290 * 83 for path in out.glob("*.mcap")), "samples on disk")
+        record.until(lambda _: are_recorded(290, out), "samples on disk")
         for path in out.iterdir():
             path.unlink()
         out.rmdir()
@@ -311,7 +311,7 @@ def test_serve_goes_on_when_its_recording_fails(port: Path, out: Path) -> None:
         device.wait_for_reader(never)
         device.send_all(lines(200), never)
         serve.take_lines(190)
-        serve.until(lambda _: any(path.stat().st_size > 190 * 83 for path in out.glob("*.mcap")), "samples on disk")
+        serve.until(lambda _: are_recorded(190, out), "samples on disk")
         for path in out.iterdir():
             path.unlink()
         out.rmdir()

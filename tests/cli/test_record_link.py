@@ -16,7 +16,7 @@ import pytest
 from disk_support import fill, read_only_disk, small_disk
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
-from support import Command, never, speaking_on
+from support import Command, are_recorded, never, speaking_on
 
 from firmware_sim.bench import measure
 from firmware_sim.motion import load_profile
@@ -190,7 +190,7 @@ def test_a_signal_in_the_middle_of_a_stream_closes_the_file(
         device.wait_for_reader(never)
         for first in range(0, 4000, 20):
             if first == 2000:
-                record.until(lambda _: any(path.stat().st_size > 500 * 83 for path in out.glob("*.mcap")), "samples")
+                record.until(lambda _: are_recorded(500, out), "samples")
                 record.process.send_signal(number)
             if not device.send_all(lines(first, 20), lambda: record.process.poll() is not None):
                 break
@@ -284,7 +284,7 @@ def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(port: Path, o
         device.wait_for_reader(never)
         device.send_all(lines(0, 100), never)
         device.drain()
-        record.until(lambda _: any(path.stat().st_size > 100 * 83 for path in out.glob("*.mcap")), "samples on disk")
+        record.until(lambda _: are_recorded(100, out), "samples on disk")
         for path in out.iterdir():
             path.unlink()
         out.rmdir()
