@@ -8,7 +8,7 @@ from random import Random
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.stream_reader import StreamReader
-from support import Command, never, speaking_on
+from support import Command, are_recorded, never, speaking_on
 
 from firmware_sim.device import PtyDevice
 from gyrodrift.cli import main
@@ -167,7 +167,7 @@ def test_raw_bytes_of_a_killed_recording_are_what_was_said(tmp_path: Path) -> No
         device.wait_for_reader(never)
         device.send_all(lines, never)
         device.drain()
-        record.until(lambda _: any(p.stat().st_size > len(lines) for p in tmp_path.glob("out/*.mcap")), "bytes on disk")
+        record.until(lambda _: are_recorded(2990, tmp_path / "out", len(lines)), "samples and bytes on disk")
         record.process.kill()
     (path,) = (tmp_path / "out").glob("*.mcap")
     kept = b"".join(read.content for read in read_raw(path))
