@@ -11,10 +11,11 @@ from contextlib import closing
 from itertools import takewhile
 from pathlib import Path
 
-from firmware_sim.bench import measure
-from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
 from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.player import play, stopped_by_signals
+from firmware_sim.pty import LinkInUseError, PtyDevice
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
 from firmware_sim.yaml_file import FileError

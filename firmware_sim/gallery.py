@@ -17,10 +17,10 @@ import numpy as np
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
-from firmware_sim.bench import BLOCK_SAMPLES, Block, measure
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, Floats
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import BLOCK_SAMPLES, Block, measure
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig, load_rig, with_effects
 
 WITHOUT, WITH = "0.6", "tab:red"

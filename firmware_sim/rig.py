@@ -8,7 +8,7 @@ from pydantic import Field
 
 from firmware_sim.effects.catalogue import CATALOGUE, AnyEffect
 from firmware_sim.effects.effect import Effect
-from firmware_sim.motion import config_folder
+from firmware_sim.motion.profile import config_folder
 from firmware_sim.named import parse_named
 from firmware_sim.yaml_file import Checked, load
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from math import floor, log10
 from typing import NamedTuple
 
-from firmware_sim.bench import Block
+from firmware_sim.measure import Block
 from firmware_sim.rig import Base
 
 HELLO_TYPE, SAMPLE_TYPE, VERSION = 0x01, 0x02, 0x01

@@ -67,5 +67,5 @@ def check_writable(folder: Path) -> None:
 
 def shipped_config(name: str) -> Path:
     """A file of `config/`: beside the package in a checkout, inside it when installed from a wheel."""
-    installed = Path(__file__).parent / "config"
+    installed = Path(__file__).parent / "shipped"
     return (installed if installed.is_dir() else Path(__file__).parent.parent / "config") / name

@@ -16,11 +16,11 @@ from typing import Any
 
 from firmware_sim.rig import Base
 from firmware_sim.wire import ENCODER_VALID, TEMPERATURE_VALID, csv_line, hello_frame, sample_frame
-from gyrodrift.filter import HdrParams, HdrState, coefficients, step
-from gyrodrift.link.device_clock import DeviceClock
-from gyrodrift.link.native import NativeDecoder
+from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.sample import Corrected
-from gyrodrift.service.sinks.json_lines import JsonLines
+from gyrodrift.service.outputs.json_lines import JsonLines
 
 Process = subprocess.Popen[bytes]
 

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.session.session import Floats, Session
-from gyrodrift.session.write import write_session
+from gyrodrift.arrays import Floats
+from gyrodrift.session.formats import write_session
+from gyrodrift.session.session import Session
 
 PATIENCE_S = 60.0
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from firmware_sim.bench import measure
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, Floats
-from firmware_sim.motion import Profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig, load_rig, with_effects
 
 SHIPPED = load_rig(None).base

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import norm
 
-from gyrodrift.restlevel.records import RestlevelParams
-from gyrodrift.session.session import Floats
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.restlevel.model import RestlevelParams
 
 
 @dataclass

@@ -16,8 +16,8 @@ from typing import Any, Self
 
 import pytest
 
-from firmware_sim.device import PtyDevice
-from gyrodrift.session.layout import MESSAGE
+from firmware_sim.pty import PtyDevice
+from gyrodrift.session.mcap.layout import MESSAGE
 
 PATIENCE_S = 20.0
 """How long a test waits for what should come at once: a loaded machine is slow, a hang is for ever."""

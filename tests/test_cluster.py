@@ -16,7 +16,7 @@ from cluster_support import Cluster, cluster, end, free_port
 from gyrodrift import cluster as room
 from gyrodrift.cluster import Workers
 from gyrodrift.errors import DataError, GyrodriftError, UsageError
-from gyrodrift.session.session import load_session
+from gyrodrift.session.files import load_session
 
 pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
 

@@ -12,7 +12,7 @@ import pytest
 from support import Command, Recordings
 
 from gyrodrift.cli import main
-from gyrodrift.session.session import load_session
+from gyrodrift.session.files import load_session
 
 RECORDINGS = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep")
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from gyrodrift.filter import HdrParams
-from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Split, Tuning
-from gyrodrift.tune.space import AXES
-from gyrodrift.tune.tunables import HDR_TUNABLE
+from gyrodrift.evaluation.dataset import Split
+from gyrodrift.evaluation.space import AXES
+from gyrodrift.evaluation.tunables import HDR_TUNABLE
+from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Tuning
 
 PARAMS = HdrParams(0.000457, 0.0384, 0.123, 1.85, 0.0)
 

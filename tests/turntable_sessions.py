@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from gyrodrift.session.formats import write_session
 from gyrodrift.session.session import Session
-from gyrodrift.session.write import write_session
 
 RATE_HZ = 50.0
 

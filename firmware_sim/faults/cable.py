@@ -6,10 +6,10 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from firmware_sim.bench import Block
 from firmware_sim.faults.fault import Fault, Lasting, Rng, Seconds
 from firmware_sim.faults.frames import at_moment
 from firmware_sim.faults.measurements import Reset
+from firmware_sim.measure import Block
 from firmware_sim.wire import Frame
 
 BITS_OF_A_BYTE = 10

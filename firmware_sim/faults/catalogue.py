@@ -6,8 +6,6 @@ from zlib import crc32
 
 import numpy as np
 
-from firmware_sim.bench import Block
-from firmware_sim.device import Cable
 from firmware_sim.faults.cable import Unplug, WrongBaud
 from firmware_sim.faults.fault import Fault
 from firmware_sim.faults.frames import (
@@ -21,7 +19,9 @@ from firmware_sim.faults.frames import (
     Zeros,
 )
 from firmware_sim.faults.measurements import ClockStep, DoubleRate, FullScale, RateChange, Reset, StuckValue
+from firmware_sim.measure import Block
 from firmware_sim.named import parse_named
+from firmware_sim.pty import Cable
 from firmware_sim.wire import Frame
 
 _KINDS: tuple[type[Fault], ...] = (

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from firmware_sim.bench import Block
+from firmware_sim.measure import Block
 from firmware_sim.wire import Frame
 from firmware_sim.yaml_file import Checked
 

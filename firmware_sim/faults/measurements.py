@@ -7,8 +7,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.bench import COUNTS_MOST, Block
 from firmware_sim.faults.fault import Fault, Lasting
+from firmware_sim.measure import COUNTS_MOST, Block
 
 
 class DoubleRate(Lasting):

@@ -18,7 +18,7 @@ from gyrodrift.files import check_writable
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Asked, Comparison
-    from gyrodrift.tune.progress import Progress
+    from gyrodrift.progress import Progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     options.need_packages("compare", "cma", "matplotlib", "numba")
     from gyrodrift.compare.comparison import compare
-    from gyrodrift.tune.progress import Progress
+    from gyrodrift.progress import Progress
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
     with Progress(sys.stderr) as progress:
@@ -58,9 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
     from gyrodrift.compare.comparison import Asked
-    from gyrodrift.compare.methods import methods
-    from gyrodrift.config import Config, load_config
-    from gyrodrift.session.session import session_paths
+    from gyrodrift.compare.methods.registry import methods
+    from gyrodrift.config.model import Config, load_config
+    from gyrodrift.session.files import session_paths
 
     config = load_config(arguments.config) if arguments.config else Config()
     stills = session_paths(arguments.still)
@@ -77,10 +77,10 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
 
 
 def _tell(arguments: argparse.Namespace, comparison: "Comparison") -> None:
-    from gyrodrift.compare.write import summary, write_json
+    from gyrodrift.compare.report.files import summary, write_json
 
     if arguments.out is not None:
-        from gyrodrift.compare.report import report_html
+        from gyrodrift.compare.report.page import report_html
         from gyrodrift.files import write_whole
 
         command = shlex.join(arguments.command_line)

@@ -46,18 +46,18 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _loaded(source: Path, topic: str | None) -> "Session":
-    from gyrodrift.session.session import load_session
+    from gyrodrift.session.files import load_session
 
     if topic is None:
         return load_session(source)
-    from gyrodrift.session.foreign import read_foreign
+    from gyrodrift.session.foreign.read import read_foreign
 
     return read_foreign(source, topic)
 
 
 def _write(target: Path, form: str | None, session: "Session") -> None:
-    from gyrodrift.session.export import write_imu, write_json
-    from gyrodrift.session.write import write_session
+    from gyrodrift.session.foreign.export import write_imu, write_json
+    from gyrodrift.session.formats import write_session
 
     if form == "imu":
         write_imu(target, [session])

@@ -36,10 +36,10 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import Asked, diagnose
-    from gyrodrift.diagnose.report import report_html
-    from gyrodrift.diagnose.write import summary, write_files
-    from gyrodrift.session.session import session_paths
-    from gyrodrift.tune.progress import Progress
+    from gyrodrift.diagnose.report.files import summary, write_files
+    from gyrodrift.diagnose.report.page import report_html
+    from gyrodrift.progress import Progress
+    from gyrodrift.session.files import session_paths
 
     for name in arguments.withhold:
         if name not in CATALOGUE:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gyrodrift.filters import Filter, FilterState
+    from gyrodrift.filters.registry import Filter, FilterState
     from gyrodrift.session.session import Session
 
 
@@ -26,9 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when it is written."""
-    from gyrodrift.config import Config, load_config
+    from gyrodrift.config.model import Config, load_config
     from gyrodrift.files import write_whole
-    from gyrodrift.session.session import load_session
+    from gyrodrift.session.files import load_session
 
     config = load_config(arguments.config) if arguments.config else Config()
     session = load_session(arguments.session)

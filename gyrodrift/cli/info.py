@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
-    from gyrodrift.facts.values import Allan, HostClock, SessionFacts
+    from gyrodrift.describe.values import Allan, HostClock, SessionFacts
     from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -66,8 +66,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Describe each session; 0 when all are told."""
-    from gyrodrift.facts.describe import describe
-    from gyrodrift.session.session import load_session, session_paths
+    from gyrodrift.describe.describe import describe
+    from gyrodrift.session.files import load_session, session_paths
 
     paths = session_paths(arguments.sessions)
     if arguments.picture is not None:
@@ -97,7 +97,7 @@ def _check_picture(path: Path, sessions: int) -> None:
 
 
 def _draw(session: "Session", facts: "SessionFacts", path: Path) -> None:
-    from gyrodrift.facts.picture import draw
+    from gyrodrift.describe.picture import draw
     from gyrodrift.files import whole_file
 
     with whole_file(path) as file:

@@ -14,7 +14,7 @@ from gyrodrift.cli import options
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
-    from gyrodrift.record.recorder import Recorder
+    from gyrodrift.recording.recorder import Recorder
     from gyrodrift.service.loop import Taker
     from gyrodrift.service.signals import StopSignal
 
@@ -37,13 +37,13 @@ def run(arguments: argparse.Namespace) -> int:
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
 
+    from gyrodrift.link.events import News
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
-    from gyrodrift.record.live_line import AboveLine
-    from gyrodrift.record.recorder import Recorder, RecordOptions
+    from gyrodrift.recording.live_line import AboveLine
+    from gyrodrift.recording.recorder import Recorder, RecordOptions
+    from gyrodrift.recording.resilient import repair_interrupted
     from gyrodrift.service.loop import Service
-    from gyrodrift.service.news import News
-    from gyrodrift.service.recording import repair_interrupted
     from gyrodrift.service.signals import StopSignal
 
     log_to = AboveLine(sys.stderr) if sys.stderr.isatty() else None
@@ -64,8 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _takers(link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None) -> "list[Taker]":
-    from gyrodrift.record.duration import Duration
-    from gyrodrift.record.live_line import LiveLine
+    from gyrodrift.recording.duration import Duration
+    from gyrodrift.recording.live_line import LiveLine
 
     takers: list[Taker] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
     if sys.stderr.isatty():

@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Repair; 0 when every file is closed."""
-    from gyrodrift.session.repair import repair
+    from gyrodrift.session.mcap.repair import repair
 
     status = 0
     for path in _files(arguments.paths):

@@ -34,7 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Play until the end, or until a signal."""
-    from firmware_sim.device import LinkInUseError, PtyDevice, play, stopped_by_signals
+    from firmware_sim.player import play, stopped_by_signals
+    from firmware_sim.pty import LinkInUseError, PtyDevice
 
     speed = _speed(arguments.speed)
     frames, hello = _raw_speech(arguments) if arguments.raw else _speech(arguments)
@@ -61,8 +62,8 @@ def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]
     """The bytes as they came; what is wrong with the file is found before anybody waits for it."""
     from itertools import chain
 
-    from gyrodrift.replay import raw_frames
-    from gyrodrift.session.raw import read_raw
+    from gyrodrift.session.mcap.raw import read_raw
+    from gyrodrift.simulation.replay import raw_frames
 
     if arguments.loop:
         raise UsageError("--raw --loop: raw bytes are played once; their clock cannot go on")
@@ -73,8 +74,8 @@ def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]
 
 def _speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The frames of the session in the protocol asked for, and what greets a reader."""
-    from gyrodrift.replay import Recording, csv_frames, native_frames, native_hello, witmotion_frames
-    from gyrodrift.session.session import load_session
+    from gyrodrift.session.files import load_session
+    from gyrodrift.simulation.replay import Recording, csv_frames, native_frames, native_hello, witmotion_frames
 
     if not 0.0 < arguments.lsb <= 10.0:
         raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")

@@ -29,17 +29,17 @@ def run(arguments: argparse.Namespace) -> int:
     baud = options.baud(arguments.baud)
     watch = None
     if arguments.config is not None:
-        from gyrodrift.watch import ConfigWatch
+        from gyrodrift.config.watch import ConfigWatch
 
         watch = ConfigWatch(arguments.config)
 
+    from gyrodrift.link.events import News
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.loop import Service, Taker
-    from gyrodrift.service.news import News
+    from gyrodrift.service.outputs.json_lines import JsonLines
     from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.sinks.json_lines import JsonLines
 
     log = open_log(arguments.log_level, arguments.log_format)
     news = News(log)
@@ -49,8 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
         filtering = Filtering(link, output, log, watch)
         takers: list[Taker] = [filtering]
         if arguments.record is not None:
-            from gyrodrift.record.recorder import RecordOptions
-            from gyrodrift.service.recording import Recording, repair_interrupted
+            from gyrodrift.recording.recorder import RecordOptions
+            from gyrodrift.recording.resilient import Recording, repair_interrupted
 
             what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
             about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}

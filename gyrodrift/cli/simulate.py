@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
             "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
         )
     options.hold_product_threads()
-    from firmware_sim.motion import load_profile
+    from firmware_sim.motion.profile import load_profile
     from firmware_sim.rig import load_rig, parse_effect, with_effects
     from firmware_sim.yaml_file import FileError
 
@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
         elif arguments.hard_cases:
             _hard_cases(arguments)
         else:
-            from gyrodrift.simulate import write_sessions
+            from gyrodrift.simulation.sessions import write_sessions
 
             numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
             for path in write_sessions(rig, profile, arguments.out, *numbers, arguments.format):
@@ -73,14 +73,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
-    from gyrodrift.twin import read_rows, write_twins
+    from gyrodrift.simulation.published_set import read_rows, write_twins
 
     for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed, arguments.format):
         print(f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}", file=sys.stderr)
 
 
 def _hard_cases(arguments: argparse.Namespace) -> None:
-    from gyrodrift.hard_cases import SESSIONS, write_hard_cases
+    from gyrodrift.simulation.hard_cases import SESSIONS, write_hard_cases
 
     sessions = arguments.sessions or SESSIONS
     for path in write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format):

@@ -17,9 +17,9 @@ from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
 
 if TYPE_CHECKING:
+    from gyrodrift.evaluation.dataset import Source
     from gyrodrift.tune.result import Tuning
-    from gyrodrift.tune.sources import Source
-    from gyrodrift.tune.work import Plan
+    from gyrodrift.tune.tuning import Plan
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,10 +73,10 @@ def _check_place(out: Path, report: Path | None) -> None:
 
 
 def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
-    from gyrodrift.tune.journal import Journal
-    from gyrodrift.tune.prepare import Prepared, identity
-    from gyrodrift.tune.progress import Progress
-    from gyrodrift.tune.work import Work
+    from gyrodrift.progress import Progress
+    from gyrodrift.tune.prepared import Prepared, identity
+    from gyrodrift.tune.search.journal import Journal
+    from gyrodrift.tune.tuning import Work
 
     plan = _plan(arguments)
     how = (arguments.seed, arguments.threads, arguments.cluster)
@@ -98,9 +98,9 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
 
 
 def _plan(arguments: argparse.Namespace) -> "Plan":
-    from gyrodrift.tune.space import with_ranges
-    from gyrodrift.tune.tunables import TUNABLES
-    from gyrodrift.tune.work import Plan
+    from gyrodrift.evaluation.space import with_ranges
+    from gyrodrift.evaluation.tunables import TUNABLES
+    from gyrodrift.tune.tuning import Plan
 
     tunable = TUNABLES[arguments.filter]
 
@@ -110,9 +110,8 @@ def _plan(arguments: argparse.Namespace) -> "Plan":
 
 
 def _sources(arguments: argparse.Namespace) -> "list[Source]":
-    from gyrodrift.session.session import session_paths
-    from gyrodrift.tune.result import Split
-    from gyrodrift.tune.sources import Source
+    from gyrodrift.evaluation.dataset import Source, Split
+    from gyrodrift.session.files import session_paths
 
     tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
     paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
@@ -120,14 +119,14 @@ def _sources(arguments: argparse.Namespace) -> "list[Source]":
 
 
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
-    from gyrodrift.tune.write import summary, write_config, write_json
+    from gyrodrift.tune.report.files import summary, write_config, write_json
 
     words = [word for word in arguments.command_line if word != "--resume"]
     command = shlex.join(words)
     write_config(arguments.out, tuning, command)
     if arguments.report is not None:
         from gyrodrift.files import write_whole
-        from gyrodrift.tune.report import report_html
+        from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", tuning)
         write_whole(arguments.report / "report.html", [report_html(tuning, command)])

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.compare.method import Method, Params
-from gyrodrift.compare.methods import BY_KEY
-from gyrodrift.compare.score import Score, mean_score, score_of
-from gyrodrift.compare.session import Recording, folder_names, load_recording
+from gyrodrift.arrays import Floats
+from gyrodrift.compare.methods.method import Method, Params
+from gyrodrift.compare.methods.registry import BY_KEY
 from gyrodrift.compare.tuning import Progress, tuned
-from gyrodrift.compare.workers import workers
-from gyrodrift.session.session import Floats
-from gyrodrift.tune.sources import About, Source, rates_differ
+from gyrodrift.evaluation.dataset import About, Source, rates_differ
+from gyrodrift.evaluation.score import Score, mean_score, score_of
+from gyrodrift.evaluation.timed_reference import Recording, folder_names, load_recording
+from gyrodrift.parallel import workers
 
 CURVE_POINTS = 300
 SHOWN = 24

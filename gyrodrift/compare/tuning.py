@@ -5,16 +5,16 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from gyrodrift.compare.method import Method, Params
-from gyrodrift.compare.methods import BY_KEY
-from gyrodrift.compare.score import score_of
-from gyrodrift.compare.session import Recording
-from gyrodrift.compare.workers import Workers, workers
-from gyrodrift.session.session import Floats
-from gyrodrift.tune.methods import METHODS as SEARCHES
-from gyrodrift.tune.methods import spend
-from gyrodrift.tune.objective import Objective
-from gyrodrift.tune.space import params_of
+from gyrodrift.arrays import Floats
+from gyrodrift.compare.methods.method import Method, Params
+from gyrodrift.compare.methods.registry import BY_KEY
+from gyrodrift.evaluation.score import score_of
+from gyrodrift.evaluation.space import params_of
+from gyrodrift.evaluation.timed_reference import Recording
+from gyrodrift.parallel import Workers, workers
+from gyrodrift.tune.search.methods import METHODS as SEARCHES
+from gyrodrift.tune.search.methods import spend
+from gyrodrift.tune.search.objective import Objective
 
 SEARCH = "race"
 """What `tune` uses where nothing is said."""

@@ -8,21 +8,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_sim.bench import COUNTS_MOST
+from firmware_sim.measure import COUNTS_MOST
 from firmware_sim.rig import Base, Rig
-from gyrodrift.diagnose.attribute import Attribution, Cause, Found
-from gyrodrift.diagnose.candidates import Candidate, candidates
-from gyrodrift.diagnose.evidence import evidence_of
-from gyrodrift.diagnose.gather import Work, gathered, passed
-from gyrodrift.diagnose.recording import Recording
-from gyrodrift.diagnose.replay import Subject, subject_of
-from gyrodrift.diagnose.responses import Table, hints_of
-from gyrodrift.diagnose.second import SecondOpinion, second_opinion
-from gyrodrift.diagnose.signatures.measure import measure
-from gyrodrift.diagnose.verdict import Verdict, detectable, verdict_of
-from gyrodrift.diagnose.worth import Worth, worth_of
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import measure
+from gyrodrift.diagnose.inference.evidence import evidence_of
+from gyrodrift.diagnose.inference.linear_model import SecondOpinion, second_opinion
+from gyrodrift.diagnose.inference.search import Attribution, Cause, Found
+from gyrodrift.diagnose.inference.verdict import Verdict, detectable, verdict_of
+from gyrodrift.diagnose.inference.yaw_impact import Worth, worth_of
+from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.simulate.candidates import Candidate, candidates
+from gyrodrift.diagnose.simulate.responses import Table, hints_of
+from gyrodrift.diagnose.simulate.tables import Work, gathered, passed
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
-from gyrodrift.session.session import Floats
 
 RUNS_OF_CHANCE = 4
 """Throws of the dice of an effect in which chance plays a part."""

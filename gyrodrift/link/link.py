@@ -12,12 +12,12 @@ from itertools import cycle
 from typing import Any
 
 from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
-from gyrodrift.link.arrival_clock import ArrivalClock
-from gyrodrift.link.clock import Clock, ClockRestart, Gap
-from gyrodrift.link.decoder import Decoder, DeviceFacts
-from gyrodrift.link.detect import AUTO, PROTOCOLS, Detector, decoder_for
-from gyrodrift.link.device_clock import DeviceClock
+from gyrodrift.link.clocks.arrival import ArrivalClock
+from gyrodrift.link.clocks.clock import Clock, ClockRestart, Gap
+from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
+from gyrodrift.link.protocols.decoder import Decoder, DeviceFacts
+from gyrodrift.link.protocols.detect import AUTO, PROTOCOLS, Detector, decoder_for
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.errors import ConfigError
-from gyrodrift.filters import HDR, Filter, FilterState
+from gyrodrift.filters.registry import HDR, Filter, FilterState
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
-from gyrodrift.service.sinks.json_lines import JsonLines
+from gyrodrift.service.outputs.json_lines import JsonLines
 
 if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
-    from gyrodrift.config import Config
-    from gyrodrift.service.sinks.sink import Sink
-    from gyrodrift.watch import ConfigWatch
+    from gyrodrift.config.model import Config
+    from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.service.outputs.output import Sink
 
 REJECTED_S = 1.0
 

@@ -13,11 +13,11 @@ from typing import Any, Protocol
 
 from structlog.typing import FilteringBoundLogger
 
+from gyrodrift.link.events import News
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Sample
-from gyrodrift.service.news import News
+from gyrodrift.service.outputs.output import ReaderGoneError
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sinks.sink import ReaderGoneError
 
 CHORES_S = 0.25
 STATS_S = 10.0

@@ -9,8 +9,9 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
-from gyrodrift.session.session import Floats, Session
+from gyrodrift.session.session import Session
 
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c")
 REQUIRED = ("t_device_s", "rate_dps")

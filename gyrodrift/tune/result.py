@@ -1,21 +1,14 @@
 """What a tuning found and how good it is, as values: what the files and the report are made of."""
 
 from dataclasses import dataclass, field
-from enum import Enum
 
 import numpy as np
 
-from gyrodrift.filters import Params
-from gyrodrift.session.session import Floats
-from gyrodrift.tune.space import Axis
-from gyrodrift.tune.tunables import Tunable
-
-
-class Split(Enum):
-    """What a session was used for."""
-
-    TRAIN = "train"
-    TEST = "test"
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.dataset import Split
+from gyrodrift.evaluation.space import Axis
+from gyrodrift.evaluation.tunables import Tunable
+from gyrodrift.filters.registry import Params
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import bench_support
 from support import never
 
-from firmware_sim.device import PtyDevice
+from firmware_sim.pty import PtyDevice
 
 
 def main(port: Path, result: Path, count: int, rate_hz: float, protocol: str) -> None:

@@ -5,7 +5,7 @@ import sys
 
 import serial
 
-from gyrodrift.filter import HdrParams, HdrState, coefficients, step
+from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 
 
 def main(port: str, count: int) -> None:

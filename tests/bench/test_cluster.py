@@ -12,9 +12,9 @@ from bench_support import cpu_s, show
 from cluster_support import Cluster, candidates, cluster, recorded
 
 from gyrodrift import __version__
-from gyrodrift.tune.cluster import ClusterCost, abouts_of, load_batch, score_batch
-from gyrodrift.tune.cost import Cost
-from gyrodrift.tune.sources import Source, load_course
+from gyrodrift.evaluation.cluster_cost import ClusterCost, abouts_of, load_batch, score_batch
+from gyrodrift.evaluation.cost import Cost
+from gyrodrift.evaluation.dataset import Source, load_course
 
 pytestmark = pytest.mark.bench
 distributed = pytest.importorskip(

@@ -7,10 +7,10 @@ import pytest
 from bench_support import show
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
-from gyrodrift.simulate import write_sessions
+from gyrodrift.simulation.sessions import write_sessions
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
 

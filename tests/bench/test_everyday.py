@@ -8,8 +8,8 @@ from bench_support import show
 from scipy.signal import lfilter
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.methods import BY_KEY
-from gyrodrift.session.session import Floats
+from gyrodrift.arrays import Floats
+from gyrodrift.compare.methods.registry import BY_KEY
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
 

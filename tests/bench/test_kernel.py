@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from bench_support import BENCH, show
 
-from gyrodrift.session.session import Floats
-from gyrodrift.tune.cost import Cost
-from gyrodrift.tune.course import Course
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.cost import Cost
+from gyrodrift.evaluation.reference import Course
 
 pytestmark = pytest.mark.bench
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from bench_support import show
 
-from gyrodrift.compare.score import score_of
-from gyrodrift.filter import HdrParams, HdrState
-from gyrodrift.filter import coefficients as hdr_coefficients
-from gyrodrift.filter import step as hdr_step
-from gyrodrift.hard_cases import CASES, simulation
-from gyrodrift.restlevel.records import RestlevelParams, RestlevelState
-from gyrodrift.restlevel.step import coefficients, step
-from gyrodrift.tune.course import Course, course_of
-from gyrodrift.tune.kernel_restlevel import walk
+from gyrodrift.evaluation.kernels.restlevel import walk
+from gyrodrift.evaluation.reference import Course, course_of
+from gyrodrift.evaluation.score import score_of
+from gyrodrift.filters.hdr import HdrParams, HdrState
+from gyrodrift.filters.hdr import coefficients as hdr_coefficients
+from gyrodrift.filters.hdr import step as hdr_step
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.simulation.hard_cases import CASES, simulation
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
 

@@ -27,7 +27,7 @@ from bench_support import (
     show,
 )
 
-from gyrodrift.filter import (
+from gyrodrift.filters.hdr import (
     ATTENUATOR_TABLE,
     HdrCoefficients,
     HdrParams,

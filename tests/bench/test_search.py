@@ -8,15 +8,15 @@ import pytest
 from bench_support import show
 from support import Recordings
 
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.simulate import write_sessions
-from gyrodrift.tune.cost import Cost
-from gyrodrift.tune.methods import METHODS, spend
-from gyrodrift.tune.objective import Objective
-from gyrodrift.tune.sources import Source, load_course
-from gyrodrift.tune.space import AXES
-from gyrodrift.twin import read_rows, write_twins
+from gyrodrift.evaluation.cost import Cost
+from gyrodrift.evaluation.dataset import Source, load_course
+from gyrodrift.evaluation.space import AXES
+from gyrodrift.simulation.published_set import read_rows, write_twins
+from gyrodrift.simulation.sessions import write_sessions
+from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.tune.search.objective import Objective
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(7200)]
 

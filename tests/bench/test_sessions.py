@@ -12,9 +12,9 @@ import pytest
 from bench_support import PATIENCE_S, cpu_s, logged, metronome, metronome_result, running, show
 from mcap.reader import make_reader
 
-from gyrodrift.session.mcap import read_mcap
+from gyrodrift.session.formats import write_session
+from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.session import Session
-from gyrodrift.session.write import write_session
 
 pytestmark = pytest.mark.bench
 
@@ -25,7 +25,7 @@ ARRAY_BYTES = 6 * 8
 LOADING = """
 import json, sys
 from pathlib import Path
-from gyrodrift.session.mcap import read_mcap
+from gyrodrift.session.mcap.read import read_mcap
 
 def peak_bytes():
     (line,) = (line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from bench_support import show
 
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.simulate import Simulation, write_sessions
+from gyrodrift.simulation.sessions import Simulation, write_sessions
 
 pytestmark = pytest.mark.bench
 

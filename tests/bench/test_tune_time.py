@@ -12,13 +12,13 @@ from scipy.optimize import differential_evolution
 from support import Recordings
 
 from firmware_sim.rig import load_rig
-from gyrodrift.session.session import Floats
-from gyrodrift.tune.cost import Cost
-from gyrodrift.tune.methods import METHODS, spend
-from gyrodrift.tune.objective import Objective
-from gyrodrift.tune.sources import Source, load_course
-from gyrodrift.tune.space import AXES, params_of
-from gyrodrift.twin import read_rows, write_twins
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.cost import Cost
+from gyrodrift.evaluation.dataset import Source, load_course
+from gyrodrift.evaluation.space import AXES, params_of
+from gyrodrift.simulation.published_set import read_rows, write_twins
+from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.tune.search.objective import Objective
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(3600)]
 

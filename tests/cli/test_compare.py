@@ -11,11 +11,11 @@ from page_support import parsed, row, words
 from turntable_sessions import RATE_HZ, turntable, write_turntables
 
 from gyrodrift.cli import main
-from gyrodrift.session.session import load_session
-from gyrodrift.session.write import write_session
+from gyrodrift.session.files import load_session
+from gyrodrift.session.formats import write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.methods import METHODS
+from gyrodrift.compare.methods.registry import METHODS
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +145,7 @@ def test_a_package_that_is_missing_is_named(
     tables: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """In the table, in the file and on the page, in place of its numbers."""
-    monkeypatch.setattr("gyrodrift.compare.method.find_spec", lambda name: None if name == "vqf" else name)
+    monkeypatch.setattr("gyrodrift.compare.methods.method.find_spec", lambda name: None if name == "vqf" else name)
     assert main(["compare", str(tables / "a"), "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert "VQF: its package vqf is not installed (pip install vqf)" in capsys.readouterr().out
     said = numbers(tmp_path)

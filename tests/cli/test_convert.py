@@ -13,7 +13,7 @@ from mcap_ros2.decoder import DecoderFactory
 from support import Command
 
 from gyrodrift.cli import main
-from gyrodrift.session.session import load_session
+from gyrodrift.session.files import load_session
 
 CSV = """\
 t_device_s,t_host_s,seq,rate_dps,encoder_deg,temp_c

@@ -10,12 +10,12 @@ import pytest
 from cluster_support import cluster
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
-from gyrodrift.session.session import load_session
-from gyrodrift.session.write import write_session
-from gyrodrift.simulate import write_sessions
+from gyrodrift.session.files import load_session
+from gyrodrift.session.formats import write_session
+from gyrodrift.simulation.sessions import write_sessions
 
 pytestmark = pytest.mark.timeout(600)
 

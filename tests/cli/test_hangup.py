@@ -16,7 +16,7 @@ import pytest
 from mcap.reader import make_reader
 from support import PATIENCE_S, are_recorded, never, speaking_on
 
-from firmware_sim.device import PtyDevice
+from firmware_sim.pty import PtyDevice
 from firmware_sim.wire import csv_line
 
 ON_A_TERMINAL = """

@@ -11,8 +11,8 @@ import pytest
 from support import Recordings
 
 from gyrodrift.cli import main
+from gyrodrift.session.formats import write_session
 from gyrodrift.session.session import Session
-from gyrodrift.session.write import write_session
 
 ABOUT = {
     "device": {"id": "bench-7", "note": "left on the table\x1b[31m over night"},
@@ -185,7 +185,7 @@ def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsy
 
 def test_thinning_keeps_spikes() -> None:
     """Of a hundred thousand points one is high, and one low."""
-    picture = pytest.importorskip("gyrodrift.facts.picture", reason="pictures need the workstation extra")
+    picture = pytest.importorskip("gyrodrift.describe.picture", reason="pictures need the workstation extra")
     y = np.zeros(100_001)
     y[[12_345, 100_000]] = 7.0, -5.0
     y[50_000] = np.nan

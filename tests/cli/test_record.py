@@ -15,12 +15,12 @@ import pytest
 from mcap.reader import make_reader
 from support import Command, are_recorded, near, never, speaking_on
 
-from firmware_sim.bench import measure
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig
 from firmware_sim.wire import csv, csv_line, native
-from gyrodrift.session.mcap import read_mcap
-from gyrodrift.session.raw import read_raw
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.session import Session
 
 

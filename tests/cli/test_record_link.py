@@ -18,13 +18,13 @@ from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 from support import Command, are_recorded, never, speaking_on
 
-from firmware_sim.bench import measure
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import PROTOCOLS, csv_line
-from gyrodrift.link.detect import decoder_for
-from gyrodrift.session.mcap import read_mcap
-from gyrodrift.session.raw import read_raw
+from gyrodrift.link.protocols.detect import decoder_for
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.read import read_mcap
 
 RIG = Rig(base=Base(bias_dps=0.3))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support import Command
 
-from gyrodrift.session.writer import McapWriter
+from gyrodrift.session.mcap.write import McapWriter
 
 SAMPLES = 400
 

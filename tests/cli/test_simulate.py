@@ -7,8 +7,8 @@ import pytest
 from support import Command
 
 from gyrodrift.cli import main
-from gyrodrift.session.session import load_session
-from gyrodrift.simulate import euler_error_deg
+from gyrodrift.session.files import load_session
+from gyrodrift.simulation.sessions import euler_error_deg
 
 BRIEF = ("--minutes", "0.2", "--format", "csv")
 

@@ -14,10 +14,11 @@ from support import Command, near
 from turntable_sessions import RATE_HZ, turntable, write_turntables
 
 from gyrodrift.cli import main
-from gyrodrift.config import load_config
-from gyrodrift.filter import HdrParams, HdrState, coefficients, step
-from gyrodrift.session.session import Session, load_session
-from gyrodrift.session.write import write_session
+from gyrodrift.config.model import load_config
+from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.session.files import load_session
+from gyrodrift.session.formats import write_session
+from gyrodrift.session.session import Session
 
 pytest.importorskip("numba", reason="tuning needs the workstation extra")
 

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.method import Method
-from gyrodrift.compare.methods import BY_KEY, METHODS, methods
-from gyrodrift.filter import HdrParams, HdrState, coefficients, step
+from gyrodrift.compare.methods.method import Method
+from gyrodrift.compare.methods.registry import BY_KEY, METHODS, methods
+from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 
 Floats = NDArray[np.float64]
 

@@ -4,10 +4,10 @@ import pytest
 from support import Recordings
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.methods import BY_KEY
-from gyrodrift.compare.score import score_of
-from gyrodrift.compare.session import load_recording
-from gyrodrift.tune.sources import Source
+from gyrodrift.compare.methods.registry import BY_KEY
+from gyrodrift.evaluation.dataset import Source
+from gyrodrift.evaluation.score import score_of
+from gyrodrift.evaluation.timed_reference import load_recording
 
 E_DEG = {
     "broad_01": {"euler": 48.6, "start": 1.77, "xio": 7.47, "vqf": 2.64, "hdr": 48.2, "restlevel": 1.82},

@@ -12,12 +12,13 @@ import pytest
 import serial
 from support import PATIENCE_S, Command, never
 
-from firmware_sim.bench import COUNTS_MOST, Block, measure
-from firmware_sim.device import PtyDevice, play
 from firmware_sim.faults.cable import heard_at
 from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
 from firmware_sim.faults.frames import BANNER
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import COUNTS_MOST, Block, measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.player import play
+from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
 from firmware_sim.yaml_file import FileError

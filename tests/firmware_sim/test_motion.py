@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.effects.effect import Floats
-from firmware_sim.motion import Profile, config_folder, load_profile
+from firmware_sim.motion.profile import Profile, config_folder, load_profile
 from firmware_sim.yaml_file import FileError
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "profiles").glob("*.yaml"))

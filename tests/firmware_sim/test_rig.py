@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware_sim.motion import config_folder
+from firmware_sim.motion.profile import config_folder
 from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, load_rig, parse_effect, with_effects
 from firmware_sim.yaml_file import FileError
 

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim import wire
-from firmware_sim.bench import Block, measure
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import Block, measure
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 
 i16 = st.integers(-32768, 32767)

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from support import speaking_on
 
-from firmware_sim.bench import measure
-from firmware_sim.device import PtyDevice
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Rig
 from firmware_sim.wire import PROTOCOLS
 from gyrodrift.errors import DeviceSilentError, UsageError

@@ -8,14 +8,14 @@ import pytest
 import structlog
 from support import never, speaking_on
 
+from gyrodrift.link.events import News
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.loop import Service
-from gyrodrift.service.news import News
+from gyrodrift.service.outputs.json_lines import JsonLines
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sinks.json_lines import JsonLines
 
 
 class StopAfter:

@@ -16,13 +16,13 @@ from typing import Any
 import pytest
 from support import Command, never, speaking_on
 
-from firmware_sim.bench import measure
-from firmware_sim.motion import load_profile
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import PROTOCOLS
-from gyrodrift.filter import HdrParams, HdrState, coefficients, step
-from gyrodrift.link.native import NativeDecoder
-from gyrodrift.restlevel.records import RestlevelParams
+from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.link.protocols.native import NativeDecoder
 
 RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"

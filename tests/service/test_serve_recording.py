@@ -12,13 +12,13 @@ from disk_support import fill, small_disk, wait_for_disks
 from support import PATIENCE_S, Command, never, speaking_on
 
 from firmware_sim.wire import csv_line
+from gyrodrift.link.events import News
 from gyrodrift.link.link import Link, LinkOptions
-from gyrodrift.record.recorder import RecordOptions
+from gyrodrift.recording import resilient as recording
+from gyrodrift.recording.recorder import RecordOptions
+from gyrodrift.recording.resilient import Recording
 from gyrodrift.sample import Sample
-from gyrodrift.service import recording
-from gyrodrift.service.news import News
-from gyrodrift.service.recording import Recording
-from gyrodrift.session.mcap import read_mcap
+from gyrodrift.session.mcap.read import read_mcap
 
 SMALL = 40_000
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.session import load_session
+from gyrodrift.session.files import load_session
 
 
 def written(folder: Path, text: str | bytes, name: str = "s.csv") -> Path:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.session import session_paths
+from gyrodrift.session.files import session_paths
 
 
 @pytest.fixture

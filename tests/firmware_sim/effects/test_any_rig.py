@@ -9,9 +9,9 @@ from effects_bench import Record, effect_of, profile_of, record, rig_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_sim.bench import COUNTS_MOST
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
+from firmware_sim.measure import COUNTS_MOST
 from firmware_sim.rig import Base, Rig
 
 MOTION = profile_of(

@@ -6,7 +6,7 @@ from effects_bench import REST, effect_of, once_per_turn, phasor, profile_of, pu
 
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.encoder import Backlash, EncoderSlip
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base
 
 TO_AND_FRO = {"kind": "steps", "rates_dps": [60.0, -60.0] * 10, "ramp_seconds": 0.1, "hold_seconds": 2.0}

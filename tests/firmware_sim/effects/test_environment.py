@@ -5,7 +5,7 @@ import pytest
 from effects_bench import REST, Record, effect_of, fitted, means, profile_of, put_in, record, rig_of, sized
 
 from firmware_sim.effects.effect import Effect
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 
 TAUS_S = np.geomspace(30.0, 480.0, 400)
 

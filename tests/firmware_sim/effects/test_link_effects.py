@@ -6,7 +6,7 @@ from effects_bench import SHIPPED, Record, effect_of, fitted, put_in, record, ri
 
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.link import TimestampJitter
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 
 DELAY_S = SHIPPED.host_delay_s
 

@@ -18,7 +18,7 @@ from effects_bench import (
 )
 
 from firmware_sim.effects.effect import Effect, Floats
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base
 
 TAUS_S = np.array([1.0, 10.0, 100.0])

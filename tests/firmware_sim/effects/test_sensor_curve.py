@@ -5,7 +5,7 @@ import pytest
 from effects_bench import FINE, Record, effect_of, fitted, profile_of, put_in, record, rig_of, sized
 
 from firmware_sim.effects.effect import Effect
-from firmware_sim.motion import load_profile
+from firmware_sim.motion.profile import load_profile
 
 COUNT_DPS = 0.00763
 SLOW_RAMP = profile_of(

@@ -1,0 +1,1 @@
+"""How the table moves: segments, and profiles made of them."""

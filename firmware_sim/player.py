@@ -1,0 +1,69 @@
+"""The pace: frames sent through a pty at their times, or as fast as they are read."""
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from firmware_sim.pty import PtyDevice
+from firmware_sim.wire import Frame
+
+LONGEST_NAP_S = 0.05
+
+
+def play(
+    frames: Iterator[Frame],
+    device: PtyDevice,
+    speed: float | None,
+    is_over: Callable[[], bool] = lambda: False,
+) -> tuple[int, int]:
+    """Send frames at their times.
+
+    Parameters
+    ----------
+    speed
+        How many device seconds pass in a second; None for as fast as the reader takes them, none lost.
+
+    Returns
+    -------
+    tuple[int, int]
+        Measurements sent, and measurements that found no reader or a reader that was too slow.
+    """
+    sent = lost = 0
+    origin_s = time.monotonic()
+    for frame in frames:
+        if is_over():
+            break
+        if speed is None:
+            if device.is_pulled_at(frame.t_s):
+                device.drain()
+            device.live_until(frame.t_s)
+            if not device.is_plugged:
+                lost += frame.rows
+                continue
+            while not (has_gone := device.send_all(frame.content, is_over)) and not is_over():
+                device.wait_for_reader(is_over)
+            sent += frame.rows if has_gone else 0
+            continue
+        due_s = origin_s + frame.t_s / speed
+        while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
+            time.sleep(min(early_s, LONGEST_NAP_S))
+        device.live_until(frame.t_s)
+        if device.send(frame.content):
+            sent += frame.rows
+        else:
+            lost += frame.rows
+    return sent, lost
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[Callable[[], bool]]:
+    """Whether SIGINT or SIGTERM has come."""
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    old = [signal.signal(number, lambda which, _frame: came.append(which)) for number in numbers]
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in zip(numbers, old, strict=True):
+            signal.signal(number, handler)

@@ -1,0 +1,224 @@
+"""The device on a pty: raw mode, a stable name, readers that come and go.
+
+Facts of Linux ptys that this file stands on: a master without a reader polls as hung up; in packet mode it is
+told when a reader flushes its input, which is how pyserial ends opening a port; a pty takes about 20 kB before
+it is full; closing the master throws away what the reader has not read yet.
+"""
+
+import fcntl
+import os
+import pty
+import select
+import struct
+import termios
+import time
+import tty
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+TIOCPKT = 0x5420
+TIOCPKT_FLUSHREAD = 0x01
+TCGETS2, TERMIOS2 = 0x802C542A, struct.Struct("4I20s2I")
+"""The one call that tells line rates outside the list of POSIX; its last field is the rate in baud."""
+
+OPENING_S = 1.0
+"""A reader that has opened the port and not flushed it by then (cat, screen) is not going to."""
+
+DRAIN_S = 2.0
+DRAINED_S = 0.05
+
+
+class LinkInUseError(Exception):
+    """The link's name cannot be made, or is taken by something that is no link to a pty."""
+
+
+class Cable:
+    """What lies between device and reader; this one is whole."""
+
+    def link_at(self, link: Path, t_s: float) -> Path | None:
+        """The name that a device called `link` has at `t_s`, s since power-on; None while it is unplugged."""
+        _ = t_s
+        return link
+
+    def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
+        """What a reader whose line rate is `read_baud()` gets of what is sent at `t_s`."""
+        _ = t_s, read_baud
+        return content
+
+
+class PtyDevice:
+    """The master end of a pty whose slave is linked at `link`.
+
+    What a reader left unread waits for the next one, as in a real port; pyserial flushes it away when it opens.
+    `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises;
+    a frame that is being sent in that very moment may still stand before it.
+    """
+
+    def __init__(self, link: Path, greeting: bytes = b"", cable: Cable | None = None) -> None:
+        self.link = link
+        self.greeting = greeting
+        self.fd = -1
+        self.slave_name = ""
+        self._cable = cable or Cable()
+        self._first_link = link
+        self._t_s = 0.0
+        self._plug_in(self._cable.link_at(link, 0.0) or link)
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether there is a port at all."""
+        return self.fd >= 0
+
+    def live_until(self, t_s: float) -> None:
+        """Let it be `t_s`, s since power-on: the cable may be pulled or put back."""
+        self._t_s = t_s
+        link = self._cable.link_at(self._first_link, t_s)
+        if link is None:
+            self.close()
+        elif not self.is_plugged:
+            self._plug_in(link)
+
+    def is_pulled_at(self, t_s: float) -> bool:
+        """Whether the cable is out at `t_s`."""
+        return self._cable.link_at(self._first_link, t_s) is None
+
+    def _plug_in(self, link: Path) -> None:
+        fd, slave_fd = pty.openpty()
+        self.link, self.slave_name = link, os.ttyname(slave_fd)
+        tty.setraw(slave_fd)
+        fcntl.ioctl(fd, TIOCPKT, struct.pack("i", 1))
+        os.close(slave_fd)
+        os.set_blocking(fd, False)
+        self._poller = select.poll()
+        self._poller.register(fd, select.POLLIN | select.POLLPRI)
+        self._unsent = b""
+        self._flushed = False
+        self._opened_s: float | None = None
+        try:
+            _make_link(self.slave_name, link)
+        except LinkInUseError:
+            os.close(fd)
+            raise
+        self.fd = fd
+
+    def has_reader(self) -> bool:
+        """Whether somebody has the port open; takes and drops what the reader sends."""
+        if not self.is_plugged:
+            return False
+        for _, events in self._poller.poll(0):
+            if events & select.POLLHUP:
+                self._flushed = False
+                self._unsent = b""
+                return False
+            self._listen()
+        return True
+
+    def is_ready(self) -> bool:
+        """Whether a reader has opened the port and is done with it: what is sent then is not flushed away."""
+        if not self.has_reader():
+            self._opened_s = None
+            return False
+        self._opened_s = self._opened_s or time.monotonic()
+        return self._flushed or time.monotonic() - self._opened_s > OPENING_S
+
+    def wait_for_reader(self, is_over: Callable[[], bool]) -> None:
+        """Wait until a reader is ready."""
+        while not is_over() and not self.is_ready():
+            time.sleep(0.005)
+
+    def send(self, content: bytes) -> bool:
+        """Send all of it, or none where the reader is too slow or not there. A frame begun is ended later."""
+        if not self.has_reader() or not self._finish():
+            return False
+        self._unsent = self._carried(content)
+        self._finish()
+        return True
+
+    def send_all(self, content: bytes, is_over: Callable[[], bool]) -> bool:
+        """Send all of it at the pace of the reader; False where there is none that is ready, or where it left."""
+        if not self.is_ready():
+            return False
+        self._unsent += self._carried(content)
+        out = select.poll()
+        out.register(self.fd, select.POLLOUT)
+        while not is_over() and self.has_reader():
+            if self._finish():
+                return True
+            out.poll(100)
+        return False
+
+    def drain(self) -> None:
+        """Wait until the reader has taken everything, or has left, or has had its time."""
+        until_s = time.monotonic() + DRAIN_S
+        empty_s: float | None = None
+        while time.monotonic() < until_s and self.has_reader():
+            if self._finish() and self._reader_is_done():
+                empty_s = empty_s or time.monotonic()
+                if time.monotonic() - empty_s > DRAINED_S:
+                    return
+            else:
+                empty_s = None
+            time.sleep(0.005)
+
+    def close(self) -> None:
+        """Hang up and take the name away."""
+        if not self.is_plugged:
+            return
+        with suppress(OSError):
+            if self.link.is_symlink() and str(self.link.readlink()) == self.slave_name:
+                self.link.unlink()
+        os.close(self.fd)
+        self.fd = -1
+
+    def _carried(self, content: bytes) -> bytes:
+        return self._cable.carry(content, self._t_s, lambda: _line_rate(self.fd))
+
+    def _finish(self) -> bool:
+        """Whether nothing is left of what was to be sent."""
+        while self._unsent:
+            try:
+                sent = os.write(self.fd, self._unsent)
+            except (BlockingIOError, OSError):
+                return False
+            self._unsent = self._unsent[sent:]
+        return True
+
+    def _listen(self) -> None:
+        with suppress(OSError):
+            heard = os.read(self.fd, 4096)
+            if heard and heard[0] & TIOCPKT_FLUSHREAD:
+                self._flushed = True
+                self._unsent = self._carried(self.greeting) + self._unsent  # a frame begun before reads as damaged
+
+    def _reader_is_done(self) -> bool:
+        try:
+            fd = os.open(self.slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError:
+            return True
+        try:
+            (waiting,) = struct.unpack("i", fcntl.ioctl(fd, termios.FIONREAD, b"\0\0\0\0"))
+        finally:
+            os.close(fd)
+        return int(waiting) == 0
+
+
+def _line_rate(fd: int) -> int:
+    """The line rate in baud that the reader has set, standard or not."""
+    termios2 = fcntl.ioctl(fd, TCGETS2, bytes(TERMIOS2.size))
+    return int(TERMIOS2.unpack(termios2)[-1])
+
+
+def _make_link(target: str, link: Path) -> None:
+    """Point the name at the pty in one step, so that a reader finds the old one or the new one."""
+    fresh = link.with_name(f".{link.name}.{os.getpid()}")
+    try:
+        if os.path.lexists(link) and not (link.is_symlink() and str(link.readlink()).startswith("/dev/pts/")):
+            raise LinkInUseError(f"{link} exists and is not a link to a pty; choose another name")
+        link.parent.mkdir(parents=True, exist_ok=True)
+        fresh.symlink_to(target)
+        fresh.replace(link)
+    except OSError as error:
+        with suppress(OSError):
+            fresh.unlink()
+        raise LinkInUseError(f"{link} cannot be made: {error.strerror}") from error

@@ -1,0 +1,1 @@
+"""The methods that are compared, one small file each."""

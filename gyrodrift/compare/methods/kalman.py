@@ -1,0 +1,50 @@
+"""The zero-rate update: a scalar Kalman filter that takes the rate for the bias while nothing turns."""
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats
+from gyrodrift.compare.methods.method import Params
+from gyrodrift.compare.methods.plain import steps_s
+
+REST_TAU_S = 0.5
+"""Low-pass that a rate at rest stays close to, s."""
+
+START_DPS = 1.0
+"""What is known of the bias at power-on: its standard deviation, deg/s."""
+
+
+def run_kalman(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
+    """Yaw, deg, shape (n,), with the bias b learnt at rest.
+
+    While still: K = P/(P + R), b += K·(w − b), P −= K·P; P grows by q·T. R is `noise_dps`², q is `walk_dps_rts`².
+    Still is what has stayed within `rest_dps` of its own low-pass for `rest_s`, and that below `bias_most_dps`.
+    """
+    names = ("rest_dps", "rest_s", "bias_most_dps", "noise_dps", "walk_dps_rts")
+    found: Floats = _walk(steps_s(t_s), rate_dps, *(params[name] for name in names))
+    return found
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _walk(
+    dt_s: Floats,
+    rate_dps: Floats,
+    rest_dps: float,
+    rest_s: float,
+    bias_most_dps: float,
+    noise_dps: float,
+    walk_dps_rts: float,
+) -> Floats:
+    yaw_deg = np.zeros(len(dt_s))
+    bias_dps, variance, slow_dps, still_s = 0.0, START_DPS**2, rate_dps[0], 0.0
+    for n in range(1, len(dt_s)):
+        slow_dps += (rate_dps[n] - slow_dps) * dt_s[n] / (dt_s[n] + REST_TAU_S)
+        is_quiet = abs(rate_dps[n] - slow_dps) < rest_dps and abs(slow_dps) < bias_most_dps
+        still_s = still_s + dt_s[n] if is_quiet else 0.0
+        variance += walk_dps_rts**2 * dt_s[n]
+        if still_s >= rest_s:
+            gain = variance / (variance + noise_dps**2)
+            bias_dps += gain * (rate_dps[n] - bias_dps)
+            variance -= gain * variance
+        yaw_deg[n] = yaw_deg[n - 1] + (rate_dps[n] - bias_dps) * dt_s[n]
+    return yaw_deg

@@ -1,0 +1,1 @@
+"""The files of a comparison: table, numbers, page."""

@@ -1,0 +1,1 @@
+"""The config of `serve`: read strictly, checked, watched while the service runs."""

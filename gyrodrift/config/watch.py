@@ -1,0 +1,39 @@
+"""A config file, watched: polled by `stat`, since editors save by renaming and that kills file watches."""
+
+from pathlib import Path
+
+from gyrodrift.config.model import Config, load_config
+
+Signature = tuple[int, int, int]
+
+
+class ConfigWatch:
+    """Loads the file at once, and again whenever its time, size or inode changes.
+
+    Raises
+    ------
+    ConfigError
+        From the constructor, and from `poll` for each changed file that has mistakes; the watch goes on.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._seen = _signature(path)
+        self.config = load_config(path)
+
+    def poll(self) -> Config | None:
+        """The new config where there is one; None where nothing changed, or the file is gone for a moment."""
+        found = _signature(self.path)
+        if found is None or found == self._seen:
+            return None
+        self._seen = found
+        self.config = load_config(self.path)
+        return self.config
+
+
+def _signature(path: Path) -> Signature | None:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_ino, status.st_size

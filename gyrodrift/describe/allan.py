@@ -1,0 +1,100 @@
+"""Allan deviation of a still stretch, and the noise that it shows."""
+
+from math import inf, sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.describe.values import Allan, Stretch
+
+ALLAN_LEAST_S = 30.0
+CLUSTERS_LEAST = 9
+"""An Allan deviation of K independent clusters is good to 1/√(2(K − 1)), a quarter for nine (IEEE 952, C.1)."""
+
+WHITE_CLUSTERS = 51
+WHITE_SLOPE_SLACK = 0.2
+"""White noise is read where the deviation is good to a tenth and falls with a slope of −1/2, to within the slack."""
+
+LOW_PASSED = 0.8
+"""Share of the white noise below which a deviation at short times is taken to have gone through a low-pass."""
+
+FLAT_ERROR = 0.2
+"""The longest times say little; a floor shows where deviations are at least that good, over two octaves."""
+
+FLICKER_FLOOR = 0.664
+"""√(2 ln 2/π): the flat part of an Allan deviation over the bias instability B (IEEE 952, C.1.3)."""
+
+
+def allan_deviation(rate_dps: Floats, period_s: float) -> tuple[Floats, Floats]:
+    """Averaging times in octaves, s, and the overlapping Allan deviation there, deg/s; both of shape (k,).
+
+    The longest time leaves 9 clusters. Equation C.12 of IEEE Std 952-1997, on the integrated rate.
+    """
+    angles_deg = np.zeros(len(rate_dps) + 1)
+    np.cumsum((rate_dps - rate_dps.mean()) * period_s, out=angles_deg[1:])
+    octaves = (len(rate_dps) // CLUSTERS_LEAST).bit_length()
+    taus_s: Floats = period_s * np.exp2(np.arange(octaves, dtype=np.float64))
+    deviations_dps = np.zeros(octaves)
+    room_deg = np.empty((2, len(rate_dps)))
+    for octave, tau_s in enumerate(taus_s):
+        lag = 1 << octave
+        turns_deg = np.subtract(angles_deg[lag:], angles_deg[:-lag], out=room_deg[0, : 1 - lag or None])
+        changes_deg = np.subtract(turns_deg[lag:], turns_deg[:-lag], out=room_deg[1, : 1 - 2 * lag])
+        deviations_dps[octave] = sqrt(changes_deg @ changes_deg / (2.0 * len(changes_deg))) / tau_s
+    return taus_s, deviations_dps
+
+
+def allan_errors(taus_s: Floats, span_s: float) -> Floats:
+    """Relative standard deviation of Allan deviations over a stretch of `span_s` (IEEE 952, C.1), shape (k,)."""
+    errors: Floats = 1.0 / np.sqrt(2.0 * (span_s / taus_s - 1.0))
+    return errors
+
+
+def allan_of(stretch: Stretch, rate_dps: Floats) -> Allan | None:
+    """Over a stretch whose samples are taken as evenly spaced: single ones that are missing hardly show."""
+    period_s = (stretch.end_s - stretch.start_s) / max(len(rate_dps) - 1, 1)
+    span_s = period_s * len(rate_dps)
+    if not ALLAN_LEAST_S * 0.999 <= span_s < inf or len(rate_dps) < CLUSTERS_LEAST:
+        return None
+    taus_s, deviations_dps = allan_deviation(rate_dps, period_s)
+    walk = _angle_random_walk(taus_s, deviations_dps, span_s)
+    lowest = _seen_minimum(taus_s, deviations_dps, span_s, walk or 0.0)
+    return Allan(
+        stretch=stretch,
+        taus_s=taus_s,
+        deviations_dps=deviations_dps,
+        angle_random_walk_deg_rts=walk,
+        bias_instability_dps=None if lowest is None else float(deviations_dps[lowest]) / FLICKER_FLOOR,
+        bias_instability_tau_s=None if lowest is None else float(taus_s[lowest]),
+    )
+
+
+def _angle_random_walk(taus_s: Floats, deviations_dps: Floats, span_s: float) -> float | None:
+    """The first run of averaging times with a slope of −1/2, taken to 1 s; deg/√s."""
+    if not (deviations_dps > 0.0).all():
+        return None
+    is_white = np.abs(np.diff(np.log2(deviations_dps)) + 0.5) <= WHITE_SLOPE_SLACK
+    is_white &= taus_s[1:] <= span_s / WHITE_CLUSTERS
+    if not is_white.any():
+        return None
+    first = int(is_white.argmax())
+    length = int(np.argmin(np.append(is_white[first:], [False])))
+    white = slice(first + (first > 0), first + length + 1)  # what comes before the slope bends its first point
+    return float(np.exp(np.log(deviations_dps[white] * np.sqrt(taus_s[white])).mean()))
+
+
+def _seen_minimum(taus_s: Floats, deviations_dps: Floats, span_s: float, walk_deg_rts: float) -> int | None:
+    """Index of the minimum, if the curve rises behind it by more than its error, or lies flat above white noise.
+
+    What is below the line of white noise at short times is a low-pass, and no minimum.
+    """
+    errors = allan_errors(taus_s, span_s)
+    white_dps = walk_deg_rts / np.sqrt(taus_s)
+    first = int(np.argmax(deviations_dps >= LOW_PASSED * white_dps))
+    lowest = first + int(deviations_dps[first:].argmin())
+    has_risen = deviations_dps[lowest:] > deviations_dps[lowest] * (1.0 + errors[lowest:])
+    is_flat = deviations_dps[2:] > deviations_dps[:-2] * (1.0 - errors[2:])
+    is_flat &= (
+        (deviations_dps > white_dps * (1.0 + 2.0 * errors))[2:] & (errors[2:] <= FLAT_ERROR) & (white_dps[2:] > 0)
+    )
+    return lowest if deviations_dps[lowest] > 0.0 and (has_risen.any() or is_flat.any()) else None

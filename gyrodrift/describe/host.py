@@ -1,0 +1,90 @@
+"""The clock of the device against that of the host."""
+
+from math import ceil, inf, sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.describe.arrays import blocks_of, only
+from gyrodrift.describe.values import HostClock
+from gyrodrift.session.session import Session
+
+WINDOW_S = 1.0
+WINDOW_SAMPLES = 20
+WINDOWS_LEAST = 10
+WINDOWS_MOST = 60
+"""Delays of a link are one-sided: of each window only the sample that came soonest says where the host clock is."""
+
+STOPPED = -0.999
+"""A host clock that moves by less than a thousandth of the device's, in host − device time over device time."""
+
+SOME = 1_000_000
+"""Quantiles over more values than about this many are taken over an even choice of them."""
+
+
+def host_clock(session: Session, period_s: float | None) -> HostClock | None:
+    """Drift and delays; None without host times."""
+    delays_s, drift = _against_host(session, period_s)
+    if delays_s is None:
+        return None
+    some_s = delays_s[:: len(delays_s) // SOME + 1]
+    some_s = some_s[np.isfinite(some_s)]
+    if not len(some_s):
+        return None
+    delay_p95_s = float(np.quantile(some_s, 0.95))
+    slope, slope_sd = drift or (-1.0, 0.0)
+    if slope <= STOPPED:  # a host clock that stands still is none
+        return HostClock(None, None, delay_p95_s)
+    return HostClock(-1e6 * slope / (1.0 + slope), 1e6 * slope_sd, delay_p95_s)
+
+
+def host_delays_s(session: Session, period_s: float | None) -> Floats | None:
+    """How much later than the soonest possible each sample arrived, s, shape (n,); None without host times.
+
+    The soonest possible is the line under (device time, host time), or the soonest sample where there is too little
+    for a line.
+    """
+    return _against_host(session, period_s)[0]
+
+
+def _against_host(session: Session, period_s: float | None) -> tuple[Floats | None, tuple[float, float] | None]:
+    """Delays, and slope and its standard error of the line under host − device time over device time."""
+    if session.t_host_s is None:
+        return None, None
+    is_timed = np.isfinite(session.t_host_s) & np.isfinite(session.t_device_s)
+    if not is_timed.any():
+        return None, None
+    first = int(is_timed.argmax())
+    device_s = session.t_device_s - session.t_device_s[first]
+    behind_s = (session.t_host_s - session.t_host_s[first]) - device_s
+    soonest = _soonest(only(device_s, is_timed), only(behind_s, is_timed), period_s)
+    if soonest is None:
+        return behind_s - behind_s[is_timed].min(), None
+    (slope, intercept_s), slope_sd = soonest
+    return behind_s - (intercept_s + slope * device_s), (slope, slope_sd)
+
+
+def _soonest(device_s: Floats, behind_s: Floats, period_s: float | None) -> tuple[tuple[float, float], float] | None:
+    """((slope, intercept), standard error of the slope) through the minimum of each window.
+
+    Least squares; neighbouring windows often err alike (a bunch beats with the period), so that the standard error
+    is that of as many independent windows as a first-order autocorrelation leaves.
+    """
+    if period_s is None:
+        return None
+    size = max(WINDOW_SAMPLES, ceil(min(WINDOW_S / period_s, 1e9)), len(device_s) // WINDOWS_MOST)
+    windows_s = blocks_of(behind_s, size)
+    if len(windows_s) < WINDOWS_LEAST:
+        return None
+    lowest = windows_s.argmin(axis=1) + size * np.arange(len(windows_s))
+    x, y = device_s[lowest], behind_s[lowest]
+    dx = x - x.mean()
+    spread = float(dx @ dx)
+    if not 0.0 < spread < inf:
+        return None
+    slope = float(dx @ y) / spread
+    residuals = y - y.mean() - slope * dx
+    square = float(residuals @ residuals)
+    alike = min(max(float(residuals[1:] @ residuals[:-1]) / square, 0.0), 0.9) if square else 0.0
+    slope_sd = sqrt(square / (len(x) - 2) / spread * (1.0 + alike) / (1.0 - alike))
+    return (slope, float(y.mean() - slope * x.mean())), slope_sd

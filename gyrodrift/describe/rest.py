@@ -1,0 +1,122 @@
+"""Where the device stood still: by the encoder, or else where the rate is as quiet as it ever gets."""
+
+from collections.abc import Iterator
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.describe.arrays import Flags, blocks_of, smallest_step
+
+Runs = list[tuple[int, int]]
+"""Half-open ranges of indices."""
+
+ENCODER_BLOCK_S = 0.25
+STILL_LEAST_S = 2.0
+STILL_LEAST_BLOCKS = 4
+RESTLESS = 0.75
+ENCODER_SCATTERS = 8.0
+ENCODER_SLACK_DEG = 0.15
+"""At rest an encoder may move by its smallest step, or by ENCODER_SCATTERS times what it moves within a block there
+where that is more, up to ENCODER_SLACK_DEG: an optical reference is never quite still."""
+
+CREEP_DPS = 0.01
+COMPARABLE = 4
+"""Standstills that follow upon each other without a turn between them may be a creeping turn; they count only where
+they last so long that it would be slower than this, or COMPARABLE times as long as what is beside them."""
+
+QUIETEST = 0.1
+"""Share of the blocks that are taken to be quiet: the noise floor is the scatter of the loudest of them."""
+
+STEADY_BLOCK_S = 1.0
+STEADY_BLOCK_SAMPLES = 10
+STEADY_LEAST_BLOCKS = 3
+QUIET = 1.5
+JUMP = 1.0
+SCATTERS = 5.0
+"""A block is quiet up to QUIET times the noise floor, and goes with the next one where their means differ by less
+than JUMP floors; short blocks scatter by themselves, and SCATTERS of that are allowed."""
+
+
+class Standstill(NamedTuple):
+    """A half-open range of blocks in which the encoder moves by no more than the slack."""
+
+    start: int
+    end: int
+    slack_deg: float
+
+    @property
+    def blocks(self) -> int:
+        """How many."""
+        return self.end - self.start
+
+
+def standing(encoder_deg: Floats, is_cut: Flags, period_s: float) -> Runs:
+    """Where the angle stays within what the encoder does at rest, for 2 s."""
+    size = _samples(ENCODER_BLOCK_S, period_s)
+    blocks_deg = blocks_of(encoder_deg, size)
+    lows_deg, highs_deg = np.fmin.reduce(blocks_deg, axis=1), np.fmax.reduce(blocks_deg, axis=1)
+    ranges_deg = highs_deg - lows_deg
+    highs_deg[blocks_of(is_cut, size).any(axis=1)] = np.nan
+    lows, highs = lows_deg.tolist(), highs_deg.tolist()
+    step_deg = 1.001 * (smallest_step(encoder_deg) or 0.0)
+    most_deg = max(step_deg, ENCODER_SLACK_DEG)
+    found: list[Standstill] = []
+    for start, end in _within(lows, highs, most_deg):
+        noise_deg = ENCODER_SCATTERS * float(np.quantile(ranges_deg[start:end], RESTLESS))
+        slack_deg = max(step_deg, min(noise_deg, most_deg))
+        parts = _within(lows[start:end], highs[start:end], slack_deg)
+        found += [Standstill(start + first, start + last, slack_deg) for first, last in parts]
+    return [
+        (size * (start + (start > 0)), size * (end - (end < len(blocks_deg))))  # motion begins before it is seen
+        for start, end, _ in _without_creep(found, size * period_s)
+    ]
+
+
+def _samples(seconds: float, period_s: float) -> int:
+    return max(1, round(min(seconds / period_s, 1e9)))
+
+
+def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tuple[int, int]]:
+    """Runs of blocks whose common range stays within the slack; a NaN belongs to none."""
+    start, low, high = 0, inf, -inf
+    for i, (block_low, block_high) in enumerate(zip(lows, highs, strict=True)):
+        if max(high, block_high) - min(low, block_low) <= slack and block_high == block_high:  # noqa: PLR0124 - NaN
+            low, high = min(low, block_low), max(high, block_high)
+            continue
+        if i > start:
+            yield start, i
+        is_begun = block_high - block_low <= slack
+        start, low, high = (i, block_low, block_high) if is_begun else (i + 1, inf, -inf)
+    if len(lows) > start:
+        yield start, len(lows)
+
+
+def _without_creep(found: list[Standstill], block_s: float) -> Iterator[Standstill]:
+    """Those that last long enough, and longer where one follows upon another that lasted about as long."""
+    starts, ends = {one.start: one for one in found}, {one.end: one for one in found}
+    for one in found:
+        beside = [other.blocks for other in (ends.get(one.start), starts.get(one.end)) if other is not None]
+        is_creep = COMPARABLE * max(beside, default=0) >= one.blocks
+        least_s = max(STILL_LEAST_S, one.slack_deg / CREEP_DPS if is_creep else 0.0)
+        if one.blocks >= max(STILL_LEAST_BLOCKS, least_s / block_s):
+            yield one
+
+
+def steady(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs:
+    """Where the rate is as quiet as it ever gets, block upon block of about a second."""
+    size = max(STEADY_BLOCK_SAMPLES, _samples(STEADY_BLOCK_S, period_s))
+    blocks_dps = blocks_of(rate_dps, size)
+    if not len(blocks_dps):
+        return []
+    means_dps, scatters_dps = blocks_dps.mean(axis=1), blocks_dps.std(axis=1)
+    floor_dps = float(np.quantile(scatters_dps, QUIETEST))
+    step_dps = 0.5 * (smallest_step(rate_dps) or 0.0)
+    own = SCATTERS / sqrt(size)
+    is_quiet = scatters_dps <= max(QUIET, 1.0 + own / sqrt(2.0)) * floor_dps + step_dps
+    is_quiet &= ~blocks_of(is_cut, size).any(axis=1)
+    goes_on = is_quiet[1:] & is_quiet[:-1]
+    goes_on &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
+    ends = np.flatnonzero(np.diff(goes_on, prepend=False, append=False)).reshape(-1, 2).tolist()
+    return [(size * start, size * (end + 1)) for start, end in ends if end + 1 - start >= STEADY_LEAST_BLOCKS]

@@ -1,0 +1,1 @@
+"""From features and simulations to causes with probabilities."""

@@ -1,0 +1,157 @@
+"""A recording on an even grid of samples: what diagnose looks at, real and simulated alike."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Integers
+from gyrodrift.errors import DataError
+from gyrodrift.evaluation.reference import unwrapped
+from gyrodrift.session.session import Session
+
+WRAP = 1 << 16
+"""Counters on the wire have 16 bits; one that never went beyond may have wrapped."""
+
+MISSED = 1.6
+"""Without a counter, a step of the clock this many periods long stands for samples that are missing."""
+
+MOVES_DEG = 5.0
+"""An encoder that stays within this has nothing to say of a moving gyro."""
+
+SPARSE = 3
+"""A counter that speaks of more than this many times the samples there are is not one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Measurements by number; every array has the shape (n,), with NaN where the sample is missing.
+
+    period_s
+        True distance of two samples: by the host's clock where there is one, by the device's elsewhere.
+    rate_dps, encoder_deg
+        As measured, deg/s and degrees.
+    device_s, host_s, temp_c
+        Stamp and arrival less the first of each, s, and temperature, °C; None where there is none.
+    powered_s
+        What the device clock said at the first sample, s.
+    repeated, disordered
+        How many samples came twice, or after a later one.
+    has_counter
+        Whether samples that are missing are known from a counter.
+    """
+
+    name: str
+    period_s: float
+    rate_dps: Floats
+    encoder_deg: Floats
+    device_s: Floats
+    host_s: Floats | None
+    temp_c: Floats | None
+    powered_s: float
+    repeated: int
+    disordered: int
+    has_counter: bool
+
+    @property
+    def moves(self) -> bool:
+        """Whether the encoder turned by more than it may creep at rest."""
+        return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > MOVES_DEG)
+
+    @property
+    def seconds(self) -> float:
+        """Length, s."""
+        return len(self.rate_dps) * self.period_s
+
+
+def recording_of(session: Session, samples: int | None = None) -> Recording:
+    """Put a session on its grid; `samples` cuts or fills it to a length.
+
+    Raises
+    ------
+    DataError
+        Where it has no encoder, too few samples, or a counter that makes no sense.
+    """
+    if session.encoder_deg is None:
+        raise DataError(f"{session.name}: has no encoder, so nothing says how it really moved")
+    number, keep, repeated, disordered = _numbered(session)
+    count = int(number[-1]) + 1
+    if count > SPARSE * len(number):
+        raise DataError(f"{session.name}: its counter speaks of {count} samples, and {len(number)} are there")
+    length = count if samples is None else samples
+    inside = number < length
+    place, taken = number[inside], keep[inside]
+
+    def spread(values: Floats | None) -> Floats | None:
+        if values is None or not np.isfinite(values).any():
+            return None
+        out = np.full(length, np.nan)
+        out[place] = values[taken]
+        return out
+
+    device_s, host_s = spread(session.t_device_s), spread(session.t_host_s)
+    rate_dps, encoder_deg = spread(session.rate_dps), spread(session.encoder_deg)
+    if device_s is None or rate_dps is None or encoder_deg is None:
+        raise DataError(f"{session.name}: holds no numbers in its times, rates or angles")
+    clock_s = device_s if host_s is None else host_s
+    return Recording(
+        name=session.name,
+        period_s=line(clock_s)[0],
+        rate_dps=rate_dps,
+        encoder_deg=unwrapped(encoder_deg) - encoder_deg[np.isfinite(encoder_deg)][0],
+        device_s=device_s - session.t_device_s[0],
+        host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
+        temp_c=spread(session.temp_c),
+        powered_s=max(0.0, float(session.t_device_s[0])),
+        repeated=repeated,
+        disordered=disordered,
+        has_counter=session.seq is not None,
+    )
+
+
+def line(values: Floats) -> tuple[float, float]:
+    """Slope and offset of values over their places, by least squares; NaN are passed over."""
+    place = np.flatnonzero(np.isfinite(values))
+    if len(place) < 2:
+        return float("nan"), float("nan")
+    known = values[place]
+    middle = float(place.mean())
+    away = place - middle
+    slope = float(away @ (known - known[0])) / float(away @ away)
+    return slope, float(known.mean()) - slope * middle
+
+
+def filled(values: Floats) -> Floats:
+    """Without holes: straight lines across them."""
+    known = np.isfinite(values)
+    if known.all():
+        return values
+    place = np.arange(len(values))
+    out: Floats = np.interp(place, place[known], values[known])
+    return out
+
+
+def _numbered(session: Session) -> tuple[Integers, Integers, int, int]:
+    """Number of each sample that is kept, rising from 0, and its place in the session; repeated, disordered."""
+    seq = session.seq
+    if seq is None or (seq < 0).any():
+        number = _by_clock(session.t_device_s)
+    else:
+        steps = np.diff(seq)
+        if seq.max() < WRAP:
+            steps = (steps + WRAP // 2) % WRAP - WRAP // 2
+        number = np.concatenate([[0], np.cumsum(steps)])
+    disordered = int(np.count_nonzero(np.diff(number) < 0))
+    number = number - number.min()
+    sorted_number, keep = np.unique(number, return_index=True)
+    repeated = len(number) - len(sorted_number)
+    if len(sorted_number) < 2:
+        raise DataError(f"{session.name}: has {len(sorted_number)} samples; there is nothing to see")
+    return sorted_number - sorted_number[0], keep, repeated, disordered
+
+
+def _by_clock(t_s: Floats) -> Integers:
+    steps_s = np.diff(t_s)
+    rising = steps_s[steps_s > 0.0]
+    period_s = float(np.median(rising)) if len(rising) else 1.0
+    steps = np.where(steps_s > MISSED * period_s, np.rint(steps_s / period_s), 1.0).astype(np.int64)
+    return np.concatenate([[0], np.cumsum(steps)])

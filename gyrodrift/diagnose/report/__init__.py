@@ -1,0 +1,1 @@
+"""The files of a diagnosis; everything here only draws and writes."""

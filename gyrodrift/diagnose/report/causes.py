@@ -1,0 +1,108 @@
+"""Which effect it is, in a report: every candidate in a row, those that look alike, those that could not be tried."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from gyrodrift.diagnose.diagnosis import Diagnosis
+from gyrodrift.diagnose.inference.search import GAIN
+from gyrodrift.diagnose.report.ranking import Ranked, lookalikes, ranking
+from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size
+from gyrodrift.html.html import facts, headings, paragraph, section, span, table, text
+
+PAIRS = 8
+
+
+def causes(diagnosis: Diagnosis) -> str:
+    """The section."""
+    ranked = ranking(diagnosis.drawn)
+    return section(
+        "Which effect it is",
+        paragraph(_introduction(diagnosis)),
+        _ranking_table(diagnosis, ranked),
+        _second(diagnosis),
+        facts(_remarks(diagnosis)),
+    )
+
+
+def _introduction(diagnosis: Diagnosis) -> str:
+    beside = (
+        " What still gains beside the named causes would be named too, from that on."
+        if diagnosis.verdict.causes
+        else ""
+    )
+    return (
+        "Each effect of the simulator was tried at all plausible sizes. The gain is how much more likely it makes the "
+        f"recordings, as a natural logarithm; {GAIN:g} on sessions kept apart is the least that counts. A wrong effect "
+        "may gain too, by making everything uncertain: a true one also takes away what stands out, and leaves nothing "
+        f"to gain for the others.{beside}"
+    )
+
+
+def _ranking_table(diagnosis: Diagnosis, ranked: Sequence[Ranked]) -> str:
+    has_causes = bool(diagnosis.verdict.causes)
+    named = {cause.effect.name for cause in diagnosis.verdict.causes}
+    tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
+    most = max([one.gain for one in ranked] + [GAIN])
+    beside = ["gain beside<br/>the causes"] * has_causes
+    head = headings(["effect", "", "gain alone", *beside, "takes away", "best size", "group"], words=1)
+    rows = []
+    for one in ranked:
+        mark = " named" if one.name in named else " tied" if one.name in tied else ""
+        name = f"<b>{text(one.name)}</b>" if mark else text(one.name)
+        group = one.group if one.group != one.name else ""
+        numbers = _numbers(one, has_causes=has_causes)
+        rows.append([span(f"{name}{quiet(mark)}", "word"), _bar(one.gain / most), fixed(one.gain, 1), *numbers, group])
+    caption = (
+        "The candidates, the best by itself first. Takes away: share of what stands out; below 0 where it adds to it. "
+        "The size is the one that fits best by itself. Effects of one group are easily taken for each other."
+    )
+    return table(caption, head, rows, words=1)
+
+
+def _numbers(one: Ranked, *, has_causes: bool) -> list[str]:
+    beside = ["" if one.gain_beside is None else fixed(one.gain_beside, 1)] * has_causes
+    takes_away = "–" if one.takes_away is None else percent(one.takes_away)
+    return [*beside, takes_away, size(one.value, one.unit)]
+
+
+def _bar(share: float) -> str:
+    """A gain as a length."""
+    share = max(share, 0.0) if isfinite(share) else 0.0
+    long = 120.0 * share
+    return (
+        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{percent(share)} of the best">'
+        f'<path d="M4 8H124" stroke="var(--grid)" stroke-width="4"/>'
+        f'<path d="M4 8H{4.0 + long:.1f}" stroke="var(--tuned)" stroke-width="6"/></svg>'
+    )
+
+
+def _second(diagnosis: Diagnosis) -> str:
+    second = diagnosis.second
+    found = ""
+    if second.effect is not None:
+        between = f"{number(second.low)} to {number(second.high)}"
+        found = f": {text(second.parameter)} {size(second.value, second.unit)} ({between})"
+    return paragraph(
+        f"<b>A second opinion {text(second.says)}{found}.</b> It is a regression of the rate error alone, under a "
+        "bias that may walk; it uses neither the simulator nor the signatures, and knows only effects that are linear."
+    )
+
+
+def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """What else is to be known of the candidates."""
+    rows = [(f"Tied with {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes]
+    alike = [
+        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})"
+        for pair in lookalikes(diagnosis.drawn.attribution)[:PAIRS]
+    ]
+    untestable = [f"{text(name)}: {text(why)}" for name, why in diagnosis.untestable.items()]
+    return [
+        *rows,
+        ("Look alike in these sessions", "; ".join(alike) or "no two"),
+        ("Could not be tried", "; ".join(untestable) or "none"),
+        ("Withheld", ", ".join(map(text, diagnosis.drawn.withheld)) or "none"),
+    ]
+
+
+def _tied(names: tuple[str, ...]) -> str:
+    return ", ".join(map(text, names)) or "nothing"

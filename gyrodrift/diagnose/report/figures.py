@@ -1,0 +1,195 @@
+"""The figures of a diagnosis: signatures by session, and rate errors against all sorts of things."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.report.binned_medians import Medians, medians
+from gyrodrift.diagnose.report.compared import Band, Compared
+from gyrodrift.diagnose.report.regressors import Against
+from gyrodrift.diagnose.report.residual_series import Seconds
+from gyrodrift.diagnose.report.spectra import Spectra
+from gyrodrift.html.svg import (
+    INK,
+    PLAIN,
+    QUIET,
+    TUNED,
+    TWO,
+    as_svg,
+    canvas,
+    label_factors,
+    label_steps,
+    styled,
+    thinned,
+)
+
+BEFORE, AFTER, LEFT = PLAIN, TUNED, TWO
+DOTS = 350
+"""Points of a cloud that are drawn: some 70 bytes each."""
+
+SHOWN = (2.0, 98.0)
+"""Percentiles of a cloud that a scale holds."""
+
+LEAST_DPS = 0.01
+"""A scale reaches so far at least: what is smaller should look small."""
+
+SMOOTH_SECONDS = 5
+WIDE_IN = 3.1
+ERRORS = 2.0
+MARGIN = 0.05
+FEW = 4
+DECADE = 10.0
+"""A spectrum spans so much at least: the scatter of noise should look level."""
+
+
+def signature_svgs(compared: Sequence[Compared]) -> list[str]:
+    """Of each a panel: the recordings as dots, and what the simulator expects as bars, session by session."""
+    with styled():
+        return [_signature_svg(one, f"signature-{at}") for at, one in enumerate(compared)]
+
+
+def _signature_svg(compared: Compared, name: str) -> str:
+    figure = canvas(WIDE_IN, 1.45, left=0.22, bottom=0.2, top=0.96, right=0.98)
+    axes = figure.add_subplot()
+    sessions = np.arange(1.0, len(compared.real) + 1.0)
+    aside = 0.2 if compared.after is not None else 0.0
+    _draw_band(axes, sessions - aside, compared.before, BEFORE)
+    if compared.after is not None:
+        _draw_band(axes, sessions + aside, compared.after, AFTER)
+    axes.plot(sessions, compared.real, "o", color=INK, markersize=3.6, markeredgewidth=0)
+    axes.set(xlim=(0.4, len(sessions) + 0.6), ylabel=compared.unit)
+    axes.grid(visible=False, axis="x")
+    axes.xaxis.set_major_locator(_whole_numbers(len(sessions)))
+    axes.set_xlabel("session", labelpad=1.0)
+    label_steps(axes.yaxis, 4)
+    return as_svg(figure, name, "A signature by session, real and simulated")
+
+
+def _whole_numbers(count: int) -> FixedLocator:
+    return FixedLocator(list(range(1, count + 1, max(1, -(-count // 10)))))
+
+
+def _draw_band(axes: Axes, x: Floats, band: Band, colour: str) -> None:
+    width = 0.34
+    axes.bar(x, band.high - band.low, width, band.low, color=colour, alpha=0.25, linewidth=0.0)
+    axes.hlines(band.middle, x - width / 2.0, x + width / 2.0, color=colour, linewidth=1.8)
+
+
+def against_svgs(every: Sequence[Against], *, has_causes: bool) -> list[str]:
+    """Rate errors against each regressor: above as they are, below what the simulator leaves of them."""
+    with styled():
+        return [_against_svg(one, f"against-{at}", has_causes) for at, one in enumerate(every)]
+
+
+def _against_svg(one: Against, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
+    figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
+    above, below = _two(figure)
+    lines = [(medians(one.x, values), colour) for values, colour in _lines(one, has_causes)]
+    left = medians(one.x, one.left_dps)
+    _draw_cloud(above, one.x, one.real_dps, [line.y for line, _ in lines])
+    _draw_cloud(below, one.x, one.left_dps, [left.y])
+    _draw_errors(below, left, one.regressor.slack)
+    for line, colour in lines:
+        _draw_medians(above, line, colour)
+    _draw_medians(below, left, LEFT)
+    _label_two(figure, one.regressor.unit)
+    return as_svg(figure, name, f"Rate error against {one.regressor.name}")
+
+
+def _two(figure: Figure) -> tuple[Axes, Axes]:
+    """What is seen above, and what is left of it below."""
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(5, 4))
+    below.axhline(0.0, color=QUIET, linewidth=0.6)
+    return above, below
+
+
+def _label_two(figure: Figure, x_label: str) -> None:
+    above, below = figure.axes
+    for axes, label in ((above, "error, deg/s"), (below, "left over")):
+        label_steps(axes.yaxis, 4)
+        axes.set_ylabel(label)
+    figure.align_ylabels([above, below])
+    label_steps(below.xaxis, 6)
+    below.set_xlabel(x_label, labelpad=1.0)
+
+
+def _lines(one: Against | Seconds, has_causes: bool) -> list[tuple[Floats, str]]:  # noqa: FBT001 - handed on
+    """What is drawn with its colours, the most important last; without causes after is before."""
+    after = [(one.after_dps, AFTER)] if has_causes else []
+    return [(one.before_dps, BEFORE), *after, (one.real_dps, INK)]
+
+
+def _draw_cloud(axes: Axes, x: Floats, y: Floats, lines: Sequence[Floats]) -> None:
+    """Some of the points, on a scale that holds most of them and all of the lines."""
+    shown = np.unique(np.linspace(0, len(x) - 1, min(len(x), DOTS)).round().astype(int))
+    ends = np.concatenate([np.percentile(y, SHOWN), *lines, [-LEAST_DPS, LEAST_DPS]])
+    low, high = float(ends.min()), float(ends.max())
+    held = np.where((y >= low) & (y <= high), y, np.nan)
+    axes.plot(x[shown], held[shown], ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
+    axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
+
+
+def _draw_errors(axes: Axes, line: Medians, slack: float) -> None:
+    wide = ERRORS * line.error + slack * np.abs(line.x)
+    if len(line.x) < FEW:
+        axes.vlines(line.x, line.y - wide, line.y + wide, color=LEFT, linewidth=1.4)
+    else:
+        axes.fill_between(line.x, line.y - wide, line.y + wide, color=LEFT, alpha=0.22, linewidth=0.0)
+
+
+def _draw_medians(axes: Axes, line: Medians, colour: str) -> None:
+    if len(line.x) < FEW:  # a line through few points looks like a slope
+        axes.plot(line.x, line.y, "o", color=colour, markersize=4.0, markeredgewidth=0)
+    else:
+        axes.plot(line.x, line.y, color=colour, linewidth=1.4)
+
+
+def over_time_svgs(sessions: Sequence[Seconds], *, has_causes: bool) -> list[str]:
+    """Of each session a panel: medians of some seconds, real and simulated, and what the simulator leaves of them."""
+    with styled():
+        return [_over_time_svg(session, has_causes) for session in sessions]
+
+
+def _over_time_svg(session: Seconds, has_causes: bool) -> str:  # noqa: FBT001 - handed on
+    figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
+    above, below = _two(figure)
+    for values, colour in _lines(session, has_causes):
+        above.plot(*thinned(session.minutes, _smooth(values)), color=colour, linewidth=1.1)
+    below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=LEFT, linewidth=1.1)
+    for axes in (above, below):
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, -LEAST_DPS), max(high, LEAST_DPS))
+    for jump in session.jumps:
+        below.axvline(float(session.minutes[jump.second]), color=LEFT, linestyle=":", linewidth=1.0)
+    _label_two(figure, "minutes")
+    return as_svg(figure, f"over-time-{session.number}", f"Rate error of session {session.number} over time")
+
+
+def _smooth(values: Floats) -> Floats:
+    """Running medians, which leave jumps as sharp as they are."""
+    half = SMOOTH_SECONDS // 2
+    padded = np.pad(values, half, mode="edge")
+    smooth: Floats = np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTH_SECONDS), axis=1)
+    return smooth
+
+
+def spectrum_svg(parts: Sequence[Spectra], *, has_causes: bool) -> str:
+    """Amplitude densities of the rate error, real and simulated, in ranges of frequency that do not overlap."""
+    with styled():
+        figure = canvas(9.6, 3.2, left=0.07, bottom=0.14, top=0.97)
+        axes = figure.add_subplot(xscale="log", yscale="log")
+        for one in parts:
+            after = [(one.after, AFTER)] if has_causes else []
+            for values, colour in ((one.before, BEFORE), *after, (one.real, INK)):
+                axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, linewidth=1.4)
+        axes.set_xlim(parts[0].hz[0], parts[-1].hz[-1])
+        label_factors(axes.xaxis, *axes.get_xlim(), 8)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, max(high, DECADE * low))
+        label_factors(axes.yaxis, *axes.get_ylim(), 5)
+        axes.set(xlabel="frequency, Hz", ylabel="rate error, deg/s/√Hz")
+        return as_svg(figure, "spectrum", "Spectrum of the rate error, real and simulated")

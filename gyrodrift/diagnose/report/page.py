@@ -1,0 +1,27 @@
+"""The report of a diagnosis: one HTML file for a person, with the verdict first, and then all that it rests on."""
+
+from pathlib import Path
+
+from gyrodrift.diagnose.diagnosis import Diagnosis
+from gyrodrift.diagnose.report.causes import causes
+from gyrodrift.diagnose.report.features import signatures
+from gyrodrift.diagnose.report.head import verdict
+from gyrodrift.diagnose.report.method import calibration, how_it_was_done
+from gyrodrift.diagnose.report.next_steps import detectable, onward
+from gyrodrift.diagnose.report.residuals import shape
+from gyrodrift.html.html import page
+
+
+def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
+    """The page of a diagnosis whose files stand in a folder, with the command that made it."""
+    body = [
+        verdict(diagnosis),
+        signatures(diagnosis),
+        shape(diagnosis),
+        causes(diagnosis),
+        detectable(diagnosis),
+        calibration(diagnosis),
+        onward(diagnosis, folder),
+        how_it_was_done(diagnosis, command),
+    ]
+    return page("Sim-to-real gap", body)

@@ -1,0 +1,113 @@
+"""What a rate error may depend on, second by second: motion, angle, temperature, time, rest, direction before."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.design_matrix import SLOW_DPS, TURN_DPS, means
+from gyrodrift.diagnose.report.residual_series import Seconds, minutes_of
+from gyrodrift.diagnose.simulate.twin import Subject
+
+LEAST_SECONDS = 20
+SLACK_S = 1e-4
+"""A motion rebuilt from an encoder is not known better."""
+
+
+class Regressor(NamedTuple):
+    """What it is for each second of a session; NaN where a second does not have it.
+
+    slack
+        What the comparison itself may leave, deg/s for each unit: motion is not known to the microsecond.
+    """
+
+    name: str
+    unit: str
+    of: Callable[[Subject], Floats]
+    slack: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Against:
+    """The seconds of all drawn sessions in which a regressor is known, in order of x; shape (seconds,) each."""
+
+    regressor: Regressor
+    x: Floats
+    real_dps: Floats
+    before_dps: Floats
+    after_dps: Floats
+    left_dps: Floats
+
+
+def against(sessions: Sequence[Seconds]) -> list[Against]:
+    """Every regressor that takes more than one value in these sessions."""
+    found = [_against(sessions, regressor) for regressor in REGRESSORS]
+    return [one for one in found if len(one.x) >= LEAST_SECONDS and one.x[-1] > one.x[0]]
+
+
+def _against(sessions: Sequence[Seconds], regressor: Regressor) -> Against:
+    x = np.concatenate([regressor.of(session.subject) for session in sessions])
+    order = np.argsort(x, kind="stable")[: int(np.count_nonzero(np.isfinite(x)))]  # NaN come last
+    columns = ("real_dps", "before_dps", "after_dps", "left_dps")
+    pooled = [np.concatenate([getattr(session, name) for session in sessions])[order] for name in columns]
+    return Against(regressor, x[order], *pooled)
+
+
+def _rate(subject: Subject) -> Floats:
+    return subject.design.block_rate_dps
+
+
+def _acceleration(subject: Subject) -> Floats:
+    return means(np.gradient(subject.design.speed_dps, subject.design.period_s), subject.design.block)
+
+
+def _any_acceleration(subject: Subject) -> Floats:
+    change = np.abs(np.gradient(subject.design.speed_dps, subject.design.period_s))
+    return means(change, subject.design.block)
+
+
+def _angle(subject: Subject) -> Floats:
+    design = subject.design
+    angle_deg: Floats = np.mod(design.motion.angle_deg[design.block // 2 :: design.block], 360.0)
+    return angle_deg[: len(design.block_rate_dps)]
+
+
+def _temperature(subject: Subject) -> Floats:
+    if subject.seen.recording.temp_c is None:
+        return np.full(len(subject.design.block_rate_dps), np.nan)
+    return means(subject.design.motion.sensor_c, subject.design.block)
+
+
+def _rest(subject: Subject) -> Floats:
+    last, known = _last(subject, np.abs(subject.design.block_rate_dps) > SLOW_DPS)
+    return np.where(known, (np.arange(len(last)) - last) * _second_s(subject), np.nan)
+
+
+def _direction(subject: Subject) -> Floats:
+    rate_dps = subject.design.block_rate_dps
+    last, known = _last(subject, np.abs(rate_dps) > TURN_DPS)
+    return np.where(known, np.sign(rate_dps[last]), np.nan)
+
+
+def _last(subject: Subject, is_such: Mask) -> tuple[Floats, Mask]:
+    """Of each second, which before it was such; and whether there was one, and it rests."""
+    last = np.maximum.accumulate(np.where(is_such, np.arange(len(is_such)), -1))
+    return last, subject.design.block_at_rest & (last >= 0)
+
+
+def _second_s(subject: Subject) -> float:
+    return subject.design.block * subject.design.period_s
+
+
+REGRESSORS = (
+    Regressor("rate", "deg/s", _rate),
+    Regressor("acceleration", "deg/s²", _acceleration, SLACK_S),
+    Regressor("acceleration, either way", "deg/s²", _any_acceleration, SLACK_S),
+    Regressor("angle within the turn", "deg", _angle),
+    Regressor("temperature", "°C", _temperature),
+    Regressor("time since the session began", "min", minutes_of),
+    Regressor("time since it last moved, at rest", "s", _rest),
+    Regressor("direction it came from, at rest", "−1 clockwise, 1 counter-clockwise", _direction),
+)

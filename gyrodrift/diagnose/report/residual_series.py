@@ -1,0 +1,103 @@
+"""The rate error of sessions second by second, real and simulated, before and after the causes are added."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.diagnosis import Diagnosis
+from gyrodrift.diagnose.features.residuals import block_residual_dps
+from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.report.change_points import Jump, jumps_of
+from gyrodrift.diagnose.report.spectra import Spectra, spectra_of
+from gyrodrift.diagnose.simulate.twin import Subject
+
+DRAWN = 6
+"""Sessions; with more of them the page would be long and say no more."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seconds:
+    """Mean rate errors of the seconds of a session, each less its median, the bias: deg/s, shape (seconds,) each.
+
+    number
+        Of the session, from 1.
+    real_dps, before_dps, after_dps
+        Of the recording, and of the simulator driven through its motion, without the causes and with them.
+    left_dps
+        Of the recording less that of the simulator with the causes that leave nothing to chance.
+    jumps
+        Of what is left.
+    slow, quick
+        Spectra below and above half a hertz.
+    """
+
+    number: int
+    name: str
+    subject: Subject
+    minutes: Floats
+    real_dps: Floats
+    before_dps: Floats
+    after_dps: Floats
+    left_dps: Floats
+    jumps: tuple[Jump, ...]
+    slow: Spectra
+    quick: Spectra
+
+
+def seconds_of(diagnosis: Diagnosis) -> list[Seconds]:
+    """Of at most DRAWN sessions, evenly chosen."""
+    subjects, causes = diagnosis.drawn.subjects, diagnosis.verdict.causes
+    chosen = np.unique(np.linspace(0, len(subjects) - 1, min(len(subjects), DRAWN)).round().astype(int))
+    return [_seconds(subjects[at], causes, int(at) + 1) for at in chosen]
+
+
+def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> Seconds:
+    design = subject.design
+    certain = tuple(cause for cause in causes if cause.cause.answer.candidate.dice == 1)
+    before, after, steady = _replays(subject, [(), causes, certain], number)
+    real_dps = block_residual_dps(subject.seen, design)
+    slow, quick = spectra_of(subject, before, after)
+    left_dps = _level(real_dps - block_residual_dps(steady, design))
+    return Seconds(
+        number=number,
+        name=subject.seen.recording.name,
+        subject=subject,
+        minutes=minutes_of(subject),
+        real_dps=_level(real_dps),
+        before_dps=_level(block_residual_dps(before, design)),
+        after_dps=_level(block_residual_dps(after, design)),
+        left_dps=left_dps,
+        jumps=jumps_of(left_dps, design.block_is_even),
+        slow=slow,
+        quick=quick,
+    )
+
+
+def minutes_of(subject: Subject) -> Floats:
+    """Middles of the seconds since the session began."""
+    seconds: Floats = (
+        np.arange(0.5, len(subject.design.block_rate_dps)) * subject.design.block * subject.design.period_s
+    )
+    return seconds / 60.0
+
+
+def _level(values_dps: Floats) -> Floats:
+    level: Floats = values_dps - np.median(values_dps)
+    return level
+
+
+def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int) -> list[Cleaned]:
+    """A replay for each set of causes; sets that are the same are played once."""
+    played: list[Cleaned] = []
+    for at, causes in enumerate(sets):
+        first = sets.index(causes)
+        played.append(played[first] if first < at else _replayed(subject, causes, seed))
+    return played
+
+
+def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
+    share = float(np.prod([cause.cause.answer.candidate.noise_share for cause in causes]))
+    return subject.with_noise(share).replayed(tuple(cause.effect for cause in causes), seed)

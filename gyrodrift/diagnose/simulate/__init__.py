@@ -1,0 +1,1 @@
+"""Recordings simulated again with their own motion, with and without each candidate."""

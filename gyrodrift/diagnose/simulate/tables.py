@@ -1,0 +1,87 @@
+"""The tables of all sessions: worked out here, in processes of this machine, or by the workers of a cluster."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import NamedTuple
+
+from firmware_sim.rig import Rig
+from gyrodrift.cluster import Workers
+from gyrodrift.diagnose.recording.checks import Passed, pass_gates
+from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate.candidates import Hints, candidates
+from gyrodrift.diagnose.simulate.responses import Table, table_of
+from gyrodrift.diagnose.simulate.twin import subject_of
+from gyrodrift.errors import DataError
+from gyrodrift.session.files import load_session
+
+Progress = Callable[[str, int, int], None]
+
+
+class Work(NamedTuple):
+    """One session's part, small enough to be sent anywhere: its path has to hold there."""
+
+    path: Path
+    rig: Rig
+    hints: Hints
+    names: frozenset[str]
+
+
+def passed(path: Path) -> Passed:
+    """A session behind the gates.
+
+    Raises
+    ------
+    DataError
+        Where it cannot be read, or has no encoder.
+    """
+    return pass_gates(recording_of(load_session(path)))
+
+
+def work_out(work: Work) -> Table:
+    """Read a session and simulate all that is to be known of it."""
+    recording = passed(work.path).recording
+    if recording is None:
+        raise DataError(f"{work.path}: changed while it was being diagnosed")
+    tried = [candidate for candidate in candidates(work.hints) if candidate.name in work.names]
+    return table_of(recording, subject_of(recording, work.rig), tried)
+
+
+def gathered(works: Sequence[Work], jobs: int, cluster: str | None, progress: Progress) -> list[Table]:
+    """The tables in the order of the sessions.
+
+    Raises
+    ------
+    UsageError
+        Where the cluster cannot be reached.
+    GyrodriftError
+        Where it is lost.
+    """
+    if cluster is not None:
+        return _on_cluster(works, cluster, progress)
+    if jobs == 1:
+        return _counted(map(work_out, works), len(works), progress)
+    with ProcessPoolExecutor(min(jobs, len(works)), get_context("fork")) as pool:
+        return _counted(pool.map(work_out, works), len(works), progress)
+
+
+def _on_cluster(works: Sequence[Work], address: str, progress: Progress) -> list[Table]:
+    workers = Workers(address, "a diagnosis")
+    try:
+        progress("sessions replayed by the cluster", 0, len(works))
+        found: list[Table] = workers.results(workers.submit(work_out, works))
+        progress("sessions replayed by the cluster", len(works), len(works))
+    finally:
+        workers.close()
+    return found
+
+
+def _counted(tables: Iterable[Table], of: int, progress: Progress) -> list[Table]:
+    return list(_telling(iter(tables), of, progress))
+
+
+def _telling(tables: Iterator[Table], of: int, progress: Progress) -> Iterator[Table]:
+    for number, table in enumerate(tables, 1):
+        progress("sessions replayed", number, of)
+        yield table

@@ -1,0 +1,184 @@
+"""The recursion of `gyrodrift.filters.hdr` for many parameter vectors at once, compiled, with the same bits."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
+
+LANES = 8
+"""Candidates that walk through the samples side by side: two vectors of AVX2, one of AVX-512, four of NEON."""
+
+REACH = 1 << 14
+"""Runs of equal signs up to this length remember their step; longer ones work it out at every sample."""
+
+
+def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> tuple[Floats, Floats, Floats, int]:
+    """Yaw errors of many candidates over one course, summed over the samples that have a reference.
+
+    Parameters
+    ----------
+    dt_s, rate_dps, reference_deg
+        As in `Course`, shape (n,), n ≥ 1: s, deg/s and deg.
+    params
+        Candidates, shape (c, 5): i_c_dps, tau_s, theta_w_dps, c1, c2.
+
+    Returns
+    -------
+    squares, absolutes, worst
+        Shape (c,): sum of squared errors in deg², sum of absolute errors and largest absolute error in deg; inf
+        where yaw left the floats.
+    count
+        Number of samples with a reference.
+
+    Raises
+    ------
+    ValueError
+        Where the arrays do not belong together.
+    """
+    found = np.empty((3, len(params)))
+    for group in groups(len(params)):
+        lanes = params[group]
+        found[:, group] = group_sums(dt_s, rate_dps, reference_deg, lanes, unknown_steps(len(lanes)))
+    return found[0], found[1], found[2], int(np.count_nonzero(np.isfinite(reference_deg)))
+
+
+def groups(candidates: int) -> list[slice]:
+    """How candidates are cut into groups for `group_sums`."""
+    return [slice(first, min(first + LANES, candidates)) for first in range(0, candidates, LANES)]
+
+
+def unknown_steps(candidates: int) -> Floats:
+    """An empty table of the steps R(r)·i_c in deg/s of one group; the kernel fills in what it comes to need.
+
+    It may be kept for the same candidates on other courses. Threads may share it: they write the same values.
+    """
+    return np.zeros((_width(candidates), REACH))
+
+
+def group_sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats) -> Floats:
+    """`sums` of one group, 1 to `LANES` candidates with their table: squares, absolutes and worst, shape (3, c)."""
+    idle = _width(len(params)) - len(params)
+    lanes = np.concatenate([params, np.repeat(params[-1:], idle, axis=0)])
+    return _walked(dt_s, rate_dps, reference_deg, lanes, steps_dps, np.empty((0, 1)))[:, : len(params)]
+
+
+def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
+    """Yaw of one candidate, deg, shape (n,); `params` has the shape (5,)."""
+    path = np.zeros((len(dt_s), 1))
+    _walked(dt_s, rate_dps, np.zeros(len(dt_s)), params[np.newaxis], unknown_steps(1), path)
+    return path[:, 0]
+
+
+def euler(dt_s: Floats, rate_dps: Floats) -> Floats:
+    """Yaw of the plain sum of rate times step, deg, shape (n,)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        turned_deg = rate_dps * dt_s
+        turned_deg[0] = 0.0
+        return np.cumsum(turned_deg)
+
+
+def _width(candidates: int) -> int:
+    """A single candidate has nothing to gain from lanes."""
+    return 1 if candidates == 1 else LANES
+
+
+def _walked(
+    dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats, path_deg: Floats
+) -> Floats:
+    if not len(dt_s) == len(rate_dps) == len(reference_deg) > 0 or params.shape[1] != 5:
+        shapes = [array.shape for array in (dt_s, rate_dps, reference_deg, params)]
+        raise ValueError(f"a course is three arrays of one length, and candidates have five columns: {shapes}")
+    walk = _walk_of_one if len(params) == 1 else _walk_of_many
+    columns = np.array(params.T, dtype=np.float64, order="C")
+    columns[2, columns[0] == 0.0] = 0.0  # an increment of 0 learns nothing, and needs no steps
+    found: Floats = walk(
+        _read_only(dt_s), _read_only(rate_dps), _read_only(reference_deg), columns, steps_dps, path_deg
+    )
+    found[:, np.isnan(found[0])] = np.inf
+    return found
+
+
+def _read_only(values: Floats) -> Floats:
+    """One type for arrays in memory and in a file, so that there is one compilation."""
+    view = np.ascontiguousarray(values, dtype=np.float64).view()
+    view.flags.writeable = False
+    return view
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
+    """R(r)·i_c in deg/s, as in `gyrodrift.filters.hdr`."""
+    steepness: float = run**c2
+    if np.isinf(steepness):
+        return 0.0
+    return (1.0 + c1) / (1.0 + c1 * steepness) * i_c_dps
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Floats) -> None:
+    """Work out the steps that are 0, and remember those within reach."""
+    for k in range(len(wanted_dps)):
+        if wanted_dps[k] == 0.0:
+            wanted_dps[k] = attenuated_step(params[0, k], params[3, k], params[4, k], float(runs[k]))
+            if runs[k] < REACH - 1:
+                steps_dps[k, runs[k]] = wanted_dps[k]
+
+
+def _compiled(count: int) -> Any:
+    """The walk of `count` candidates.
+
+    `params` has the shape (5, count), `steps_dps` (count, REACH); its last column stays 0, which stands for a step
+    that is not known. `path_deg`, shape (n, count), receives yaw; with (0, count) it is not wanted.
+    """
+
+    def walk(
+        dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats, path_deg: Floats
+    ) -> Floats:
+        zero, one = splat(0.0, count), splat(1.0, count)
+        none, once, last = splat(0, count), splat(1, count), splat(REACH - 1, count)
+        tau, theta = load(params[1], count), load(params[2], count)
+        runs, wanted = np.zeros(count, np.int64), np.zeros(count)
+        lpf = omega = splat(rate_dps[0], count)
+        i = yaw_deg = squares = absolutes = worst = zero
+        sign_before = run = none
+        for n in range(1, len(dt_s)):
+            t = splat(dt_s[n], count)
+            before, sign = omega, signs(omega)
+            run = select(sign == sign_before, run, none) + once
+            sign_before = sign
+            inside = magnitude(before) < theta
+            if is_any(inside):
+                step = look_up(steps_dps, select(run < last, run, last))
+                if is_any(inside & (step == zero)):
+                    store(runs, run)
+                    store(wanted, select(inside, step, one))
+                    _learn_steps(params, steps_dps, runs, wanted)
+                    step = load(wanted, count)
+                learnt = select(inside, select(before == zero, zero, step), zero)
+                i = i - with_sign(learnt, before)
+            lpf = (splat(rate_dps[n] * dt_s[n], count) + tau * lpf) / (t + tau)
+            omega = lpf + i
+            yaw_deg = yaw_deg + (omega + tau / t * (omega - before)) * t
+            if n < len(path_deg):
+                store(path_deg[n], yaw_deg)
+            if np.isfinite(reference_deg[n]):
+                error = magnitude(yaw_deg - splat(reference_deg[n], count))
+                squares, absolutes = squares + error * error, absolutes + error
+                worst = select(error > worst, error, worst)
+        found = np.empty((3, count))
+        store(found[0], squares)
+        store(found[1], absolutes)
+        store(found[2], worst)
+        return found
+
+    # Symbols of compiled code are made of this name and a number that counts functions by process: one from the cache
+    # and one compiled here may have the same number, and must not have the same name.
+    walk.__qualname__ = f"walk_of_{count}"
+    return njit(nogil=True, cache=True, error_model="numpy")(walk)
+
+
+_walk_of_one = _compiled(1)
+_walk_of_many = _compiled(LANES)

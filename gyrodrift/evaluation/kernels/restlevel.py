@@ -1,0 +1,62 @@
+"""Restlevel for many parameter vectors, compiled from its own source, with the same bits."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.compiled import array_of, compiled
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import advance, coefficients
+
+_advance: Any = compiled(advance)
+
+
+def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:
+    """Sums over the samples with a reference, as those of `kernel.group_sums`; `params` as in RestlevelParams."""
+    found = np.empty((3, len(params)))
+    for number, row in enumerate(params.tolist()):
+        _add_up(_coefficients(row), array_of(RestlevelState()), dt_s, rate_dps, reference_deg, found[:, number])
+    return np.where(np.isfinite(found), found, np.inf)
+
+
+def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams) -> Floats:
+    """Yaw in deg, its standard deviation in deg and the bias in deg/s, shape (3, n)."""
+    found = np.zeros((3, len(dt_s)))
+    _follow(array_of(coefficients(params)), array_of(RestlevelState()), dt_s, rate_dps, found)
+    return found
+
+
+def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
+    """Yaw of one parameter vector, deg, shape (n,)."""
+    yaw_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()))[0]
+    return yaw_deg
+
+
+def _coefficients(row: list[float]) -> Any:
+    return array_of(coefficients(RestlevelParams(*row)))
+
+
+@njit(nogil=True, error_model="numpy")
+def _add_up(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, reference_deg: Floats, found: Floats) -> None:
+    squares = absolutes = worst = 0.0
+    for n in range(len(dt_s)):
+        _advance(c[0], s[0], dt_s[n], rate_dps[n])
+        if not np.isnan(reference_deg[n]):
+            error_deg = abs(s[0].yaw_deg - reference_deg[n])
+            squares += error_deg * error_deg
+            absolutes += error_deg
+            worst = max(worst, error_deg)
+    found[0] = squares
+    found[1] = absolutes
+    found[2] = worst
+
+
+@njit(nogil=True, error_model="numpy")
+def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, found: Floats) -> None:
+    for n in range(len(dt_s)):
+        _advance(c[0], s[0], dt_s[n], rate_dps[n])
+        found[0, n] = s[0].yaw_deg
+        found[1, n] = s[0].yaw_sigma_deg
+        found[2, n] = s[0].bias_dps

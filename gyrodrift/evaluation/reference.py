@@ -1,0 +1,98 @@
+"""What tuning walks through: the samples of a session that the filter accepts, and the angle they should give."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrodrift.arrays import Floats
+from gyrodrift.errors import DataError
+from gyrodrift.session.session import Session
+
+FULL_TURN_DEG = 360.0
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Accepted samples from the first one with a reference on, shape (n,), n ≥ 2.
+
+    dt_s
+        Step of device time before each sample, s, with the bits that `filter.step` sees; 0 before the first.
+    rate_dps
+        Measured rate, deg/s.
+    reference_deg
+        Angle that yaw should have, unwrapped, 0 at the first sample; NaN where there is none.
+    minutes
+        True duration by device time.
+    """
+
+    name: str
+    dt_s: Floats
+    rate_dps: Floats
+    reference_deg: Floats
+    minutes: float
+
+    def drawn_at(self, points: int) -> NDArray[np.int64]:
+        """Indices of at most so many of the samples that have a reference, evenly spread, for a figure."""
+        known = np.flatnonzero(np.isfinite(self.reference_deg))
+        drawn: NDArray[np.int64] = known[np.unique(np.linspace(0, len(known) - 1, points).astype(np.int64))]
+        return drawn
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """By the median step."""
+        return 1.0 / float(np.median(self.dt_s[1:]))
+
+
+def course_of(session: Session, *, is_still: bool = False) -> Course:
+    """The course of a session.
+
+    Parameters
+    ----------
+    session
+        With an encoder, or still.
+    is_still
+        The device did not move: the reference is zero, whatever else was recorded.
+
+    Raises
+    ------
+    DataError
+        Where there is no reference, or fewer than two samples that the filter takes.
+    """
+    kept = accepted(session.t_device_s, session.rate_dps)
+    t_s, rate_dps = session.t_device_s[kept], session.rate_dps[kept]
+    if is_still:
+        reference_deg = np.zeros(len(t_s))
+    elif session.encoder_deg is None:
+        raise DataError(
+            f"{session.name}: has no encoder, so nothing says what yaw should be; a still goes with --still"
+        )
+    else:
+        reference_deg = unwrapped(session.encoder_deg[kept])
+    known = np.flatnonzero(np.isfinite(reference_deg))
+    if len(known) < 2:
+        raise DataError(f"{session.name}: has {len(known)} samples with a rate and a reference; two are the least")
+    first = known[0]
+    t_s, rate_dps, reference_deg = t_s[first:], rate_dps[first:], reference_deg[first:] - reference_deg[first]
+    dt_s = np.diff(t_s, prepend=t_s[0])
+    return Course(session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0)
+
+
+def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
+    """Which samples `filter.step` takes: finite, and later than all taken before; booleans of shape (n,)."""
+    finite = np.isfinite(t_s) & np.isfinite(rate_dps)
+    latest_s = np.maximum.accumulate(np.where(finite, t_s, -np.inf))
+    before_s = np.concatenate([[-np.inf], latest_s[:-1]])
+    kept: NDArray[np.bool_] = finite & (t_s > before_s)
+    return kept
+
+
+def unwrapped(angle_deg: Floats) -> Floats:
+    """The angle as it went on, where it was recorded from 0 to 360 or from −180 to 180."""
+    known = np.isfinite(angle_deg)
+    angles = angle_deg[known]
+    if not len(angles) or np.ptp(angles) > FULL_TURN_DEG or not np.any(np.abs(np.diff(angles)) > FULL_TURN_DEG / 2.0):
+        return angle_deg
+    result = angle_deg.copy()
+    result[known] = np.unwrap(angles, period=FULL_TURN_DEG)
+    return result

@@ -1,0 +1,1 @@
+"""The filters, and the one registry by which everything else finds them."""

@@ -1,0 +1,161 @@
+"""Figures as inline SVG, in colours that the page around them sets; matplotlib comes with `[lab]`."""
+
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from io import StringIO
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axis import Axis as Scale
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from numpy.typing import NDArray
+
+from gyrodrift.html.numbers import factor_label
+
+Floats = NDArray[np.float64]
+
+INK, QUIET, GRID, PLAIN, TUNED, TWO = "#101112", "#606162", "#d0d1d2", "#c05012", "#1060b2", "#703092"
+THREE, FOUR, FIVE, SIX = "#1f7a4c", "#94740e", "#b0226e", "#0b7285"
+ROLES = {
+    INK: "ink",
+    QUIET: "quiet",
+    GRID: "grid",
+    PLAIN: "plain",
+    TUNED: "tuned",
+    TWO: "two",
+    THREE: "three",
+    FOUR: "four",
+    FIVE: "five",
+    SIX: "six",
+}
+"""Each colour stands for a variable of the page's style sheet, so that figures follow light, dark and paper."""
+
+STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.0,
+    "text.color": INK,
+    "axes.labelcolor": QUIET,
+    "axes.edgecolor": QUIET,
+    "axes.linewidth": 0.6,
+    "axes.facecolor": "none",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "path.simplify_threshold": 0.3,
+}
+
+UNDATED = {"Date": None, "Creator": None, "Format": None, "Type": None}
+"""The same figure gives the same bytes."""
+
+LINE_POINTS = 600
+"""Two or three to a pixel of a small panel."""
+
+STEPS = (1, 2, 5, 10)
+"""Between marks of a scale that is not logarithmic, times a power of ten."""
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Our style, whatever matplotlib is set to here; afterwards that again."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)
+        yield
+
+
+def canvas(wide_in: float, high_in: float, left: float, bottom: float, top: float, right: float = 0.99) -> Figure:
+    """An empty figure with these margins, the same in all of a kind, so that panels side by side stand level."""
+    figure = Figure(figsize=(wide_in, high_in), facecolor="none")
+    figure.subplots_adjust(left=left, right=right, bottom=bottom, top=top, hspace=0.14)
+    return figure
+
+
+def label_steps(scale: Scale, labels: int) -> None:
+    """Plain steps, at most about that many."""
+    scale.set_major_locator(MaxNLocator(labels, steps=STEPS))
+    scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+
+
+def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
+    """Decades, as many as there is room for; plain steps where there is less than one and a half."""
+    if high < 30.0 * low:
+        scale.set_major_locator(MaxNLocator(labels, steps=STEPS))
+    else:
+        scale.set_major_locator(LogLocator(numticks=labels + 1))
+    scale.set_minor_locator(NullLocator())
+    scale.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
+
+
+class Line(NamedTuple):
+    """What is drawn of a curve, shape (m,)."""
+
+    x: Floats
+    y: Floats
+
+
+def thinned(x: Floats, y: Floats) -> Line:
+    """At most about `LINE_POINTS` points; of each stretch the lowest and the highest, so that peaks stay."""
+    y = np.where(np.isfinite(y), y, np.nan)
+    pieces = np.array_split(np.arange(len(y)), LINE_POINTS // 2)
+    if len(y) <= LINE_POINTS:
+        return Line(x, y)
+    ends = {0, len(y) - 1}
+    kept = np.array(sorted(ends | {int(piece[k]) for piece in pieces for k in _extremes(y[piece])}))
+    return Line(x[kept], y[kept])
+
+
+def _extremes(y: Floats) -> Iterable[int]:
+    """Where the lowest and the highest values stand; the middle of what has none."""
+    if not np.isfinite(y).any():
+        return (len(y) // 2,)
+    return (int(np.nanargmin(y)), int(np.nanargmax(y)))
+
+
+def as_svg(figure: Figure, name: str, says: str) -> str:
+    """The figure as an element to stand in a page, to be made while `styled`.
+
+    Parameters
+    ----------
+    figure
+        Drawn in the colours above.
+    name
+        That no other figure of the page has: ids are made from it, and no two elements of a page may share one.
+    says
+        For who cannot see it.
+    """
+    svg = _named(_saved(figure, name))
+    svg = re.sub(r'(?<= d=")[^"]+', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)  # 0.01 pt
+    svg = re.sub(r"\s*\n\s*", "\n", svg)
+    for colour, role in ROLES.items():
+        svg = svg.replace(colour, f"var(--{role})")
+    return svg.replace("<svg", f'<svg role="img" aria-label="{says}"', 1).strip()
+
+
+def _saved(figure: Figure, name: str) -> str:
+    """The element alone, without comments, dates, and a style that would hold for all of the page."""
+    mpl.rcParams["svg.hashsalt"] = name
+    file = StringIO()
+    figure.savefig(file, format="svg", metadata=UNDATED)
+    svg = file.getvalue()
+    svg = svg[svg.index("<svg") :]
+    return re.sub(r"<!--.*?-->|<defs>\s*<style.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
+
+
+def _named(svg: str) -> str:
+    """Only with ids that are referred to: the others are the same in every figure."""
+    called = set(re.findall(r"#([\w-]+)[\")]", svg))
+    return re.sub(r' id="([\w.-]+)"', lambda found: found[0] if found[1] in called else "", svg)

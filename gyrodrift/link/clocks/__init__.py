@@ -1,0 +1,1 @@
+"""Device time from counters, stamps and arrivals."""

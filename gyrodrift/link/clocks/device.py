@@ -1,0 +1,232 @@
+"""The device's own clock: unwrapped over 32 bits, its holes measured, its restarts told from its glitches."""
+
+from collections import deque
+from statistics import median
+
+from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, Gap
+from gyrodrift.sample import Reading, Sample
+
+CLOCK_WRAP_US = 1 << 32
+COUNTER_WRAP = 1 << 16
+
+STEP_US = 1_000_000
+"""The longest step that is believed of a device whose period is not known yet."""
+
+ODD_US = 100_000
+"""How far clock and counter may part over one step (or a tenth of it) before they contradict each other."""
+
+REPEATED_PERIODS = 8.0
+"""A link may repeat the last few readings; what goes back further comes of a clock and a counter that began anew."""
+
+ODD_PERIODS = 4.0
+RETURN_PERIODS = 2.5
+"""Without a counter, a step of more than ODD_PERIODS waits for the reading after it; if that is within RETURN_PERIODS
+of the last one before, the odd one was a glitch."""
+
+WITNESS_SLACK_S = 0.5
+"""How far host and device clock may part over one step before they contradict each other."""
+
+REAL_TIME = (0.9, 1.1)
+"""Host seconds per device second between which the host clock is a witness; a fast replay lies outside."""
+
+PERIOD_STEPS = 33
+HOLE_PERIODS = 1.5
+"""Without a counter, a step of more than HOLE_PERIODS times the median of PERIOD_STEPS steps is a hole."""
+
+FALLBACK_PERIOD_S = 0.01
+
+FIT_EVERY_S = 0.02
+"""The line through (device time, arrival) takes no more points than this: they cost more than the samples."""
+
+
+class DeviceClock:
+    """Unwraps a microsecond clock and a 16-bit counter.
+
+    A step of about a period is believed, and so is a longer one that the counter bears out. Any other step waits for
+    the reading after it. If that goes on from it, the step was real: a hole, if it leads forward and the host clock,
+    where it has been running alongside, agrees (a sample cannot arrive before it was taken); else the clock has begun
+    anew, and device time goes on one period after the last sample. If the reading after goes on from before the step,
+    the step was a glitch of one reading. A reading that stands still, or repeats an older one with its counter, is
+    passed on as it is: the filter counts it and passes it by.
+    """
+
+    def __init__(self, epoch_s: float) -> None:
+        self.events: list[ClockEvent] = []
+        self.glitches = 0
+        self.period_s = 0.0
+        self._epoch_s = epoch_s
+        self._fit = ArrivalFit()
+        self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
+        self._last: Reading | None = None
+        self._time_us = 0
+        self._seq = 0
+        self._arrival_s = 0.0
+        self._suspect: Reading | None = None
+        self._in_doubt = False
+        self._usual_us = 0.0
+        self._fit_due_s = float("-inf")
+
+    @property
+    def drift_ppm(self) -> float | None:
+        """Positive where the device clock runs fast; None where the host clock is no witness."""
+        return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_is_witness() else None
+
+    def doubt(self) -> None:
+        """After an outage the next step has to agree with the host clock from both sides."""
+        self._in_doubt = True
+
+    def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples on the unwrapped device clock."""
+        samples: list[Sample] = []
+        for reading in readings:
+            last = self._last
+            if last is None:
+                self._time_us, self._seq = reading.t_us or 0, reading.seq or 0
+                self._move(reading, 0, 0, arrival_s, samples)
+            elif self._is_next(last, reading):
+                self._move(reading, (reading.t_us or 0) - (last.t_us or 0), 1, arrival_s, samples)
+            else:
+                self._judge(last, reading, arrival_s, samples)
+        if samples:
+            self._arrival_s = arrival_s
+            if arrival_s >= self._fit_due_s:
+                self._fit.add(self._time_us * 1e-6, arrival_s)
+                self._fit_due_s = arrival_s + FIT_EVERY_S
+        return samples
+
+    def _is_next(self, last: Reading, reading: Reading) -> bool:
+        """The common case, told as cheaply as can be: one on by the counter, about a period on by the clock."""
+        t_us, seq, last_us, last_seq = reading.t_us, reading.seq, last.t_us, last.seq
+        return (
+            seq is not None
+            and last_seq is not None
+            and t_us is not None
+            and last_us is not None
+            and seq - last_seq == 1
+            and 0 < t_us - last_us < self._usual_us
+            and self._suspect is None
+            and not self._in_doubt
+        )
+
+    def _judge(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        step_us = _clock_step(last, reading)
+        suspect, self._suspect = self._suspect, None
+        is_usual = self._is_usual(last, reading, step_us)
+        if suspect is None and not is_usual:
+            self._suspect = reading
+        elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
+            self.glitches += suspect is not None
+            self._accept(last, reading, step_us, arrival_s, samples)
+        elif self._goes_on(suspect, reading):
+            self._settle(last, suspect, arrival_s, samples)
+            self._judge(suspect, reading, arrival_s, samples)
+        else:
+            self.glitches += 1
+            self._suspect = reading
+
+    def _accept(self, last: Reading, reading: Reading, step_us: int, arrival_s: float, samples: list[Sample]) -> None:
+        if step_us > 0:
+            self._move(reading, step_us, self._counted(last, reading, step_us), arrival_s, samples)
+        else:
+            samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
+
+    def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
+        """A step that nothing speaks against: it needs no second reading to be believed."""
+        if self._in_doubt:
+            return False
+        counted_us = self._counted_us(last, reading)
+        if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
+            return _agree(counted_us, step_us)
+        if not self.period_s:
+            return 0 <= step_us <= STEP_US
+        return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
+
+    def _counted_us(self, last: Reading, reading: Reading) -> float | None:
+        """How far time should have moved by the counter, forward or back, µs; None without counter or period."""
+        if reading.seq is None or last.seq is None or not self.period_s:
+            return None
+        half = COUNTER_WRAP // 2
+        counted = (reading.seq - last.seq + half) % COUNTER_WRAP - half
+        # A hole of more than half a wrap looks like a step back: the clock says how many wraps there were.
+        wraps = round((_clock_step(last, reading) / (self.period_s * 1e6) - counted) / COUNTER_WRAP)
+        return (counted + max(0, wraps) * COUNTER_WRAP) * self.period_s * 1e6
+
+    def _settle(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        """What an odd step was, now that the reading after it went on from it: a hole, or a new beginning."""
+        step_us = _clock_step(last, first)
+        if step_us > 0 and self._is_hole(last, first, step_us, arrival_s):
+            self._move(first, step_us, self._counted(last, first, step_us), arrival_s, samples)
+        else:
+            self._begin_anew(last, first, arrival_s, samples)
+
+    def _is_hole(self, last: Reading, first: Reading, step_us: int, arrival_s: float) -> bool:
+        expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
+        if self._host_is_witness():
+            if self._in_doubt:
+                return abs(expected_s - arrival_s) < WITNESS_SLACK_S
+            return expected_s < arrival_s + WITNESS_SLACK_S
+        counted_us = self._counted_us(last, first)
+        return counted_us is None or _agree(counted_us, step_us)
+
+    def _host_is_witness(self) -> bool:
+        return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
+
+    def _goes_on(self, suspect: Reading, reading: Reading) -> bool:
+        return 0 < _clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
+
+    def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
+        """How far the counter moved over a believed step; reports a hole."""
+        step_s = step_us * 1e-6
+        expected = step_s / self.period_s if self.period_s else 1.0
+        if reading.seq is None or last.seq is None:
+            moved = round(expected) if expected > HOLE_PERIODS else 1
+        else:
+            moved = _counter_step(last.seq, reading.seq)
+            moved += COUNTER_WRAP * round((expected - moved) / COUNTER_WRAP)
+            if moved > 4.0 * expected + 8.0:  # the counter jumped and time did not: nothing is missing
+                return moved
+        if moved > 1:
+            self.events.append(Gap(moved - 1, step_s))
+        else:
+            self._learn_period(step_s)
+        return moved
+
+    def _learn_period(self, step_s: float) -> None:
+        self._steps_s.append(step_s)
+        if len(self._steps_s) == PERIOD_STEPS or (not self.period_s and len(self._steps_s) == 3):
+            self.period_s = median(self._steps_s)
+            self._usual_us = HOLE_PERIODS * self.period_s * 1e6
+            self._steps_s.clear()
+
+    def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        self.events.append(ClockRestart(_clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
+        self._fit.restart()
+        period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
+        self._move(first, period_us, 1, arrival_s, samples)
+
+    def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:
+        self._in_doubt = False
+        self._last = reading
+        self._time_us += step_us
+        self._seq += counted
+        samples.append(self._sample(reading, self._time_us, self._seq, arrival_s))
+
+    def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
+        # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
+        _, _, rate_dps, encoder_deg, temp_c = reading
+        return Sample(seq, time_us / 1e6, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+
+
+def _agree(counted_us: float, step_us: int) -> bool:
+    """Whether counter and clock tell the same of one step."""
+    return abs(counted_us - step_us) <= max(ODD_US, 0.1 * abs(step_us))
+
+
+def _clock_step(last: Reading, reading: Reading) -> int:
+    """Signed step of the wrapping clock, µs."""
+    half = CLOCK_WRAP_US // 2
+    return ((reading.t_us or 0) - (last.t_us or 0) + half) % CLOCK_WRAP_US - half
+
+
+def _counter_step(last_seq: int, seq: int) -> int:
+    return (seq - last_seq) % COUNTER_WRAP

@@ -1,0 +1,108 @@
+"""The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement."""
+
+from binascii import crc_hqx
+from math import isfinite, nan
+from struct import Struct
+
+from cobs import cobs
+
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceFacts
+from gyrodrift.sample import Reading
+
+CRC_INIT = 0xFFFF
+"""CRC-16/CCITT-FALSE; `binascii.crc_hqx` has its polynomial 0x1021."""
+
+HELLO = Struct("<BBHfI16s")
+SAMPLE = Struct("<BBHIhhi")
+CRC = Struct("<H")
+HELLO_TYPE = 0x01
+SAMPLE_TYPE = 0x02
+VERSION = 1
+ENCODER_VALID = 0x01
+TEMPERATURE_VALID = 0x02
+RATE_CLIPPED = 0x04
+
+MAX_FRAME_BYTES = HELLO.size + CRC.size + 1
+"""The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
+
+
+class NativeDecoder:
+    """Frames between zero bytes; a damaged one costs itself alone, since every zero starts afresh."""
+
+    name = "native"
+
+    def __init__(self) -> None:
+        self.counters = DecoderCounters()
+        self.facts = DeviceFacts()
+        self._pending = b""
+        self._overlong = False
+        self._dps_per_lsb = 0.0
+        self._deg_per_count = 0.0
+
+    def push(self, chunk: bytes) -> list[Reading]:
+        """Split at the delimiters and decode each whole frame."""
+        readings: list[Reading] = []
+        *frames, pending = (self._pending + chunk).split(b"\0")
+        for frame in frames:
+            if frame:
+                self._decode(frame, readings)
+            self._overlong = False
+        if len(pending) > MAX_FRAME_BYTES:
+            self._overlong = True
+            pending = pending[:1]  # enough to remember that this frame is not empty
+        self._pending = pending
+        return readings
+
+    def _decode(self, frame: bytes, readings: list[Reading]) -> None:
+        if self._overlong or len(frame) > MAX_FRAME_BYTES:
+            self.counters.damaged += 1
+            return
+        try:
+            body = cobs.decode(frame)
+        except cobs.DecodeError:
+            self.counters.damaged += 1
+            return
+        payload = body[:-2]
+        if len(body) < 3 or crc_hqx(payload, CRC_INIT) != body[-2] | body[-1] << 8:
+            self.counters.damaged += 1
+        elif payload[0] == SAMPLE_TYPE and len(payload) == SAMPLE.size:
+            self.counters.frames += 1
+            self._sample(payload, readings)
+        elif payload[0] == HELLO_TYPE and len(payload) == HELLO.size:
+            self._hello(payload)
+        else:
+            self.counters.frames += 1
+            self.counters.other += 1
+
+    def _hello(self, payload: bytes) -> None:
+        _, version, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id = HELLO.unpack(payload)
+        self.counters.frames += 1
+        if version != VERSION or not (isfinite(dps_per_lsb) and dps_per_lsb > 0.0):
+            self.counters.other += 1
+            return
+        self._dps_per_lsb = dps_per_lsb
+        self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
+        self.facts = DeviceFacts(
+            device_id=device_id.rstrip(b"\0").decode("ascii", "replace"),
+            sample_rate_hz=float(sample_rate_hz) or None,
+            dps_per_lsb=dps_per_lsb,
+            encoder_cpr=encoder_cpr or None,
+        )
+
+    def _sample(self, payload: bytes, readings: list[Reading]) -> None:
+        if not self._dps_per_lsb:
+            self.counters.before_hello += 1
+            return
+        _, flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts = SAMPLE.unpack(payload)
+        if flags & RATE_CLIPPED:
+            self.counters.clipped += 1
+        has_encoder = flags & ENCODER_VALID and self._deg_per_count
+        readings.append(
+            Reading(
+                t_us,
+                seq,
+                rate_raw * self._dps_per_lsb,
+                encoder_counts * self._deg_per_count if has_encoder else nan,
+                temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
+            )
+        )

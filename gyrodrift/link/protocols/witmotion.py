@@ -1,0 +1,75 @@
+"""The WT901 family: 11-byte frames `0x55 kind d0..d7 sum`; kind 0x52 carries the rates. No device clock.
+
+The checksum is one byte, so noise passes it once in 256 tries. In step, a good frame is taken at once; after
+damage a frame is only believed when the next one stands right behind it.
+"""
+
+from struct import Struct
+
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceFacts
+from gyrodrift.sample import Reading
+
+HEADER = 0x55
+FRAME_BYTES = 11
+RATES_KIND = 0x52
+KINDS = range(0x50, 0x60)
+"""Time, acceleration, rate, angle, magnetic field, ports, pressure, position, velocity, quaternion, accuracy."""
+
+RATES = Struct("<hhhh")
+DPS_PER_LSB = 2000.0 / 32768.0
+"""Full scale of ±2000 deg/s over 16 bits (WT901 protocol description)."""
+
+
+class WitmotionDecoder:
+    """Frames by header and checksum."""
+
+    name = "witmotion"
+
+    def __init__(self) -> None:
+        self.counters = DecoderCounters()
+        self.facts = DeviceFacts(dps_per_lsb=DPS_PER_LSB)
+        self._pending = b""
+        self._in_step = False
+
+    def push(self, chunk: bytes) -> list[Reading]:
+        """Walk from header to header."""
+        readings: list[Reading] = []
+        buffer = self._pending + chunk
+        at = 0
+        while len(buffer) - at >= FRAME_BYTES:
+            if not _is_frame(buffer, at):
+                at = self._lose_step(buffer, at)
+            elif self._in_step:
+                self._take(buffer, at, readings)
+                at += FRAME_BYTES
+            elif len(buffer) - at < 2 * FRAME_BYTES:
+                break
+            elif _is_frame(buffer, at + FRAME_BYTES):
+                self._in_step = True
+            else:
+                at = self._lose_step(buffer, at)
+        self._pending = buffer[at:]
+        return readings
+
+    def _lose_step(self, buffer: bytes, at: int) -> int:
+        if self._in_step:
+            self.counters.damaged += 1
+            self._in_step = False
+        found = buffer.find(HEADER, at + 1)
+        return found if found >= 0 else len(buffer)
+
+    def _take(self, buffer: bytes, at: int, readings: list[Reading]) -> None:
+        self.counters.frames += 1
+        if buffer[at + 1] != RATES_KIND:
+            self.counters.other += 1
+            return
+        _, _, yaw_raw, temp_centi_c = RATES.unpack_from(buffer, at + 2)
+        readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB, temp_c=temp_centi_c / 100.0))
+
+
+def _is_frame(buffer: bytes, at: int) -> bool:
+    return (
+        buffer[at] == HEADER
+        and buffer[at + 1] in KINDS
+        and sum(buffer[at : at + FRAME_BYTES - 1]) & 0xFF == buffer[at + FRAME_BYTES - 1]
+    )

@@ -1,0 +1,59 @@
+"""Ending a recording by itself after some seconds of device time."""
+
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from gyrodrift.recording.recorder import Recorder
+from gyrodrift.sample import Sample
+
+GRACE_S = 1.0
+"""A device that falls silent before its time is over does not keep a recording open for longer than this."""
+
+
+class Stop(Protocol):
+    """What ends the loop."""
+
+    is_set: bool
+
+
+class Duration:
+    """A recorder that is handed the samples of the first `seconds` from the first one on, then asks to stop."""
+
+    def __init__(
+        self, recorder: Recorder, seconds: float, stop: Stop, monotonic: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.close = recorder.close
+        self.stats = recorder.stats
+        self._recorder = recorder
+        self._seconds = seconds
+        self._stop = stop
+        self._monotonic = monotonic
+        self._is_over = False
+        self._first_s: float | None = None
+        self._first_host_s = self._last_host_s = 0.0
+
+    def take(self, samples: list[Sample]) -> None:
+        """Record what lies inside the time."""
+        if not samples or self._is_over:
+            return
+        self._last_host_s = self._monotonic()
+        if self._first_s is None:
+            self._first_s, self._first_host_s = samples[0].t_device_s, self._last_host_s
+        until_s = self._first_s + self._seconds
+        inside = [sample for sample in samples if sample.t_device_s < until_s]
+        self._recorder.take(inside)
+        if len(inside) < len(samples):
+            self._end()
+
+    def do_chores(self, now_s: float) -> Any:
+        """Look at the clock of the host too, for devices that fell silent."""
+        self._recorder.do_chores(now_s)
+        if self._first_s is None or now_s - self._last_host_s < GRACE_S:
+            return
+        if now_s - self._first_host_s >= self._seconds:
+            self._end()
+
+    def _end(self) -> None:
+        """Never set back: a signal sets the same, and what came with it is still recorded."""
+        self._is_over = self._stop.is_set = True

@@ -1,0 +1,111 @@
+"""One line on the terminal that says how a recording goes."""
+
+import io
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TextIO
+
+from gyrodrift.link.link import Link
+from gyrodrift.recording.recorder import Recorder, disk_left_bytes
+from gyrodrift.sample import Sample
+
+CLEAR = "\r\x1b[K"
+
+
+class LiveLine:
+    """Time, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every chore."""
+
+    def __init__(self, link: Link, recorder: Recorder, stream: TextIO = sys.stderr) -> None:
+        self._link = link
+        self._recorder = recorder
+        self._stream = stream
+        self._first_s: float | None = None
+        self._marks: list[tuple[float, int, int]] = []
+
+    def take(self, samples: list[Sample]) -> None:
+        """Nothing: the counters tell."""
+
+    def do_chores(self, now_s: float) -> None:
+        """Write the line anew."""
+        self._marks = [*self._marks[-8:], (now_s, self._recorder.samples, self._recorder.size_bytes)]
+        if self._recorder.samples and self._first_s is None:
+            self._first_s = now_s
+        self._show(self.text(now_s))
+
+    def text(self, now_s: float) -> str:
+        """What the line says."""
+        if self._first_s is None:
+            return f"waiting for samples on {self._link.name}"
+        (then_s, samples, size), (_, samples_now, size_now) = self._marks[0], self._marks[-1]
+        elapsed_s = max(now_s - then_s, 1e-9)
+        counters, decoder = self._link.counters, self._link.decoder
+        parts = [
+            _clock(now_s - self._first_s),
+            f"{(samples_now - samples) / elapsed_s:.1f} Hz",
+            f"{samples_now} samples",
+            f"{counters.gaps} gaps",
+            f"{decoder.counters.damaged if decoder else 0} damaged",
+            f"{size_now / 1e6:.1f} MB",
+            _disk(self._recorder.options.folder, (size_now - size) / elapsed_s),
+        ]
+        return "   ".join(parts)
+
+    def stats(self) -> dict[str, Any]:
+        """Nothing of its own."""
+        return {}
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._show("")
+
+    def _show(self, text: str) -> None:
+        """As much as fits: a line that wraps is not cleared."""
+        with suppress(OSError):  # a terminal that is gone does not end a recording
+            self._stream.write(CLEAR + text[: _columns(self._stream)])
+            self._stream.flush()
+
+
+def _columns(stream: TextIO) -> int | None:
+    """How much a line of the terminal takes without wrapping; None where it does not say."""
+    try:
+        columns = os.get_terminal_size(stream.fileno()).columns
+    except OSError:
+        return None
+    return columns - 1 if columns else None
+
+
+def _clock(seconds: float) -> str:
+    minutes, seconds = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}"
+
+
+def _disk(folder: Path, bytes_per_s: float) -> str:
+    left = disk_left_bytes(folder)
+    if left is None:
+        return "disk gone"
+    text = f"{left / 1e9:.1f} GB left"
+    if bytes_per_s <= 0.0:
+        return text
+    hours = left / bytes_per_s / 3600.0
+    return f"{text} for {hours:.0f} h" if hours < 72 else f"{text} for {hours / 24:.0f} days"
+
+
+class AboveLine(io.TextIOBase):
+    """A stream for the log that makes room for itself where the live line stands."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write over the live line; it comes back with the next chore."""
+        with suppress(OSError):  # likewise
+            self._stream.write(text if text == "\n" else CLEAR + text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Hand on what has been written."""
+        with suppress(OSError):
+            self._stream.flush()

@@ -1,0 +1,248 @@
+"""What writes a recording while it happens: samples, raw bytes and link events, one file after the other.
+
+Everything here runs in the thread that reads the port and never waits; a `DiskFile` does the waiting.
+"""
+
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from gyrodrift import __version__
+from gyrodrift.files import check_writable
+from gyrodrift.link.link import Link
+from gyrodrift.link.protocols.decoder import DeviceFacts
+from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.recording.names import recording_path
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.write import McapWriter
+
+NAMELESS_S = 2.0
+"""How long raw bytes wait for samples, and with them for the name of the device, before a file is begun without."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordOptions:
+    """What a person says of a recording.
+
+    rotate_bytes, rotate_s
+        Begin a new file at this size or after this time; None for never.
+    keeps_raw
+        Whether the bytes of the link are kept beside the samples.
+    about
+        More named tables for the metadata of each file: the config of a service.
+    """
+
+    folder: Path
+    profile: str = ""
+    note: str = ""
+    rotate_bytes: int | None = None
+    rotate_s: float | None = None
+    keeps_raw: bool = False
+    about: Mapping[str, dict[str, str]] = field(default_factory=dict)
+
+
+class Recorder:
+    """Records a link into a folder.
+
+    A file begins with the first sample, so that it can carry the name of the device.
+
+    Raises
+    ------
+    UsageError
+        From the constructor, where the folder cannot be written to.
+    RecordingError
+        From everything else, where the recording cannot go on.
+    """
+
+    def __init__(self, options: RecordOptions, link: Link, monotonic: Callable[[], float] = time.monotonic) -> None:
+        self.options = options
+        self.samples = 0
+        self.paths: list[Path] = []
+        self._finished_bytes = 0
+        self._link = link
+        self._monotonic = monotonic
+        self._disk: DiskFile | None = None
+        self._writer: McapWriter | None = None
+        self._finishing: list[DiskFile] = []
+        self._facts: DeviceFacts | None = None
+        self._begun_s = 0.0
+        self._waiting: list[tuple[bytes, float]] = []
+        self._events: list[tuple[str, float, dict[str, Any]]] = []
+        check_writable(options.folder)
+        if options.keeps_raw:
+            link.tap = self.take_raw
+
+    @property
+    def size_bytes(self) -> int:
+        """How much has been written, all files together."""
+        return self._finished_bytes + (self._writer.size if self._writer else 0)
+
+    def take(self, samples: list[Sample]) -> None:
+        """Record samples."""
+        if samples:
+            self._begun().add_all(samples)
+            self.samples += len(samples)
+
+    def take_raw(self, content: bytes, t_host_s: float) -> None:
+        """Record the bytes of one read."""
+        if self._writer is None:
+            self._waiting.append((content, t_host_s))
+        else:
+            self._writer.add_read(content, t_host_s)
+
+    def on_event(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Record something that happened on the link."""
+        if self._writer is None:
+            self._events.append((event, time.time(), dict(fields)))
+        else:
+            self._writer.add_event(event, time.time(), dict(fields))
+
+    def do_chores(self, _now_s: float) -> None:
+        """What is due a few times a second: hand over what has come, begin a new file."""
+        self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
+        if self._writer is None:
+            if self._waiting and time.time() - self._waiting[0][1] >= NAMELESS_S:
+                self._begun()
+            return
+        if self._disk is not None:
+            self._disk.check()
+        self._keep_facts(self._writer)
+        self._writer.flush()
+        if self._is_full(self._writer):
+            self._end()
+
+    def stats(self) -> dict[str, Any]:
+        """For the log."""
+        left = disk_left_bytes(self.options.folder)
+        left_mb = None if left is None else round(left / 1e6)
+        return {"recorded": self.samples, "recorded_bytes": self.size_bytes, "disk_left_mb": left_mb}
+
+    def close(self) -> None:
+        """Finish the file and wait until everything is on the disk."""
+        try:
+            if self._waiting:
+                self._begun()
+            self._end()
+        finally:
+            self.abandon()
+            with ExitStack() as waiting:  # for each, whatever became of the others
+                for disk in self._finishing:
+                    waiting.callback(disk.join)
+
+    def abandon(self) -> None:
+        """Let go of the file as it is."""
+        self._link.tap = None
+        if self._disk is not None:
+            self._disk.finish()
+            self._finishing.append(self._disk)
+        self._disk = self._writer = None
+
+    def _begun(self) -> McapWriter:
+        """The file that is being written; a new one where there is none."""
+        if self._writer is not None:
+            return self._writer
+        facts = self._facts = self._link.decoder.facts if self._link.decoder else DeviceFacts()
+        self._disk = self._new_file(facts.device_id or "")
+        self._begun_s = self._monotonic()
+        self._writer = McapWriter(self._disk, {"recording": self._about(), **self.options.about, **_device(facts)})
+        self.paths.append(self._disk.path)
+        for content, t_host_s in self._waiting:
+            self._writer.add_read(content, t_host_s)
+        for event, t_host_s, fields in self._events:
+            self._writer.add_event(event, t_host_s, fields)
+        self._waiting.clear()
+        self._events.clear()
+        return self._writer
+
+    def _new_file(self, device: str) -> DiskFile:
+        while True:
+            path = recording_path(self.options.folder, datetime.now(UTC), device, self.options.profile)
+            try:
+                return DiskFile(path)
+            except FileExistsError:
+                continue  # another recording has just taken the name
+            except OSError as error:
+                raise RecordingError(f"{path}: recording stopped: {error.strerror}") from error
+
+    def _about(self) -> dict[str, str]:
+        """What is known of this recording when a file begins."""
+        decoder = self._link.decoder
+        table = {
+            "program": f"gyrodrift {__version__}",
+            "python": platform.python_version(),
+            "host": platform.node(),
+            "system": f"{sys.platform} {platform.release()} {platform.machine()}",
+            "port": self._link.name,
+            "baud": str(self._link.baud),
+            "protocol": decoder.name if decoder else "",
+            "begun": datetime.now(UTC).isoformat(timespec="milliseconds"),
+            "profile": self.options.profile,
+            "note": self.options.note,
+            "continues": self.paths[-1].name if self.paths else "",
+        }
+        return {key: value for key, value in table.items() if value}
+
+    def _keep_facts(self, writer: McapWriter) -> None:
+        """A device may say who it is later, or turn out to be another one."""
+        facts = self._link.decoder.facts if self._link.decoder else None
+        if facts is not None and facts is not self._facts:
+            if facts != self._facts:
+                for name, table in _device(facts).items():
+                    writer.add_metadata(name, table)
+            self._facts = facts
+
+    def _is_full(self, writer: McapWriter) -> bool:
+        most_bytes, most_s = self.options.rotate_bytes, self.options.rotate_s
+        return (most_bytes is not None and writer.size >= most_bytes) or (
+            most_s is not None and self._monotonic() - self._begun_s >= most_s
+        )
+
+    def _end(self) -> None:
+        """Finish the file; the next sample begins another one."""
+        if self._writer is None or self._disk is None:
+            return
+        self._writer.add_metadata("link", self._link_counters())
+        self._writer.finish()
+        self._disk.finish()
+        self._finished_bytes += self._writer.size
+        self._finishing.append(self._disk)
+        self._disk = self._writer = None
+
+    def _link_counters(self) -> dict[str, str]:
+        """What the link has seen up to now."""
+        counters, decoder = self._link.counters, self._link.decoder
+        drift_ppm = self._link.clock.drift_ppm if self._link.clock else None
+        table: dict[str, object] = {name: getattr(counters, name) for name in counters.__slots__}
+        if decoder is not None:
+            table |= {name: getattr(decoder.counters, name) for name in decoder.counters.__slots__}
+        if drift_ppm is not None:
+            table["clock_ppm"] = round(drift_ppm, 2)
+        return {name: str(value) for name, value in table.items()}
+
+
+def disk_left_bytes(folder: Path) -> int | None:
+    """What the disk has left for this user; None where the folder is gone."""
+    try:
+        status = os.statvfs(folder)
+    except OSError:
+        return None
+    return status.f_bavail * status.f_frsize
+
+
+def _is_over(disk: DiskFile) -> bool:
+    """Whether a file is on the disk; a failure on the way is raised."""
+    if disk.is_finished:
+        disk.join()
+    return disk.is_finished
+
+
+def _device(facts: DeviceFacts) -> dict[str, dict[str, str]]:
+    known = {name: str(getattr(facts, name)) for name in facts.__slots__ if getattr(facts, name) is not None}
+    return {"device": known} if known else {}

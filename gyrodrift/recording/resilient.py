@@ -1,0 +1,103 @@
+"""Recording beside the filter: when it fails, the service goes on, and tries again later."""
+
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.errors import DataError, GyrodriftError
+from gyrodrift.link.link import Link
+from gyrodrift.recording.disk import RecordingError
+from gyrodrift.recording.recorder import Recorder, RecordOptions
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.interrupted import interrupted
+
+RETRY_S = 10.0
+
+
+@dataclass(slots=True)
+class Recording:
+    """Takes samples like a `Recorder`, but a failure ends up in the log and not with the caller.
+
+    Raises
+    ------
+    UsageError
+        From the constructor, where the folder cannot be written to.
+    """
+
+    options: RecordOptions
+    link: Link
+    log: FilteringBoundLogger
+    recorder: Recorder | None = field(init=False)
+    _failed_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.recorder = Recorder(self.options, self.link)
+
+    def take(self, samples: list[Sample]) -> None:
+        """Record samples."""
+        if self.recorder is not None:
+            try:
+                self.recorder.take(samples)
+            except RecordingError as error:
+                self._fail(self.recorder, error)
+
+    def on_event(self, event: str, fields: dict[str, Any]) -> None:
+        """Record something that happened on the link."""
+        if self.recorder is not None:
+            self.recorder.on_event(event, fields)
+
+    def do_chores(self, now_s: float) -> None:
+        """Hand over what has come; after a failure, begin again when the time has come."""
+        if self.recorder is None:
+            if now_s - self._failed_s >= RETRY_S:
+                self._retry(now_s)
+            return
+        try:
+            self.recorder.do_chores(now_s)
+        except RecordingError as error:
+            self._fail(self.recorder, error)
+
+    def stats(self) -> dict[str, Any]:
+        """For the log."""
+        return self.recorder.stats() if self.recorder else {"recorded": None}
+
+    def close(self) -> None:
+        """Finish the file."""
+        if self.recorder is not None:
+            try:
+                self.recorder.close()
+            except RecordingError as error:
+                self._fail(self.recorder, error)
+
+    def _fail(self, recorder: Recorder, error: RecordingError) -> None:
+        self.log.error("recording_failed", reason=str(error), next_try_s=RETRY_S)
+        self._failed_s = time.monotonic()
+        recorder.abandon()
+        self.recorder = None
+
+    def _retry(self, now_s: float) -> None:
+        self._failed_s = now_s
+        try:
+            self.recorder = Recorder(self.options, self.link)
+        except GyrodriftError as error:
+            self.log.error("recording_failed", reason=str(error), next_try_s=RETRY_S)  # noqa: TRY400 - a reason, no bug
+        else:
+            self.log.info("recording_resumed", folder=str(self.options.folder))
+
+
+def repair_interrupted(folder: Path, log: FilteringBoundLogger) -> None:
+    """Close what an earlier recording into the folder left open; what cannot be mended is told and left alone."""
+    for path in interrupted(folder):
+        from gyrodrift.session.mcap.repair import repair  # noqa: PLC0415 - brings numpy, for who needs it
+
+        try:
+            repaired = repair(path)
+        except DataError as error:
+            log.warning("not_repaired", reason=str(error))
+        else:
+            if repaired is not None:
+                tail = str(repaired.tail) if repaired.tail else None
+                log.info("repaired", file=str(path), samples=repaired.samples, cut=repaired.cut_bytes, tail=tail)

@@ -1,0 +1,127 @@
+"""One JSON object a line on a file descriptor, without ever waiting for whoever reads it.
+
+A pipe that polls as writable takes PIPE_BUF bytes at once; so lines go out in such pieces, and what the reader
+does not take is kept up to a bound, then dropped, oldest first and whole lines only.
+"""
+
+import os
+import select
+from collections import deque
+
+from gyrodrift.sample import Corrected
+from gyrodrift.service.outputs.output import ReaderGoneError
+
+PIECE_BYTES = select.PIPE_BUF
+LONGEST_QUEUE_BYTES = 8 << 20
+LAST_WAIT_MS = 500
+SAME_TIME_S = 1e-6
+"""Device clocks count microseconds; closer than this is the same time."""
+
+
+class JsonLines:
+    """Writes corrected samples as JSON lines.
+
+    Parameters
+    ----------
+    fd
+        Descriptor to write to; it is not closed here.
+    rate_hz
+        At most this many lines a second of device time; None for every sample.
+    """
+
+    def __init__(self, fd: int, rate_hz: float | None = None) -> None:
+        self.lines = 0
+        self.dropped = 0
+        self.fd = fd
+        self._every_s = 1.0 / rate_hz if rate_hz else 0.0
+        self._due_s = float("-inf")
+        self._batch: list[str] = []
+        self._queue: deque[bytes] = deque()
+        self._queue_bytes = 0
+        self._sent = 0
+        self._poller = select.poll()
+        self._poller.register(fd, select.POLLOUT)
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether lines are left that the reader has not taken."""
+        return bool(self._queue)
+
+    def on_sample(self, corrected: Corrected) -> None:
+        """Queue one line, unless thinning leaves it out."""
+        if self._every_s:
+            t_s = corrected.sample.t_device_s
+            if t_s < self._due_s - SAME_TIME_S:
+                return
+            self._due_s = self._due_s + self._every_s if t_s < self._due_s + self._every_s else t_s + self._every_s
+        self._batch.append(json_line(corrected))
+
+    def flush(self) -> None:
+        """Write as much as the reader takes now."""
+        if self._batch:
+            self.lines += len(self._batch)
+            self._enqueue()
+            self._batch.clear()
+        while self._queue and self._poller.poll(0):
+            self._write()
+
+    def close(self) -> None:
+        """Give a slow reader a moment to take what is left."""
+        self.flush()
+        while self._queue and self._poller.poll(LAST_WAIT_MS):
+            self._write()
+
+    def _enqueue(self) -> None:
+        piece = self._batch[0]
+        for line in self._batch[1:]:
+            if len(piece) + len(line) > PIECE_BYTES:
+                self._append(piece)
+                piece = ""
+            piece += line
+        self._append(piece)
+        while self._queue_bytes > LONGEST_QUEUE_BYTES and len(self._queue) > 2:
+            self._drop_oldest()
+
+    def _append(self, piece: str) -> None:
+        self._queue.append(piece.encode())
+        self._queue_bytes += len(piece)
+
+    def _drop_oldest(self) -> None:
+        """Drop the oldest piece that has not begun to be sent."""
+        at = 1 if self._sent else 0
+        piece = self._queue[at]
+        del self._queue[at]
+        self._queue_bytes -= len(piece)
+        self.dropped += piece.count(b"\n")
+
+    def _write(self) -> None:
+        piece = self._queue[0]
+        try:
+            sent = os.write(self.fd, piece[self._sent :] if self._sent else piece)
+        except BlockingIOError:
+            return
+        except (BrokenPipeError, ConnectionResetError) as error:
+            raise ReaderGoneError from error
+        self._sent += sent
+        if self._sent >= len(piece):
+            self._queue.popleft()
+            self._queue_bytes -= len(piece)
+            self._sent = 0
+
+
+def json_line(corrected: Corrected) -> str:
+    """The line for one sample, every float with all its digits; absent values are left out."""
+    (seq, t_s, _, rate_dps, encoder_deg, temp_c), corrected_dps, yaw_deg, bias_dps, yaw_sigma_deg, confidence = (
+        corrected
+    )
+    line = (
+        f'{{"seq":{seq},"t_s":{t_s!r},"rate_dps":{rate_dps!r},"corrected_dps":{corrected_dps!r},'
+        f'"yaw_deg":{yaw_deg!r},"bias_dps":{bias_dps!r}'
+    )
+    if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask
+        line += f',"yaw_sigma_deg":{yaw_sigma_deg!r},"confidence":{confidence!r}'
+    if encoder_deg == encoder_deg:  # noqa: PLR0124
+        line += f',"encoder_deg":{encoder_deg!r}'
+    if temp_c == temp_c:  # noqa: PLR0124
+        line += f',"temp_c":{temp_c!r}'
+    return line + "}\n"

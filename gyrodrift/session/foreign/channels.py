@@ -1,0 +1,107 @@
+"""The channels of an MCAP file that others wrote: which ones have messages, and which one to read."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+from mcap.well_known import MessageEncoding, SchemaEncoding
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.foreign.records import DamageError, Record, message
+from gyrodrift.session.foreign.ros import ROS_MESSAGES
+from gyrodrift.session.mcap.layout import SAMPLES
+from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
+
+UNDERSTOOD = "gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr), or json with t_device_s and rate_dps"
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """The messages of one channel: where, in what form, how many."""
+
+    topic: str
+    encoding: str
+    schema: Schema | None
+    count: int
+
+    def __str__(self) -> str:
+        schema = f"{self.schema.name}, {self.schema.encoding}" if self.schema else "no schema"
+        return f"{self.topic} ({schema}, {self.encoding})"
+
+    @property
+    def is_understood(self) -> bool:
+        """Whether samples can be made of them, as far as the declaration tells."""
+        if self.encoding == MessageEncoding.JSON or self.schema is None:
+            return self.encoding == MessageEncoding.JSON
+        forms = (self.encoding, self.schema.encoding)
+        return forms == (MessageEncoding.CDR, SchemaEncoding.ROS2) and self.schema.name in ROS_MESSAGES
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What a file holds: its channels that have messages, by id, and its metadata, by name."""
+
+    channels: dict[int, Messages]
+    metadata: dict[str, dict[str, str]]
+
+
+def contents_of(records: Iterable[Record]) -> Contents:
+    """Read a file once for what it declares, and count.
+
+    Raises
+    ------
+    DamageError
+        Where messages are of a channel, or a channel of a schema, that is nowhere declared.
+    """
+    schemas: dict[int, Schema] = {}
+    channels: dict[int, Channel] = {}
+    metadata: dict[str, dict[str, str]] = {}
+    counts: Counter[int] = Counter()
+    for record in records:
+        match record.opcode:
+            case Opcode.MESSAGE:
+                counts[message(record.body).channel_id] += 1
+            case Opcode.SCHEMA:
+                schema = schema_of(record.body)
+                schemas[schema.id] = schema
+            case Opcode.CHANNEL:
+                channel = channel_of(record.body)
+                channels[channel.id] = channel
+            case Opcode.METADATA:
+                table = metadata_of(record.body)
+                metadata[table.name] = table.metadata
+    return Contents({key: _declared(key, count, channels, schemas) for key, count in counts.items()}, metadata)
+
+
+def _declared(channel_id: int, count: int, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Messages:
+    channel = channels.get(channel_id)
+    if channel is None:
+        raise DamageError(f"it has messages of a channel {channel_id}, which is nowhere declared")
+    if channel.schema_id and channel.schema_id not in schemas:
+        raise DamageError(f"{channel.topic} has a schema {channel.schema_id}, which is nowhere declared")
+    return Messages(channel.topic, channel.message_encoding, schemas.get(channel.schema_id), count)
+
+
+def chosen_topic(path: Path, channels: Sequence[Messages], topic: str | None) -> str:
+    """The topic to read: the one that is asked for, or else `/gyro`, or else the only one that is understood.
+
+    Raises
+    ------
+    DataError
+        Where there is none, or more than one.
+    """
+    there = ", ".join(sorted(map(str, channels)))
+    if not channels:
+        raise DataError(f"{path}: has no samples")
+    if topic is not None and topic not in {channel.topic for channel in channels}:
+        raise DataError(f"{path}: has no messages on {topic}; there are {there}")
+    understood = {channel.topic for channel in channels if channel.is_understood}
+    if not understood or (topic is not None and topic not in understood):
+        raise DataError(f"{path}: {topic or 'no channel'} holds samples; expected {UNDERSTOOD}; there are {there}")
+    if topic is None and len(understood) > 1 and SAMPLES.name not in understood:
+        names = ", ".join(sorted(understood))
+        raise DataError(f"{path}: samples may be on {names}; choose one with gyrodrift convert --topic")
+    return topic or (SAMPLES.name if SAMPLES.name in understood else understood.pop())

@@ -1,0 +1,226 @@
+"""Writing sessions as other tools want them: chunked MCAP with `sensor_msgs/msg/Imu` messages, or with JSON."""
+
+import json
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrodrift import __version__
+from gyrodrift.errors import DataError
+from gyrodrift.files import whole_file
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.layout import SAMPLES
+from gyrodrift.session.session import Session
+
+NS_PER_S = 1_000_000_000
+LATEST_LOG_NS = 2**64 - 1
+STAMP_SECONDS = range(-(2**31), 2**31)
+"""What `builtin_interfaces/Time` can say."""
+
+IMU_TOPIC = "/imu"
+IMU_SCHEMA = "sensor_msgs/msg/Imu"
+FRAME_ID = "gyro"
+
+# As it stands in the common_interfaces of ROS 2, each message behind the one that needs it.
+IMU_TEXT = f"""\
+# This is a message to hold data from an IMU (Inertial Measurement Unit)
+#
+# Accelerations should be in m/s^2 (not in g's), and rotational velocity should be in rad/sec
+#
+# If the covariance of the measurement is known, it should be filled in (if all you know is the
+# variance of each measurement, e.g. from the datasheet, just put those along the diagonal)
+# A covariance matrix of all zeros will be interpreted as "covariance unknown", and to use the
+# data a covariance will have to be assumed or gotten from some other source
+#
+# If you have no estimate for one of the data elements (e.g. your IMU doesn't produce an
+# orientation estimate), please set element 0 of the associated covariance matrix to -1
+# If you are interpreting this message, please check for a value of -1 in the first element of each
+# covariance matrix, and disregard the associated estimate.
+
+std_msgs/Header header
+
+geometry_msgs/Quaternion orientation
+float64[9] orientation_covariance # Row major about x, y, z axes
+
+geometry_msgs/Vector3 angular_velocity
+float64[9] angular_velocity_covariance # Row major about x, y, z axes
+
+geometry_msgs/Vector3 linear_acceleration
+float64[9] linear_acceleration_covariance # Row major x, y z
+
+{"=" * 80}
+MSG: std_msgs/Header
+# Standard metadata for higher-level stamped data types.
+# This is generally used to communicate timestamped data
+# in a particular coordinate frame.
+
+# Two-integer timestamp that is expressed as seconds and nanoseconds.
+builtin_interfaces/Time stamp
+
+# Transform frame with which this data is associated.
+string frame_id
+
+{"=" * 80}
+MSG: builtin_interfaces/Time
+# This message communicates ROS Time defined here:
+# https://design.ros2.org/articles/clock_and_time.html
+
+# The seconds component, valid over all int32 values.
+int32 sec
+
+# The nanoseconds component, valid in the range [0, 1e9).
+uint32 nanosec
+
+{"=" * 80}
+MSG: geometry_msgs/Quaternion
+# This represents an orientation in free space in quaternion form.
+
+float64 x 0
+float64 y 0
+float64 z 0
+float64 w 1
+
+{"=" * 80}
+MSG: geometry_msgs/Vector3
+# This represents a vector in free space.
+
+# This is semantically different than a point.
+# A vector is always anchored at the origin.
+# When a transform is applied to a vector, only the rotational component is applied.
+
+float64 x
+float64 y
+float64 z
+"""
+
+JSON_SCHEMA = "gyrodrift.Sample"
+NUMBER_OR_NONE = {"type": ["number", "null"]}
+JSON_TEXT = json.dumps(
+    {
+        "type": "object",
+        "description": "A rate sample of a gyro. Angles are degrees, rates deg/s counter-clockwise, times seconds.",
+        "properties": {
+            "seq": {"type": "integer"},
+            **dict.fromkeys(("t_device_s", "t_host_s", "rate_dps"), NUMBER_OR_NONE),
+            "encoder_deg": {"type": "number"},
+            "temp_c": {"type": "number"},
+        },
+        "required": ["t_device_s", "rate_dps"],
+    }
+)
+ALWAYS_SAID = ("t_device_s", "t_host_s", "rate_dps")
+"""Null where there is no number; without `t_host_s` a reader would take the log time for it."""
+
+
+def write_imu(path: Path, chunks: Iterable[Session]) -> None:
+    """Write the consecutive chunks of a session as `sensor_msgs/msg/Imu` on `/imu`, the rate in rad/s about z.
+
+    Orientation and acceleration are marked as unknown. Angle, temperature and counter have no place there.
+
+    Raises
+    ------
+    DataError
+        Where a device time is none that a stamp can say: not finite, or beyond 32 bits of seconds.
+    UsageError
+        Where the place cannot be written to; nothing is left behind in either case.
+    """
+    from mcap_ros2.writer import Writer  # noqa: PLC0415 - only who writes CDR pays for it
+
+    with whole_file(path) as file:
+        writer = Writer(file)
+        schema = writer.register_msgdef(IMU_SCHEMA, IMU_TEXT)
+        for number, sample in enumerate(_samples(chunks, writer), 1):
+            message = _imu(_stamp(path, number, sample.t_device_s), sample.rate_dps)
+            writer.write_message(IMU_TOPIC, schema, message, _log_ns(sample), sequence=_sequence(sample))
+        writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
+
+
+def write_json(path: Path, chunks: Iterable[Session]) -> None:
+    """Write the consecutive chunks of a session as JSON objects on `/gyro`, every value with all its digits.
+
+    A value that is no finite number is left out; times and rate are null then.
+
+    Raises
+    ------
+    UsageError
+        Where the place cannot be written to; nothing is left behind then.
+    """
+    from mcap.writer import Writer  # noqa: PLC0415 - as for the other one
+
+    with whole_file(path) as file:
+        writer = Writer(file)
+        writer.start(library=f"gyrodrift {__version__}")
+        schema_id = writer.register_schema(JSON_SCHEMA, "jsonschema", JSON_TEXT.encode())
+        channel_id = writer.register_channel(SAMPLES.name, "json", schema_id)
+        for sample in _samples(chunks, writer):
+            log_ns = _log_ns(sample)
+            writer.add_message(channel_id, log_ns, _json(sample), log_ns, _sequence(sample))
+        writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
+
+
+def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
+    """Sample by sample; what the first chunk keeps beside them is written before them."""
+    for number, chunk in enumerate(chunks):
+        for name, table in chunk.metadata.items() if number == 0 else ():
+            writer.add_metadata(name, dict(table))
+        columns = (_filled(chunk, name).tolist() for name in Sample._fields)
+        yield from map(Sample._make, zip(*columns, strict=True))
+
+
+def _filled(chunk: Session, name: str) -> NDArray[Any]:
+    column: NDArray[Any] | None = getattr(chunk, name)
+    if column is not None:
+        return column
+    return np.full(len(chunk.rate_dps), -1 if name == "seq" else np.nan)
+
+
+def _imu(stamp: dict[str, int], rate_dps: float) -> dict[str, Any]:
+    return {
+        "header": {"stamp": stamp, "frame_id": FRAME_ID},
+        "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+        "orientation_covariance": [-1.0, *[0.0] * 8],
+        "angular_velocity": {"x": 0.0, "y": 0.0, "z": math.radians(rate_dps)},
+        "angular_velocity_covariance": [0.0] * 9,
+        "linear_acceleration": {"x": 0.0, "y": 0.0, "z": 0.0},
+        "linear_acceleration_covariance": [-1.0, *[0.0] * 8],
+    }
+
+
+def _stamp(path: Path, number: int, t_device_s: float) -> dict[str, int]:
+    if math.isfinite(t_device_s):
+        sec, nanosec = divmod(_ns(t_device_s), NS_PER_S)
+        if sec in STAMP_SECONDS:
+            return {"sec": sec, "nanosec": nanosec}
+    raise DataError(f"{path}: sample {number} has {t_device_s!r} as t_device_s, which no header.stamp can say")
+
+
+def _json(sample: Sample) -> bytes:
+    fields: dict[str, float | None] = {
+        name: value if math.isfinite(value) else None
+        for name, value in sample._asdict().items()
+        if name in ALWAYS_SAID or math.isfinite(value)
+    }
+    if sample.seq < 0:
+        del fields["seq"]
+    return json.dumps(fields, allow_nan=False, separators=(",", ":")).encode()
+
+
+def _sequence(sample: Sample) -> int:
+    """The counter inside what a message head can say; 0 is for none."""
+    return max(sample.seq, 0) & 0xFFFFFFFF
+
+
+def _log_ns(sample: Sample) -> int:
+    """When it came, or else when it was taken, inside what a message head can say."""
+    t_s = sample.t_host_s if math.isfinite(sample.t_host_s) else sample.t_device_s
+    return min(max(_ns(t_s), 0), LATEST_LOG_NS) if math.isfinite(t_s) else 0
+
+
+def _ns(seconds: float) -> int:
+    """Nanoseconds without the rounding of a product: any time that is a whole number of them is hit."""
+    whole = math.floor(seconds)
+    return whole * NS_PER_S + round((seconds - whole) * NS_PER_S)

@@ -1,0 +1,105 @@
+"""Sessions in MCAP files that others wrote.
+
+Three kinds of messages are understood: `gyrodrift/Sample` and `sensor_msgs/msg/Imu` in CDR with a ros2msg schema, and
+JSON objects with the column names of a session.
+"""
+
+import struct
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from mcap.opcode import Opcode
+from mcap.well_known import MessageEncoding
+
+from gyrodrift.arrays import Floats
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
+from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
+from gyrodrift.session.foreign.records import DamageError, Record, message, records
+from gyrodrift.session.foreign.ros import cdr_decoder
+from gyrodrift.session.mcap.layout import MAGIC
+from gyrodrift.session.mcap.walk import BrokenRecordError
+from gyrodrift.session.session import Session
+
+ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in Sample._fields])
+
+
+def read_foreign(path: Path, topic: str | None = None) -> Session:
+    """Load a session from any MCAP file, samples in the order of the file.
+
+    A file that was cut off gives every whole message before the cut.
+
+    Parameters
+    ----------
+    path
+        The file.
+    topic
+        Which channel to read; without it `/gyro`, or else the only one that is understood.
+
+    Raises
+    ------
+    DataError
+        Where it is no MCAP file or damaged, where no channel or more than one could be meant, or where a message lacks
+        what a sample needs.
+    """
+    try:
+        with path.open("rb") as file:
+            return _session(path, file, topic)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (DamageError, BrokenRecordError) as error:
+        raise DataError(f"{path}: is damaged: {error}") from error
+    except (MemoryError, struct.error) as error:
+        raise DataError(f"{path}: cannot be read: it is larger than memory, or changes while it is read") from error
+
+
+def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
+    if file.read(len(MAGIC)) != MAGIC:
+        raise DataError(f"{path}: is no MCAP file: it does not begin as one")
+    contents = contents_of(records(file))
+    chosen = chosen_topic(path, list(contents.channels.values()), topic)
+    decoders = {
+        channel_id: _decoder(path, channel)
+        for channel_id, channel in contents.channels.items()
+        if channel.topic == chosen and channel.is_understood
+    }
+    rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
+    return Session(
+        name=path.stem,
+        t_device_s=rows["t_device_s"].copy(),
+        rate_dps=rows["rate_dps"].copy(),
+        t_host_s=_column(rows["t_host_s"]),
+        seq=None if (rows["seq"] < 0).all() else rows["seq"].copy(),
+        encoder_deg=_column(rows["encoder_deg"]),
+        temp_c=_column(rows["temp_c"]),
+        metadata=contents.metadata,
+    )
+
+
+def _column(values: Floats) -> Floats | None:
+    return None if np.isnan(values).all() else values.copy()
+
+
+def _samples(place: str, found: Iterable[Record], decoders: dict[int, Decode]) -> Iterator[Sample]:
+    number = 0
+    for record in found:
+        if record.opcode != Opcode.MESSAGE:
+            continue
+        channel_id, log_ns, payload = message(record.body)
+        if channel_id not in decoders:
+            continue
+        number += 1
+        try:
+            sample = decoders[channel_id](payload, log_ns)
+        except WrongValueError as error:
+            raise DataError(f"{place}: message {number} {error}") from error
+        yield sample
+
+
+def _decoder(path: Path, channel: Messages) -> Decode:
+    if channel.encoding == MessageEncoding.JSON or channel.schema is None:
+        return json_sample
+    return cdr_decoder(f"{path}: {channel.topic}", channel.schema)

@@ -1,0 +1,73 @@
+"""Samples from messages in CDR, by the schema that the file brings: `sensor_msgs/Imu` of ROS 2, and our own."""
+
+import math
+from collections.abc import Callable
+from contextlib import redirect_stderr
+from io import StringIO
+from typing import Any
+
+from mcap.records import Schema
+from mcap.well_known import MessageEncoding
+
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
+
+
+def _own_sample(message: Any, log_ns: int) -> Sample:
+    return sample_of({name: getattr(message, name) for name in Sample._fields if hasattr(message, name)}, log_ns)
+
+
+def _imu_sample(message: Any, log_ns: int) -> Sample:
+    """The turn about z; what the message cannot hold is missing."""
+    try:
+        stamp, rate, covariance = message.header.stamp, message.angular_velocity.z, message.angular_velocity_covariance
+        parts, first = (stamp.sec, stamp.nanosec), covariance[0]
+    except (AttributeError, IndexError, TypeError) as error:
+        raise WrongValueError("lacks header.stamp, angular_velocity.z or angular_velocity_covariance") from error
+    if first == -1.0:
+        raise WrongValueError("has no rate: angular_velocity_covariance begins with -1")
+    sec, nanosec = (whole(f"header.stamp.{name}", part) for name, part in zip(("sec", "nanosec"), parts, strict=True))
+    rate_dps = math.degrees(number("angular_velocity.z", rate))
+    return Sample(-1, (sec * NS_PER_S + nanosec) / NS_PER_S, log_ns / NS_PER_S, rate_dps)
+
+
+ROS_MESSAGES: dict[str, Callable[[Any, int], Sample]] = {
+    "gyrodrift/Sample": _own_sample,
+    "gyrodrift/msg/Sample": _own_sample,
+    "sensor_msgs/Imu": _imu_sample,
+    "sensor_msgs/msg/Imu": _imu_sample,
+}
+"""By the name of the schema, as older and newer writers spell it."""
+
+
+def cdr_decoder(place: str, schema: Schema) -> Decode:
+    """What makes samples of the messages of a channel at that place, which is known by its schema's name.
+
+    Raises
+    ------
+    DataError
+        Where the schema cannot be parsed.
+    """
+    decode = _parsed(place, schema)
+    to_sample = ROS_MESSAGES[schema.name]
+
+    def decoded(payload: bytes, log_ns: int) -> Sample:
+        try:  # bytes from anywhere, by whatever that schema says
+            message = decode(payload) if decode else None
+        except Exception as error:
+            raise WrongValueError(f"does not fit its schema {schema.name}") from error
+        return to_sample(message, log_ns)
+
+    return decoded
+
+
+def _parsed(place: str, schema: Schema) -> Callable[[bytes], Any] | None:
+    """A schema is text from anywhere; its parser names few of its troubles, and prints them all."""
+    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only who reads CDR pays for it
+
+    try:
+        with redirect_stderr(StringIO()):
+            return DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
+    except Exception as error:
+        raise DataError(f"{place}: the schema {schema.name} cannot be parsed") from error

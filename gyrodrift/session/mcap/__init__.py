@@ -1,0 +1,1 @@
+"""Sessions as MCAP: written so that a kill loses nothing, read in one go, repaired."""

@@ -1,0 +1,59 @@
+"""Telling session files that were never closed from others, by their last bytes; and who is writing one.
+
+Light, since every recording begins with a look at its folder.
+"""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
+
+
+def is_closed(file: IO[bytes]) -> bool:
+    """Whether it ends as a finished MCAP file does."""
+    size = os.fstat(file.fileno()).st_size
+    tail = os.pread(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
+    return tail.startswith(CLOSED_TAIL) and tail.endswith(MAGIC)
+
+
+def lock(path: Path, file: IO[bytes]) -> None:
+    """Make this process the only one that writes or repairs the file, for as long as it is open.
+
+    Raises
+    ------
+    DataError
+        Where another process does.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise DataError(f"{path}: is being written by another process") from None
+
+
+def interrupted(folder: Path) -> Iterator[Path]:
+    """The `.mcap` files of a folder that were never closed and that nobody is writing.
+
+    What cannot be looked into, or is gone in the meantime, is passed over.
+    """
+    for path in sorted(folder.glob("*.mcap")):
+        is_left_open = False
+        with suppress(OSError):
+            is_left_open = path.is_file() and _is_left_open(path)
+        if is_left_open:
+            yield path
+
+
+def _is_left_open(path: Path) -> bool:
+    with path.open("rb") as file:
+        if is_closed(file):
+            return False
+        try:
+            lock(path, file)
+        except DataError:
+            return False
+        return True

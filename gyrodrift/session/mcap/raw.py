@@ -1,0 +1,57 @@
+"""The raw bytes of a link, where a recording kept them."""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from mcap.opcode import Opcode
+
+from gyrodrift.errors import DataError
+from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
+from gyrodrift.session.mcap.walk import Record, Walk, channel_of
+
+READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
+"""A read behind its record head, up to its bytes."""
+
+
+class Read(NamedTuple):
+    """What one read of the port gave, and when: Unix time in s."""
+
+    t_host_s: float
+    content: bytes
+
+
+def read_raw(path: Path) -> Iterator[Read]:
+    """The reads of a session in their order, one at a time.
+
+    Raises
+    ------
+    DataError
+        Where it is no MCAP file, or no raw bytes were kept in it.
+    """
+    found = False
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise DataError(f"{path}: is no MCAP file; only those keep raw bytes")
+            walk = Walk(file)
+            for step in walk:
+                match step:
+                    case Record(opcode=Opcode.CHANNEL):
+                        found = found or channel_of(walk.body(step)).topic == READS.name
+                    case Record(opcode=Opcode.MESSAGE) if found:
+                        body = walk.body(step)
+                        if int.from_bytes(body[:2], "little") == READS.channel_id and len(body) >= READ_BODY.size:
+                            yield _read(body)
+                    case Record(opcode=Opcode.DATA_END):
+                        break
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    if not found:
+        raise DataError(f"{path}: no raw bytes were kept in it; record with --raw")
+
+
+def _read(body: bytes) -> Read:
+    *_, t_host_s, count = READ_BODY.unpack_from(body)
+    return Read(t_host_s, body[READ_BODY.size : READ_BODY.size + count])

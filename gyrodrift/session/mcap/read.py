@@ -1,0 +1,170 @@
+"""Reading a session from MCAP into arrays: at once where it is laid out as ours, finished or torn.
+
+Files that others wrote are handed to the public reader.
+"""
+
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from mcap.opcode import Opcode
+from numpy.typing import NDArray
+
+from gyrodrift.arrays import Floats
+from gyrodrift.errors import DataError
+from gyrodrift.session.mcap.layout import (
+    CDR_LITTLE_ENDIAN,
+    LATEST_NS,
+    MAGIC,
+    MESSAGE_LENGTH,
+    MESSAGE_OPCODE,
+    SAMPLES,
+)
+from gyrodrift.session.mcap.walk import (
+    ROW,
+    BrokenRecordError,
+    Record,
+    Rows,
+    Table,
+    Walk,
+    channel_of,
+    metadata_of,
+    schema_of,
+)
+from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.session.session import Session
+
+OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
+"""Columns that a session may lack: all NaN then."""
+
+VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
+
+
+def read_mcap(path: Path) -> Session:
+    """Load a session from `.mcap`.
+
+    A file that was never closed gives every whole sample in it.
+
+    Raises
+    ------
+    DataError
+        Where it is no MCAP file, has no samples, or says something impossible.
+    """
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise DataError(f"{path}: is no MCAP file: it does not begin as one")
+            session = _read_ours(path, file)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    if session is None:
+        from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - brings decoders that ours do without
+
+        return read_foreign(path)
+    return session
+
+
+def _read_ours(path: Path, file: BinaryIO) -> Session | None:
+    """The session, or None where no samples are laid out as ours."""
+    walk = Walk(file)
+    columns = _Columns(walk.size // ROW.itemsize)
+    declared = _Declared()
+    for step in walk:
+        match step:
+            case Table(rows=rows) if declared.is_ours:
+                columns.take(rows)
+            case Table() | Record(opcode=Opcode.CHUNK):
+                return None
+            case Record(opcode=Opcode.DATA_END):
+                break
+            case Record():
+                try:
+                    declared.take(step, walk)
+                except BrokenRecordError as error:
+                    raise DataError(f"{path}: {error}; the file was changed since it was written") from error
+    return columns.session(path.stem, declared.metadata) if columns.count else None
+
+
+class _Columns:
+    """The arrays of a session while they fill; memory that no sample reaches is never touched."""
+
+    def __init__(self, most: int) -> None:
+        self.count = 0
+        self._arrays = {name: np.empty(most, ROW[name]) for name in VALUES}
+
+    def take(self, rows: Rows) -> None:
+        """Put a table of samples behind those that are there."""
+        end = self.count + len(rows)
+        for name, array in self._arrays.items():
+            array[self.count : end] = rows[name]
+        self.count = end
+
+    def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
+        """All of it, without the columns that the device never filled."""
+        found = {key: array[: self.count] for key, array in self._arrays.items()}
+        return Session(
+            name=name,
+            t_device_s=found["t_device_s"],
+            rate_dps=found["rate_dps"],
+            seq=None if (found["seq"] < 0).all() else found["seq"],
+            **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},
+            metadata=metadata,
+        )
+
+
+def _is_empty(column: Floats) -> bool:
+    return bool(np.isnan(column[0])) and bool(np.isnan(column).all())
+
+
+class _Declared:
+    """What the file has said so far of the channel that samples stand on, and beside them."""
+
+    def __init__(self) -> None:
+        self.metadata: dict[str, dict[str, str]] = {}
+        self._has_schema = self._has_channel = False
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether samples are laid out as this version writes them."""
+        return self._has_schema and self._has_channel
+
+    def take(self, record: Record, walk: Walk) -> None:
+        """A record that is no table of samples."""
+        match record.opcode:
+            case Opcode.SCHEMA:
+                schema = schema_of(walk.body(record))
+                if schema.id == SAMPLES.channel_id:
+                    layout = (schema.name, schema.encoding, schema.data)
+                    ours = (SAMPLES.schema_name, SAMPLES.schema_encoding, SAMPLES.schema_text.encode())
+                    self._has_schema = layout == ours
+            case Opcode.CHANNEL:
+                channel = channel_of(walk.body(record))
+                if channel.id == SAMPLES.channel_id:
+                    about = (channel.topic, channel.message_encoding, channel.schema_id)
+                    self._has_channel = about == (SAMPLES.name, SAMPLES.message_encoding, SAMPLES.channel_id)
+            case Opcode.METADATA:
+                table = metadata_of(walk.body(record))
+                self.metadata[table.name] = table.metadata
+
+
+def add_chunk(writer: McapWriter, session: Session) -> None:
+    """Add the samples of a session, all at once."""
+    rows = np.zeros(len(session.t_device_s), ROW)
+    if not len(rows):
+        return
+    rows["opcode"], rows["length"], rows["channel"] = MESSAGE_OPCODE, MESSAGE_LENGTH, SAMPLES.channel_id
+    rows["cdr"] = CDR_LITTLE_ENDIAN
+    rows["seq"] = -1 if session.seq is None else session.seq
+    rows["sequence"] = rows["seq"] & 0xFFFFFFFF
+    rows["t_device_s"], rows["rate_dps"] = session.t_device_s, session.rate_dps
+    for name in OPTIONAL:
+        column = getattr(session, name)
+        rows[name] = np.nan if column is None else column
+    rows["publish_time"] = _nanoseconds(session.t_device_s)
+    rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
+    writer.add_rows(rows.tobytes(), int(rows["log_time"].min()), int(rows["log_time"].max()))
+
+
+def _nanoseconds(seconds: Floats) -> NDArray[np.uint64]:
+    finite = np.where(np.isfinite(seconds), seconds, 0.0)
+    return np.clip(finite * 1e9, 0, LATEST_NS).astype(np.uint64)

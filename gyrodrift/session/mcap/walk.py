@@ -1,0 +1,164 @@
+"""Walking through the records of an MCAP file without chunks, samples a table at a time, in bounded memory."""
+
+import os
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from typing import IO, TypeVar
+
+import numpy as np
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.records import Channel, Header, McapRecord, Metadata, Schema
+from numpy.typing import NDArray
+
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
+
+BLOCK_BYTES = 1 << 22
+ZEROS_BLOCK_BYTES = 1 << 16
+
+ROW = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+        ("cdr", "<u4"),
+        ("seq", "<i8"),
+        ("t_device_s", "<f8"),
+        ("t_host_s", "<f8"),
+        ("rate_dps", "<f8"),
+        ("encoder_deg", "<f8"),
+        ("temp_c", "<f8"),
+    ]
+)
+"""A sample as it stands in the file; the same bytes as `layout.MESSAGE`."""
+
+Rows = NDArray[np.void]
+ROW_START = HEAD.pack(MESSAGE_OPCODE, MESSAGE_LENGTH) + SAMPLES.channel_id.to_bytes(2, "little")
+R = TypeVar("R", bound=McapRecord)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Samples that stand one behind the other, shape (n,) of `ROW`; only good until the next step of the walk."""
+
+    at: int
+    rows: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """Any other record: where it begins in the file, its opcode, and how many bytes follow its head."""
+
+    at: int
+    opcode: int
+    length: int
+
+
+class Walk:
+    """Iterates over tables of samples and other records, from the beginning to the first thing that is not whole.
+
+    `end` is then the place behind the last whole record. After a power cut a file may have its length, and zeros
+    where its last bytes should be: from `zeros_at` on there is nothing else, and what reaches into them is not whole.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self.size = os.fstat(file.fileno()).st_size
+        self.end = len(MAGIC)
+        self.zeros_at = _zeros_at(file, self.size)
+        self._file = file
+
+    def __iter__(self) -> Iterator[Table | Record]:
+        while True:
+            start = self.end
+            block = os.pread(self._file.fileno(), BLOCK_BYTES, start)
+            at = 0
+            while (step := self._step(block, at)) is not None:
+                at = self.end - start
+                yield step
+                if at >= len(block):
+                    break
+            if self.end == start:
+                return
+
+    def body(self, record: Record) -> bytes:
+        """The bytes of a record behind its head."""
+        return os.pread(self._file.fileno(), record.length, record.at + HEAD.size)
+
+    def _step(self, block: bytes, at: int) -> Table | Record | None:
+        """The next thing in the block, with `end` moved behind it; None where the block has nothing whole any more."""
+        if len(block) - at < HEAD.size + 2:
+            return None
+        place = self.end
+        if block.startswith(ROW_START, at):
+            rows = np.frombuffer(block, ROW, (len(block) - at) // ROW.itemsize, at)
+            run = _run_length(rows)
+            if run and not self._is_whole(place + run * ROW.itemsize):
+                run -= 1
+            if not run:
+                return None
+            self.end += run * ROW.itemsize
+            return Table(place, rows[:run])
+        opcode, length = HEAD.unpack_from(block, at)
+        if not opcode or not self._is_whole(place + HEAD.size + length):
+            return None
+        self.end += HEAD.size + length
+        return Record(place, opcode, length)
+
+    def _is_whole(self, end: int) -> bool:
+        """Whether a record that ends there was written to its end."""
+        return end <= self.zeros_at or end == self.size
+
+
+def _zeros_at(file: IO[bytes], size: int) -> int:
+    """Where the zeros begin that the file ends with; its size where there are none."""
+    end = size
+    while end > 0:
+        start = max(0, end - ZEROS_BLOCK_BYTES)
+        if rest := os.pread(file.fileno(), end - start, start).rstrip(b"\0"):
+            return start + len(rest)
+        end = start
+    return 0
+
+
+def _run_length(rows: Rows) -> int:
+    is_row = rows["opcode"] == MESSAGE_OPCODE
+    is_row &= rows["length"] == MESSAGE_LENGTH
+    is_row &= rows["channel"] == SAMPLES.channel_id
+    return len(rows) if is_row.all() else int(is_row.argmin())
+
+
+class BrokenRecordError(Exception):
+    """A record whose inside does not fit its length."""
+
+
+def header_of(body: bytes) -> Header:
+    """The header record."""
+    return _read(Header, body)
+
+
+def schema_of(body: bytes) -> Schema:
+    """A schema record."""
+    return _read(Schema, body)
+
+
+def channel_of(body: bytes) -> Channel:
+    """A channel record."""
+    return _read(Channel, body)
+
+
+def metadata_of(body: bytes) -> Metadata:
+    """A metadata record."""
+    return _read(Metadata, body)
+
+
+def _read(kind: type[R], body: bytes) -> R:
+    try:
+        record: R = kind.read(ReadDataStream(BytesIO(body)))  # type: ignore[attr-defined]  # each kind has its own
+    except (McapError, ValueError, struct.error) as error:
+        raise BrokenRecordError(f"a record {kind.__name__} is damaged") from error
+    return record

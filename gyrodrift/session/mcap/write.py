@@ -1,0 +1,249 @@
+"""Writing a session file as the samples come, light enough for the service: no numpy.
+
+Records other than messages are the `mcap` package's.
+"""
+
+import json
+import struct
+import zlib
+from collections.abc import Iterable
+from math import nan
+from typing import Any, Protocol
+
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+from gyrodrift import __version__
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.layout import (
+    CDR_LITTLE_ENDIAN,
+    EVENTS,
+    FOOTER_LENGTH,
+    HEAD,
+    LATEST_NS,
+    MAGIC,
+    MESSAGE,
+    MESSAGE_LENGTH,
+    MESSAGE_OPCODE,
+    READ_HEAD,
+    READS,
+    SAMPLES,
+    Topic,
+)
+
+MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+CHANNEL = SAMPLES.channel_id
+LATEST_S = LATEST_NS * 1e-9
+
+
+class Stream(Protocol):
+    """What a session is written to."""
+
+    def write(self, content: bytes, /) -> Any:
+        """Take all of it."""
+        ...
+
+
+class Contents:
+    """What a file holds, as its end has to tell: worked out while writing, or afterwards while repairing."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self.crc = 0
+        self.counts: dict[int, int] = {}
+        self.first_ns, self.last_ns = LATEST_NS, 0
+        self.schemas: list[Schema] = []
+        self.channels: list[Channel] = []
+        self.metadata: list[MetadataIndex] = []
+
+    def add_bytes(self, content: bytes) -> None:
+        """Bytes that stand in the file."""
+        self.size += len(content)
+        self.crc = zlib.crc32(content, self.crc)
+
+    def add_messages(self, channel_id: int, count: int, first_ns: int, last_ns: int) -> None:
+        """Messages of one channel, the earliest and the latest of their log times."""
+        self.counts[channel_id] = self.counts.get(channel_id, 0) + count
+        self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
+
+    def end(self) -> bytes:
+        """What makes it a whole file: that the data ends, what is in it and where."""
+        data_end = encoded(DataEnd(self.crc))
+        start = self.size + len(data_end)
+        groups: list[tuple[Opcode, list[McapRecord]]] = [
+            (Opcode.SCHEMA, list(self.schemas)),
+            (Opcode.CHANNEL, list(self.channels)),
+            (Opcode.STATISTICS, [self._statistics()]),
+            (Opcode.METADATA_INDEX, list(self.metadata)),
+        ]
+        summary = offsets = b""
+        for opcode, records in groups:
+            group = b"".join(map(encoded, records))
+            if group:
+                offsets += encoded(SummaryOffset(opcode, start + len(summary), len(group)))
+            summary += group
+        offsets_start = start + len(summary)
+        summary += offsets
+        footer_start = HEAD.pack(Opcode.FOOTER, FOOTER_LENGTH) + struct.pack("<QQ", start, offsets_start)
+        crc = zlib.crc32(footer_start, zlib.crc32(summary))
+        return data_end + summary + encoded(Footer(start, offsets_start, crc)) + MAGIC
+
+    def _statistics(self) -> Statistics:
+        count = sum(self.counts.values())
+        return Statistics(
+            attachment_count=0,
+            channel_count=len(self.channels),
+            channel_message_counts=self.counts,
+            chunk_count=0,
+            message_count=count,
+            message_start_time=self.first_ns if count else 0,
+            message_end_time=self.last_ns,
+            metadata_count=len(self.metadata),
+            schema_count=len(self.schemas),
+        )
+
+
+class McapWriter:
+    """Writes a session to a stream; what is added goes out with the next `flush`.
+
+    Parameters
+    ----------
+    stream
+        Where to write; at its beginning. Whoever opened it closes it.
+    metadata
+        Named tables of what is worth keeping beside the samples: device, host, config.
+    """
+
+    def __init__(self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None) -> None:
+        self._stream = stream
+        self._contents = Contents()
+        self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
+        self._others = bytearray()
+        self._write(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")))
+        self._others += self._declared(SAMPLES)
+        self.flush()
+        for name, table in (metadata or {}).items():
+            self.add_metadata(name, table)
+
+    @property
+    def count(self) -> int:
+        """Samples so far."""
+        return self._contents.counts.get(CHANNEL, 0)
+
+    @property
+    def size(self) -> int:
+        """Bytes so far."""
+        return self._contents.size + len(self._rows) + len(self._others)
+
+    def add(self, sample: Sample) -> None:
+        """One sample."""
+        self.add_all((sample,))
+
+    def add_all(self, samples: Iterable[Sample]) -> None:
+        """Samples as they come."""
+        pack, rows = MESSAGE.pack, self._rows
+        last_host_s, log_ns, count = nan, 0, 0
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c in samples:
+            if t_host_s != last_host_s:  # what arrived together has one time
+                last_host_s, log_ns = t_host_s, to_ns(t_host_s)
+                self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
+            device_ns = int(t_device_s * 1e9) if 0.0 <= t_device_s < LATEST_S else to_ns(t_device_s)
+            rows += pack(
+                MESSAGE_OPCODE,
+                MESSAGE_LENGTH,
+                CHANNEL,
+                seq & 0xFFFFFFFF,
+                log_ns,
+                device_ns,
+                CDR_LITTLE_ENDIAN,
+                seq,
+                t_device_s,
+                t_host_s,
+                rate_dps,
+                encoder_deg,
+                temp_c,
+            )
+            count += 1
+        self._contents.counts[CHANNEL] = self.count + count
+
+    def add_rows(self, rows: bytes, first_ns: int, last_ns: int) -> None:
+        """Many samples, packed as `MESSAGE`, with the earliest and the latest of their log times."""
+        self._rows += rows
+        self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
+        self.flush()
+
+    def add_read(self, content: bytes, t_host_s: float) -> None:
+        """The bytes that one read of the port gave."""
+        head = self._message_head(READS, READ_HEAD.size - HEAD.size + len(content), t_host_s)
+        self._others += head + struct.pack("<IdI", CDR_LITTLE_ENDIAN, t_host_s, len(content)) + content
+
+    def add_event(self, event: str, t_host_s: float, fields: dict[str, Any]) -> None:
+        """Something that happened on the link."""
+        text = json.dumps({"event": event, "t_host_s": t_host_s, **fields}, default=str).encode()
+        self._others += self._message_head(EVENTS, MESSAGE_HEAD.size - HEAD.size + len(text), t_host_s) + text
+
+    def add_metadata(self, name: str, table: dict[str, str]) -> None:
+        """A named table of texts."""
+        self.flush()
+        record = encoded(Metadata(name, table))
+        self._contents.metadata.append(MetadataIndex(self._contents.size, len(record), name))
+        self._write(record)
+
+    def flush(self) -> None:
+        """Hand to the stream what has been added."""
+        if self._rows:
+            self._write(bytes(self._rows))
+            self._rows.clear()
+        if self._others:
+            self._write(bytes(self._others))
+            self._others.clear()
+
+    def finish(self) -> None:
+        """The end that makes it a whole file."""
+        self.flush()
+        self._stream.write(self._contents.end())
+
+    def _message_head(self, topic: Topic, length: int, t_host_s: float) -> bytes:
+        """The head of a message on a channel that is declared when it is first used."""
+        sequence = self._contents.counts.get(topic.channel_id, 0)
+        declared = b"" if sequence else self._declared(topic)
+        log_ns = to_ns(t_host_s)
+        self._contents.add_messages(topic.channel_id, 1, log_ns, log_ns)
+        head = MESSAGE_HEAD.pack(MESSAGE_OPCODE, length, topic.channel_id, sequence & 0xFFFFFFFF, log_ns, log_ns)
+        return declared + head
+
+    def _declared(self, topic: Topic) -> bytes:
+        schema = Schema(topic.channel_id, topic.schema_text.encode(), topic.schema_encoding, topic.schema_name)
+        channel = Channel(topic.channel_id, topic.name, topic.message_encoding, {}, topic.channel_id)
+        self._contents.schemas.append(schema)
+        self._contents.channels.append(channel)
+        return encoded(schema) + encoded(channel)
+
+    def _write(self, content: bytes) -> None:
+        self._stream.write(content)
+        self._contents.add_bytes(content)
+
+
+def encoded(record: McapRecord) -> bytes:
+    """A record as it stands in a file."""
+    builder = RecordBuilder()
+    record.write(builder)
+    content: bytes = builder.end()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
+    return content
+
+
+def to_ns(seconds: float) -> int:
+    """Whole nanoseconds, inside what a message head can say."""
+    return int(min(seconds * 1e9, LATEST_NS)) if 0.0 <= seconds < float("inf") else 0

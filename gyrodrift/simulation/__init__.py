@@ -1,0 +1,1 @@
+"""Sessions from the simulated rig, and recorded ones played again."""

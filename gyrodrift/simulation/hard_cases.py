@@ -1,0 +1,258 @@
+"""The hard cases: what drift reducers fail at, as a standard set of simulated sessions.
+
+Each case stands for one thing that real motions, parts or surroundings do, and comes in two versions: `still` rests for
+the first ten seconds, `moving` moves from its first sample on. Every session has a part of its own, with a bias at
+power-on, noise and bias instability drawn like those of real parts, and a motion of its own; both versions of a session
+have the same ones. The same seed gives the same bytes.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+
+from firmware_sim.effects.catalogue import AnyEffect
+from firmware_sim.effects.effect import Floats, Rng
+from firmware_sim.effects.environment import TempBias, Warmup
+from firmware_sim.effects.link import SampleDrop
+from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
+from firmware_sim.effects.sensor_curve import ScaleFactor
+from firmware_sim.effects.sensor_dynamics import Vibration
+from firmware_sim.motion.profile import Ambient, Profile, Segment
+from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest
+from firmware_sim.rig import Base, Rig
+from gyrodrift.files import write_whole
+from gyrodrift.simulation.sessions import Simulation, rig_yaml, write_simulation
+
+STILL_S = 10.0
+SESSIONS = 10
+MINUTES = 10.0
+
+BIAS_DPS = 0.5
+"""Standard deviation of the bias at power-on: parts of a few dollars after a coarse calibration."""
+
+NOISE_DPS_RTHZ = (0.003, 0.01)
+FLOOR_DPH = (4.0, 40.0)
+"""Ranges of noise and bias instability that data sheets of such parts span."""
+
+RAMP_S = 1.0
+SLOWEST_DPS, FASTEST_DPS = 5.0, 180.0
+STOP_EVERY = 15
+"""Moves between the stops of a motion that hardly has any: one in a minute and a half."""
+
+MOVES_DPS = 1.0
+"""What counts as moving where a drive is entered on its way."""
+
+Motions = Callable[[Rng, float], tuple[Segment, ...]]
+"""Segments of at least so many seconds, the first of which sets out from rest."""
+
+Effects = Callable[[Rng], Sequence[AnyEffect]]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One hard case.
+
+    about
+        What is hard about it.
+    motion
+        What the table does.
+    effects
+        What the part has beyond its bias, noise and bias instability.
+    bias_dps
+        Size of the bias at power-on, of either sign; None: drawn like that of real parts.
+    swing_c
+        The air warms and cools by this over a session, °C.
+    """
+
+    name: str
+    about: str
+    motion: Motions
+    effects: Effects = lambda _: ()
+    bias_dps: float | None = None
+    swing_c: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Later:
+    """A profile that is entered on its way, with a device that is switched on at that moment."""
+
+    profile: Profile
+    start_s: float
+
+    @property
+    def powered_s(self) -> float:
+        """Time since power-on at the beginning, s."""
+        return self.profile.powered_s
+
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle in degrees, from 0, and rate in deg/s."""
+        angle_deg, rate_dps = self.profile.at(t_s + self.start_s)
+        return angle_deg - self.profile.at(np.array([self.start_s]))[0], rate_dps
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature of the sensor, °C."""
+        return self.profile.sensor_c_at(t_s)
+
+
+def _sign(rng: Rng) -> float:
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def _speed_dps(rng: Rng) -> float:
+    """Of either sign, slow ones as often as fast ones."""
+    return _sign(rng) * float(np.exp(rng.uniform(np.log(SLOWEST_DPS), np.log(FASTEST_DPS))))
+
+
+def turns_with_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
+    """A turntable: a turn of some seconds, a rest of some seconds, and so on."""
+    segments: list[Segment] = []
+    while sum(segment.seconds for segment in segments) < seconds:
+        segments += [
+            Ramp(kind="ramp", seconds=RAMP_S, to_dps=_speed_dps(rng)),
+            Hold(kind="hold", seconds=float(rng.uniform(2.0, 6.0))),
+            Ramp(kind="ramp", seconds=RAMP_S, to_dps=0.0),
+            Rest(kind="rest", seconds=float(rng.uniform(3.0, 6.0))),
+        ]
+    return tuple(segments)
+
+
+def turns_without_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
+    """From speed to speed; a stop of two seconds now and then."""
+    segments: list[Segment] = []
+    while sum(segment.seconds for segment in segments) < seconds:
+        for _ in range(STOP_EVERY):
+            segments += [
+                Ramp(kind="ramp", seconds=RAMP_S, to_dps=_speed_dps(rng)),
+                Hold(kind="hold", seconds=float(rng.uniform(2.0, 8.0))),
+            ]
+        segments += [Ramp(kind="ramp", seconds=RAMP_S, to_dps=0.0), Rest(kind="rest", seconds=2.0)]
+    return tuple(segments)
+
+
+def spin(rate_dps: float) -> Motions:
+    """One speed, either way, to the end."""
+
+    def motion(rng: Rng, seconds: float) -> tuple[Segment, ...]:
+        to_dps = _sign(rng) * rate_dps
+        return (Ramp(kind="ramp", seconds=RAMP_S, to_dps=to_dps), Hold(kind="hold", seconds=seconds))
+
+    return motion
+
+
+def gentle_curves(rng: Rng, seconds: float) -> tuple[Segment, ...]:
+    """A vehicle whose curves last half a minute, and which hardly ever stops."""
+    minutes, seed = seconds / 60.0 + 1.0, int(rng.integers(2**31))
+    return (Drive(kind="drive", minutes=minutes, rms_dps=4.0, curve_seconds=30.0, rest_share=0.03, seed=seed),)
+
+
+CASES = (
+    Case("turntable", "a turntable with rests: the usual case", turns_with_rests),
+    Case("few-rests", "almost no rests", turns_without_rests),
+    Case("spin-0.5", "a constant spin of 0.5 deg/s, which is no bias", spin(0.5)),
+    Case("spin-1.5", "a constant spin of 1.5 deg/s", spin(1.5)),
+    Case("spin-20", "a constant spin of 20 deg/s", spin(20.0)),
+    Case("bias-3", "a bias of 3 deg/s at power-on", turns_with_rests, bias_dps=3.0),
+    Case(
+        "scale-1",
+        "rates 1 % too large or small",
+        turns_with_rests,
+        lambda rng: [ScaleFactor(error_percent=_sign(rng))],
+    ),
+    Case(
+        "warmup",
+        "a warm-up of half a degree a second within minutes",
+        turns_with_rests,
+        lambda rng: [Warmup(amplitude_dps=0.5 * _sign(rng), time_constant_s=60.0)],
+    ),
+    Case(
+        "temperature",
+        "air that warms by 20 °C, and cools",
+        turns_with_rests,
+        lambda rng: [TempBias(slope_dps_per_c=0.03 * _sign(rng))],
+        swing_c=20.0,
+    ),
+    Case("drive", "a drive with long gentle curves", gentle_curves),
+    Case(
+        "random-walk",
+        "a bias that walks",
+        turns_with_rests,
+        lambda _: [RateRandomWalk(density_dps_rts=0.005)],
+    ),
+    Case(
+        "vibration",
+        "a motor that shakes the part",
+        turns_with_rests,
+        lambda rng: [Vibration(amplitude_dps=0.5, frequency_hz=float(rng.uniform(10.0, 200.0)))],
+    ),
+    Case(
+        "drops",
+        "one sample in a hundred is lost",
+        turns_with_rests,
+        lambda _: [SampleDrop(share_percent=1.0)],
+    ),
+)
+
+
+def write_hard_cases(
+    folder: Path, seed: int, sessions: int = SESSIONS, minutes: float = MINUTES, ending: str = "mcap"
+) -> Iterator[Path]:
+    """Write `folder/CASE-still/session-01` and so on, each with its rig, and tell each path when it is there.
+
+    Raises
+    ------
+    UsageError
+        Where a place cannot be written to.
+    """
+    for case in CASES:
+        for is_still in (True, False):
+            place = folder / f"{case.name}-{'still' if is_still else 'moving'}"
+            place.mkdir(parents=True, exist_ok=True)
+            for number in range(sessions):
+                yield _write(place, simulation(case, seed, number, minutes, is_still=is_still), ending)
+
+
+def _write(place: Path, simulated: Simulation, ending: str) -> Path:
+    name = f"session-{simulated.number + 1:02d}"
+    write_whole(place / f"{name}.rig.yaml", [rig_yaml(simulated.rig)])
+    path = place / f"{name}.{ending}"
+    write_simulation(path, simulated, f"{place.name}-{simulated.number + 1:02d}")
+    return path
+
+
+def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:
+    """One session of a case, with dice of its own that do not depend on the version."""
+    rng = np.random.default_rng([seed, crc32(case.name.encode()), number])
+    rig, seconds = _part(case, rng), 60.0 * minutes
+    body = case.motion(rng, seconds)
+    lead: tuple[Segment, ...] = (Rest(kind="rest", seconds=STILL_S),) if is_still else ()
+    profile = Profile(about=case.about, segments=(*lead, *body), ambient=_ambient(case.swing_c, seconds))
+    motion = profile if is_still else Later(profile, _under_way_s(profile))
+    return Simulation(rig, motion, int(rng.integers(2**31)), number, minutes)
+
+
+def _part(case: Case, rng: Rng) -> Rig:
+    """A gyro of a few dollars."""
+    drawn_dps = BIAS_DPS * float(rng.standard_normal())
+    bias_dps = drawn_dps if case.bias_dps is None else case.bias_dps * float(np.copysign(1.0, drawn_dps))
+    noise, floor = (float(np.exp(rng.uniform(*np.log(ends)))) for ends in (NOISE_DPS_RTHZ, FLOOR_DPH))
+    return Rig(
+        base=Base(bias_dps=bias_dps, noise_dps_rthz=noise),
+        effects=(BiasInstability(floor_dph=floor), *case.effects(rng)),
+    )
+
+
+def _ambient(swing_c: float, seconds: float) -> tuple[Ambient, ...]:
+    """From 25 °C up by a swing, down to half of it below, and back."""
+    points = [(0.0, 0.0), (0.4, swing_c), (0.8, -0.5 * swing_c), (1.0, 0.0)]
+    return tuple(Ambient(at_s=share * seconds, temp_c=25.0 + above_c) for share, above_c in points)
+
+
+def _under_way_s(profile: Profile) -> float:
+    """When it has set out: a ramp is over, or a drive moves; s."""
+    if isinstance(profile.segments[0], Ramp):
+        return RAMP_S
+    t_s = np.arange(0.0, profile.seconds, 0.1)
+    return float(t_s[np.argmax(np.abs(profile.at(t_s)[1]) > MOVES_DPS)])

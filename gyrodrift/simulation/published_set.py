@@ -1,0 +1,155 @@
+"""A twin of a published data set: simulated sessions of the same lengths whose drift without correction is the same.
+
+The table has a row a session: split, session, minutes, and E of Euler integration (the mean absolute yaw error in
+degrees). For each row a rig is found whose bias track (a constant, a 1/f part and a walk, all of one strength) gives
+that very E; everything else of the rig stays as it is.
+"""
+
+import csv
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
+from firmware_sim.motion.profile import Profile, load_profile
+from firmware_sim.rig import Rig, with_effects
+from gyrodrift.errors import DataError
+from gyrodrift.files import write_whole
+from gyrodrift.session.formats import write_session
+from gyrodrift.session.session import Session
+from gyrodrift.simulation.sessions import Simulation, euler_error_deg, rig_yaml
+
+BIAS_DPS = 0.1
+FLOOR_DPH = 40.0
+WALK_DPS_RTS = 0.001
+"""The bias track at strength 1: what is left of a low-cost gyro's bias after a calibration at the start of the day."""
+
+CLOSE_ENOUGH_DEG = 5e-4
+"""E moves in steps of about 0.0001 deg, as single samples round to the next count; this is a few of them."""
+
+MOST_TRIES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A session of the published set."""
+
+    split: str
+    name: str
+    minutes: float
+    e_euler_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Twin:
+    """A session that drifts as a published one does."""
+
+    row: Row
+    path: Path
+    strength: float
+    e_euler_deg: float
+
+
+def read_rows(path: Path) -> list[Row]:
+    """The rows of a table with the columns split, session, minutes and e_euler_deg.
+
+    Raises
+    ------
+    DataError
+        Where it cannot be read or lacks one of them.
+    """
+    try:
+        with path.open(encoding="utf-8") as file:
+            lines = csv.DictReader(line for line in file if not line.startswith("#"))
+            return [
+                Row(line["split"], line["session"], float(line["minutes"]), float(line["e_euler_deg"]))
+                for line in lines
+            ]
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: cannot be read: {error}") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path}: expected columns split, session, minutes, e_euler_deg with numbers: {error}"
+        ) from error
+
+
+def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str = "mcap") -> Iterator[Twin]:
+    """Write each row's session and rig to `folder/SPLIT/`, and the table of what came out to `folder/twin.csv`."""
+    twins: list[Twin] = []
+    for number, row in enumerate(rows):
+        profile = load_profile("rest" if "still" in row.name else "turntable")
+        strength, session = find_strength(row, rig, profile, seed, number)
+        place = folder / row.split
+        place.mkdir(parents=True, exist_ok=True)
+        name = f"{number + 1:02d}-{re.sub(r'[^0-9A-Za-z]+', '-', row.name).strip('-')}"
+        write_whole(place / f"{name}.rig.yaml", [rig_yaml(drifting(rig, strength))])
+        path = place / f"{name}.{ending}"
+        write_session(path, [session])
+        twins.append(Twin(row, path, strength, _mean_abs(session)))
+        yield twins[-1]
+    header = "split,session,minutes,e_euler_published_deg,e_euler_deg,strength\n"
+    lines = [
+        f"{t.row.split},{t.row.name},{t.row.minutes!r},{t.row.e_euler_deg!r},{t.e_euler_deg:.6f},{t.strength!r}\n"
+        for t in twins
+    ]
+    write_whole(folder / "twin.csv", [header, *lines])
+
+
+def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session]:
+    """The strength of the bias track that gives the row's E, and its session.
+
+    The error is a straight line in the strength at every moment, but for the rounding to counts: so two simulations
+    give a first answer, and a few steps of Newton's the last digits.
+
+    Raises
+    ------
+    DataError
+        Where no strength does: the noise alone drifts further.
+    """
+
+    def simulated(strength: float) -> Session:
+        return Simulation(drifting(rig, strength), profile, seed, number, row.minutes).whole()
+
+    without, at_one = (euler_error_deg(simulated(strength)) for strength in (0.0, 1.0))
+    track = at_one - without
+
+    def predicted_deg(strength: float) -> float:
+        return float(np.mean(np.abs(without + strength * track)))
+
+    strength = _solve(predicted_deg, row.e_euler_deg)
+    for _ in range(MOST_TRIES):
+        session = simulated(strength)
+        missing_deg = row.e_euler_deg - _mean_abs(session)
+        if abs(missing_deg) <= CLOSE_ENOUGH_DEG:
+            return strength, session
+        slope = (predicted_deg(1.001 * strength) - predicted_deg(0.999 * strength)) / (0.002 * strength)
+        strength += missing_deg / slope
+    raise DataError(f"{row.name}: no bias track of this rig gives E = {row.e_euler_deg:g} deg; is its noise too high?")
+
+
+def _solve(predicted_deg: Callable[[float], float], e_deg: float) -> float:
+    """Where the prediction reaches e, from below."""
+    low, high = 0.0, 1.0
+    while predicted_deg(high) < e_deg:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if predicted_deg(middle) < e_deg else (low, middle)
+    return high
+
+
+def drifting(rig: Rig, strength: float) -> Rig:
+    """The rig with the bias track of a strength."""
+    base = rig.base.model_copy(update={"bias_dps": BIAS_DPS * strength})
+    track = [
+        BiasInstability(floor_dph=FLOOR_DPH * strength),
+        RateRandomWalk(density_dps_rts=WALK_DPS_RTS * strength),
+    ]
+    return with_effects(rig.model_copy(update={"base": base}), track)
+
+
+def _mean_abs(session: Session) -> float:
+    return float(np.mean(np.abs(euler_error_deg(session))))

@@ -1,0 +1,97 @@
+"""Sessions from the simulated rig, as the host would have recorded them, without waiting for real time."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from firmware_sim.measure import Block, Motion, measure
+from firmware_sim.rig import Base, Rig
+from gyrodrift.arrays import Floats
+from gyrodrift.files import write_whole
+from gyrodrift.session.formats import write_session
+from gyrodrift.session.session import Session
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """What determines a simulated session to the last byte."""
+
+    rig: Rig
+    profile: Motion
+    seed: int
+    number: int = 0
+    minutes: float = 10.0
+
+    def chunks(self) -> Iterator[Session]:
+        """The session in pieces of a few thousand samples: any length in the same memory."""
+        wanted = round(self.minutes * 60.0 * self.rig.base.sample_rate_hz)
+        for block in measure(self.rig, self.profile, self.seed, self.number):
+            kept = block.seq < wanted
+            if not kept.all():
+                if kept.any():
+                    yield as_recorded(block.only(kept), self.rig.base, str(self.number))
+                return
+            yield as_recorded(block, self.rig.base, str(self.number))
+
+    def whole(self) -> Session:
+        """The session in one piece."""
+        chunks = list(self.chunks())
+        columns = zip(
+            *((c.t_device_s, c.rate_dps, c.t_host_s, c.seq, c.encoder_deg, c.temp_c) for c in chunks), strict=True
+        )
+        joined: list[Any] = [None if parts[0] is None else np.concatenate(parts) for parts in columns]
+        return Session(str(self.number), *joined)
+
+
+def as_recorded(block: Block, base: Base, name: str) -> Session:
+    """Measurements as the host decodes them: the scale goes over the wire as a 32-bit float."""
+    rate_dps = block.rate_raw.astype(np.float64) * float(np.float32(base.dps_per_lsb))
+    angle_deg = block.encoder_counts.astype(np.float64) * (360.0 / base.encoder_cpr) if base.encoder_cpr else None
+    return Session(
+        name=name,
+        t_device_s=block.t_device_us / 1e6,
+        rate_dps=rate_dps,
+        t_host_s=np.round(block.t_host_s, 6),
+        seq=block.seq,
+        encoder_deg=angle_deg,
+        temp_c=block.temp_centi_c / 100.0,
+    )
+
+
+def write_sessions(
+    rig: Rig, profile: Motion, folder: Path, seed: int, sessions: int, minutes: float, ending: str = "mcap"
+) -> Iterator[Path]:
+    """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / "rig.yaml", [rig_yaml(rig)])
+    for number in range(sessions):
+        path = folder / f"session-{number + 1:02d}.{ending}"
+        write_simulation(path, Simulation(rig, profile, seed, number, minutes))
+        yield path
+
+
+def write_simulation(path: Path, simulated: Simulation, device_id: str | None = None) -> None:
+    """Write one session, with all that it takes to simulate it again."""
+    rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)
+    about = {"simulation": {"rig": rig, "seed": seed, "session": number}}
+    if device_id is not None:
+        about["device"] = {"device_id": device_id}
+    write_session(path, simulated.chunks(), about)
+
+
+def rig_yaml(rig: Rig) -> str:
+    """The rig as a file that `simulate` and `firmware_sim` take."""
+    text: str = yaml.safe_dump(rig.model_dump(), sort_keys=False)
+    return text
+
+
+def euler_error_deg(session: Session) -> Floats:
+    """Yaw error of the integrated rate against the encoder, degrees, both 0 at the first sample; shape (n,)."""
+    assert session.encoder_deg is not None  # noqa: S101 - simulated rigs without one are not asked
+    steps_s = np.diff(session.t_device_s, prepend=session.t_device_s[0])
+    error_deg: Floats = np.cumsum(session.rate_dps * steps_s) - (session.encoder_deg - session.encoder_deg[0])
+    return error_deg

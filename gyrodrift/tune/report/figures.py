@@ -1,0 +1,199 @@
+"""The figures of a tuning: what the search cost, where it looked, and yaw error over time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.space import Axis
+from gyrodrift.html.numbers import factor_label
+from gyrodrift.html.svg import (
+    INK,
+    PLAIN,
+    QUIET,
+    STEPS,
+    TUNED,
+    TWO,
+    as_svg,
+    canvas,
+    label_factors,
+    label_steps,
+    styled,
+    thinned,
+)
+from gyrodrift.tune.result import Curve, Run, Tuning
+
+DOTS = 4000
+"""A search has no more dots than this: some 100 bytes each."""
+
+BARS = 40
+"""Of a histogram, over the whole range of a parameter."""
+
+ZOOM_TYPICAL = 4.0
+"""The enlarged scale holds the errors up to so many times the typical session's largest one."""
+
+WORTH_A_ZOOM = 0.5
+"""Where the tuned filter's errors fill more of the full scale than this, nothing is enlarged."""
+
+
+def search_svg(tuning: Tuning) -> str:
+    """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
+    with styled():
+        figure = canvas(9.6, 3.7, left=0.065, bottom=0.115, top=0.98)
+        axes = figure.add_subplot()
+        axes.set_yscale("log")
+        _draw_costs(axes, tuning)
+        axes.set_xlim(0.0, len(tuning.run.history) + 1.0)
+        _limit_costs(axes, tuning)
+        axes.xaxis.set_major_locator(MaxNLocator(8, steps=STEPS, integer=True))
+        axes.set_xlabel("iteration (evaluation of the cost)")
+        axes.set_ylabel("PI, deg²")
+        return as_svg(figure, "search", "Cost by iteration on a logarithmic scale")
+
+
+def _draw_costs(axes: Axes, tuning: Tuning) -> None:
+    first, costs = dots(tuning.run)
+    axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
+    for other in tuning.others:
+        axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
+    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.few.train, TWO, ":")):
+        axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
+    marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
+    axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
+
+
+def dots(run: Run) -> tuple[Floats, Floats]:
+    """Iterations, from 1, and costs that can be drawn, at most `DOTS`, evenly chosen."""
+    costs = _drawable(run.history)
+    known = np.flatnonzero(np.isfinite(costs))
+    shown = known[:: max(1, -(-len(known) // DOTS))]
+    return shown.astype(np.float64) + 1.0, costs[shown]
+
+
+def best_so_far(run: Run) -> tuple[Floats, Floats]:
+    """Iterations, from 1, at which the least cost fell, and the last one, with that cost."""
+    best = np.fmin.accumulate(_drawable(run.history))
+    falls = 1 + np.flatnonzero((best[1:] < best[:-1]) | (np.isfinite(best[1:]) & np.isnan(best[:-1])))
+    at = np.unique([0, *falls, len(best) - 1])
+    return at.astype(np.float64) + 1.0, best[at]
+
+
+def _drawable(costs: Floats) -> Floats:
+    """Costs that a logarithmic scale can show; NaN for the others."""
+    return np.where(np.isfinite(costs) & (costs > 0.0), costs, np.nan)
+
+
+def highest_drawn(tuning: Tuning) -> float:
+    """The top of the figure of the search: nine in ten evaluations lie below, and so does plain integration."""
+    known = _drawable(tuning.run.history)
+    high = [tuning.euler.train, tuning.few.train]
+    high += [float(np.percentile(known[np.isfinite(known)], 90))] if np.isfinite(known).any() else []
+    finite = [value for value in high if np.isfinite(value) and value > 0.0]
+    return 2.0 * max(finite, default=1.0)
+
+
+def _limit_costs(axes: Axes, tuning: Tuning) -> None:
+    levels = _drawable(np.concatenate([tuning.run.history, [tuning.euler.train, tuning.few.train]]))
+    lowest = float(np.nanmin(levels)) if np.isfinite(levels).any() else 0.1
+    highest = highest_drawn(tuning)
+    axes.set_ylim(lowest / 1.6, max(highest, 10.0 * lowest))
+    label_factors(axes.yaxis, lowest / 1.6, max(highest, 10.0 * lowest), 6)
+
+
+def density_svgs(tuning: Tuning) -> list[str]:
+    """Where each parameter was looked for, 1 being no preference, with the value that was chosen."""
+    with styled():
+        return [_density_svg(tuning, number, axis) for number, axis in enumerate(tuning.axes)]
+
+
+def _density_svg(tuning: Tuning, number: int, axis: Axis) -> str:
+    figure = canvas(3.1, 1.9, left=0.09, bottom=0.17, top=0.97, right=0.95)
+    axes = figure.add_subplot()
+    x, height = preference(tuning.run, number, axis)
+    axes.fill_between(x, height, color=TUNED, alpha=0.22, linewidth=0.0)
+    axes.plot(x, height, color=TUNED, linewidth=1.1)
+    axes.axhline(1.0, color=QUIET, linestyle=":", linewidth=0.8)
+    axes.axvline(float(getattr(tuning.run.params, axis.name)), color=INK, linewidth=1.3, clip_on=False)
+    axes.set(xlim=(axis.low, axis.high), ylim=(0.0, 1.08 * max(float(height.max()), 1.3)))
+    axes.grid(visible=False)
+    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
+    _scale_values(axes, axis)
+    return as_svg(figure, f"density-{axis.name}", f"Where {axis.name} was looked for")
+
+
+def _scale_values(axes: Axes, axis: Axis) -> None:
+    """Factors where the search counted factors."""
+    if axis.is_log:
+        axes.set_xscale("log")
+        axes.set_xlim(axis.low, axis.high)
+        label_factors(axes.xaxis, axis.low, axis.high, 4)
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(4, steps=STEPS))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
+
+
+def preference(run: Run, number: int, axis: Axis) -> tuple[Floats, Floats]:
+    """Values of a parameter and how much they were preferred at the end of the search, 1 being not at all.
+
+    By the density of its automaton, or else by a histogram of the last third of the search, drawn as steps.
+    """
+    if run.densities is not None:
+        density = run.densities[number]
+        return axis.values(np.linspace(0.0, 1.0, len(density))), density
+    late = run.cube[-max(1, len(run.cube) // 3) :, number]
+    counts, edges = np.histogram(late, BARS, (0.0, 1.0))
+    return axis.values(np.repeat(edges, 2)[1:-1]), np.repeat(counts * BARS / max(1, len(late)), 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """The scales of all panels of yaw error, deg: all of it, and enlarged; None where nothing is to be enlarged."""
+
+    full: tuple[float, float]
+    zoom_deg: float | None
+
+
+def heights(curves: Sequence[Curve]) -> Heights:
+    """Scales that hold these curves."""
+    everything = np.concatenate([[0.0], *(part for one in curves for part in (one.euler_deg, one.tuned_deg))])
+    known = everything[np.isfinite(everything)]
+    low, high = float(known.min()), float(known.max())
+    margin = 0.05 * (high - low) or 1.0
+    largest = [float(np.abs(one.tuned_deg[np.isfinite(one.tuned_deg)]).max(initial=0.0)) for one in curves]
+    zoom_deg = min(max(largest, default=0.0), ZOOM_TYPICAL * float(np.median(largest or [0.0])))
+    is_worth_it = 0.0 < zoom_deg < WORTH_A_ZOOM * max(abs(low), abs(high))
+    return Heights((low - margin, high + margin), 1.1 * zoom_deg if is_worth_it else None)
+
+
+def drift_svgs(curves: Sequence[Curve], scales: Heights) -> list[str]:
+    """Yaw error over time, a panel a session: all of it above, and below the same enlarged for the tuned filter."""
+    with styled():
+        return [_drift_svg(curve, scales, f"drift-{curve.split.value}-{at}") for at, curve in enumerate(curves)]
+
+
+def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
+    figure = canvas(3.1, 2.1 if scales.zoom_deg else 1.5, left=0.15, bottom=0.16, top=0.97, right=0.97)
+    ratios = (5, 4) if scales.zoom_deg else (1,)
+    grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)
+    panels = list(grid[:, 0])
+    if scales.zoom_deg:
+        panels[1].set_ylim(-scales.zoom_deg, scales.zoom_deg)
+    panels[0].set_ylim(*scales.full)
+    for panel, label in zip(panels, ("error, deg", "enlarged"), strict=False):
+        _draw_errors(panel, curve)
+        panel.set_ylabel(label)
+    figure.align_ylabels(panels)
+    panels[-1].xaxis.set_major_locator(MaxNLocator(6, steps=STEPS))
+    panels[-1].set_xlabel("minutes", labelpad=1.0)
+    panels[-1].set_xlim(0.0, max(float(curve.minutes[-1]) if len(curve.minutes) else 0.0, 1e-3))
+    return as_svg(figure, name, "Yaw error over time, plain integration and tuned filter")
+
+
+def _draw_errors(panel: Axes, curve: Curve) -> None:
+    panel.axhline(0.0, color=QUIET, linewidth=0.6)
+    panel.plot(*thinned(curve.minutes, curve.euler_deg), color=PLAIN, linewidth=1.1)
+    panel.plot(*thinned(curve.minutes, curve.tuned_deg), color=TUNED, linewidth=1.1)
+    label_steps(panel.yaxis, 4)

@@ -1,0 +1,129 @@
+"""The report of a tuning: one HTML file for a person, with what was found, how good it is, and how it was done."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gyrodrift.evaluation.dataset import Split
+from gyrodrift.html.html import header, page, paragraph, tile, tiles, warnings
+from gyrodrift.html.numbers import degrees, mean, significant
+from gyrodrift.tune.report.method import how_it_was_done
+from gyrodrift.tune.report.parameters import parameter, parameters
+from gyrodrift.tune.report.search import search
+from gyrodrift.tune.report.sessions import by_session, over_time, scores_of
+from gyrodrift.tune.result import SessionScore, Tuning
+
+
+def report_html(tuning: Tuning, command: str = "") -> str:
+    """The page of a tuning, with the command that made it; the same for the same tuning."""
+    body = [
+        _verdict(tuning),
+        parameters(tuning),
+        search(tuning),
+        over_time(tuning),
+        by_session(tuning),
+        how_it_was_done(tuning, command),
+    ]
+    return page("Tuning report", body)
+
+
+def _verdict(tuning: Tuning) -> str:
+    plain_deg, tuned_deg, where = judged(tuning)
+    return header(
+        "gyrodrift tune · report",
+        _headline(plain_deg, tuned_deg, where),
+        warnings("Before believing it", tuning.warnings),
+        paragraph(_in_words(tuning)),
+        tiles([_tile(tuning, split) for split in (Split.TEST, Split.TRAIN)]),
+        paragraph(_what_to_do(tuning, is_better=tuned_deg < plain_deg)),
+    )
+
+
+def judged(tuning: Tuning) -> tuple[float, float, str]:
+    """Mean E of plain integration and of the tuned filter, deg, on the most honest sessions there are, and on which."""
+    if scores_of(tuning, Split.TEST):
+        return *tuning.mean_e_deg(Split.TEST), "on sessions that the tuning never saw"
+    left_out = [score for score in tuning.scores if score.name in tuning.left_out]
+    if left_out:
+        plain_deg = mean([score.e_euler_deg for score in left_out])
+        return plain_deg, mean([tuning.left_out[score.name] for score in left_out]), "on sessions left out in turn"
+    return *tuning.mean_e_deg(Split.TRAIN), "on the sessions it was tuned on"
+
+
+def _headline(plain_deg: float, tuned_deg: float, where: str) -> str:
+    if tuned_deg < plain_deg:
+        return f"Yaw error falls from {degrees(plain_deg)} to {degrees(tuned_deg)} {where}"
+    return f"No gain {where}: yaw error {degrees(tuned_deg)} tuned, {degrees(plain_deg)} by plain integration"
+
+
+def _in_words(tuning: Tuning) -> str:
+    """The verdict as sentences."""
+    said = ["Yaw error is how far the angle is off the reference, on average over a session (E)."]
+    test, train = scores_of(tuning, Split.TEST), scores_of(tuning, Split.TRAIN)
+    if test:
+        said += [f"On {_sessions(test, 'test')}, which the search never saw, {_fall(*tuning.mean_e_deg(Split.TEST))}."]
+    else:
+        said += ["No sessions were kept apart for a test, so what follows flatters the filter."]
+    if train:
+        said += [f"On {_sessions(train, 'training')} {_fall(*tuning.mean_e_deg(Split.TRAIN))}."]
+    if not test and tuning.left_out:
+        plain_deg, left_deg, _ = judged(tuning)
+        said += [f"With each session left out of the tuning in turn {_fall(plain_deg, left_deg)}: believe this one."]
+    return " ".join(said)
+
+
+def _sessions(scores: Sequence[SessionScore], kind: str) -> str:
+    return f"the {len(scores)} {kind} sessions" if len(scores) > 1 else f"the one {kind} session"
+
+
+def _fall(plain_deg: float, tuned_deg: float) -> str:
+    """What became of the error, as part of a sentence."""
+    both = (
+        f'plain integration is off by <b class="plain">{degrees(plain_deg)}</b> and the tuned filter by '
+        f'<b class="tuned">{degrees(tuned_deg)}</b>'
+    )
+    if 0.0 < tuned_deg < plain_deg < np.inf:
+        return f"{both}, {_times(plain_deg / tuned_deg)}"
+    return both
+
+
+def _times(factor: float) -> str:
+    if factor < 1.05:
+        return "hardly less"
+    return f"{factor:.1f} times less" if factor < 10.0 else f"{significant(factor, 2)} times less"
+
+
+def _tile(tuning: Tuning, split: Split) -> str:
+    scores = scores_of(tuning, split)
+    if not scores:
+        return ""
+    plain_deg, tuned_deg = tuning.mean_e_deg(split)
+    kind = "Test" if split is Split.TEST else "Training"
+    rows = [
+        ("tuned filter", degrees(tuned_deg)),
+        ("plain integration", degrees(plain_deg)),
+        (f"filter with {tuning.tunable.few_title} tuned", degrees(mean([score.e_few_deg for score in scores]))),
+    ]
+    return tile(f"{kind}: mean E of {len(scores)} session{'s' * (len(scores) > 1)}", rows)
+
+
+def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
+    values = ", ".join(f"<code>{axis.name} {parameter(tuning, axis)}</code>" for axis in tuning.axes)
+    found = f"Found: {values}."
+    if not is_better:
+        return f"{found} As it stands this is no gain: keep the config you have, and record longer or other sessions."
+    return (
+        f"{found} They stand in the YAML file that <code>tune</code> wrote: start "
+        "<code>gyrodrift serve --port PORT --config FILE.yaml</code> with it, or write it over the file that a running "
+        "<code>serve</code> watches, which takes it over between two samples. "
+        f"{_where_it_holds(tuning)}"
+    )
+
+
+def _where_it_holds(tuning: Tuning) -> str:
+    if tuning.tunable.filter.counts_samples:
+        rate = f"{tuning.sample_rate_hz:.4g} Hz"
+        return (
+            f"Steps count samples, so these numbers hold for this sensor at about {rate}; at another rate, tune again."
+        )
+    return "These numbers hold for this sensor."

@@ -1,0 +1,64 @@
+"""The parameters in the report of a tuning: Table 1, with where each lies in its range and what it does."""
+
+from gyrodrift.evaluation.space import Axis
+from gyrodrift.html.html import headings, paragraph, section, span, table, text
+from gyrodrift.html.numbers import Numbers, significant
+from gyrodrift.tune.result import Run, Tuning
+from gyrodrift.tune.warnings import bound_of
+
+
+def found(run: Run, axis: Axis) -> float:
+    """The value that a search found, in the unit of the parameter."""
+    return float(getattr(run.params, axis.name))
+
+
+def parameter(tuning: Tuning, axis: Axis) -> str:
+    """The value that was chosen, with four digits."""
+    return significant(found(tuning.run, axis), 4)
+
+
+def parameters(tuning: Tuning) -> str:
+    """The section of Table 1."""
+    spread = [f"over {1 + len(tuning.others)} seeds"] if tuning.others else []
+    head = headings(["parameter", "found", *spread, "searched", "where in its range", "what it does"], words=2)
+    rows = [_row(tuning, axis) for axis in tuning.axes]
+    caption = "<b>Table 1.</b> The parameters found."
+    if any(bound_of(axis, found(tuning.run, axis)) for axis in tuning.axes):
+        caption += (
+            " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "
+            "ends there, as c1 and c2 do at 0."
+        )
+    return section("Parameters", table(caption, head, rows, words=2), _few_note(tuning))
+
+
+def _row(tuning: Tuning, axis: Axis) -> list[str]:
+    known = tuning.tunable.meanings[axis.name]
+    unit = f" {span(known.unit, 'note')}" if known.unit else ""
+    values = [found(run, axis) for run in (tuning.run, *tuning.others)]
+    spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.others else []
+    searched = f"{significant(axis.low, 4)} – {significant(axis.high, 4)}"
+    bound = bound_of(axis, values[0])
+    mark = span(f"at the {bound} bound", "mark") if bound else ""
+    meaning = f'<div class="meaning">{known.words}</div>'
+    chosen = f"<b>{parameter(tuning, axis)}</b>"
+    return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, meaning]
+
+
+def _track(axis: Axis, values: Numbers) -> str:
+    """A range with a dot at the value and ticks at those of the other seeds."""
+    places = [4.0 + 120.0 * axis.unit(value) for value in values]
+    ticks = "".join(f'<path d="M{x:.1f} 3V13" stroke="var(--quiet)" stroke-width="1.2"/>' for x in places[1:])
+    return (
+        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{100 * axis.unit(values[0]):.0f} % of the '
+        f'way"><path d="M4 8H124" stroke="var(--grid)" stroke-width="4" stroke-linecap="round"/>{ticks}'
+        f'<circle cx="{places[0]:.1f}" cy="8" r="4" fill="var(--tuned)"/></svg>'
+    )
+
+
+def _few_note(tuning: Tuning) -> str:
+    values = ", ".join(f"{name} {significant(getattr(tuning.few_params, name), 4)}" for name in tuning.tunable.few)
+    return paragraph(
+        f"The filter with {tuning.tunable.few_title} tuned, the others idle: {values}. Where it does about as well on "
+        "the test sessions, the other parameters earn nothing.",
+        "note",
+    )

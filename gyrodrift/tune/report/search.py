@@ -1,0 +1,78 @@
+"""The search in the report of a tuning: Figure 6, what it cost; Figure 7, where it looked."""
+
+import numpy as np
+
+from gyrodrift.evaluation.space import Axis
+from gyrodrift.html.html import figure, headings, legend, panels, section, span, table, text
+from gyrodrift.html.numbers import significant
+from gyrodrift.tune.report.figures import DOTS, density_svgs, highest_drawn, search_svg
+from gyrodrift.tune.report.parameters import parameter
+from gyrodrift.tune.result import Pi, Tuning
+
+
+def search(tuning: Tuning) -> str:
+    """The section of both figures and the table of the cost."""
+    cost = figure(f"<b>Figure 6.</b> {_search_words(tuning)}", search_svg(tuning))
+    names = [_density_name(tuning, axis) for axis in tuning.axes]
+    where = figure(f"<b>Figure 7.</b> {_density_words(tuning)}", panels(names, density_svgs(tuning)))
+    return section("The search", cost, _pi_table(tuning), where)
+
+
+def _search_words(tuning: Tuning) -> str:
+    history = tuning.run.history
+    finite = history[np.isfinite(history)]
+    said = ["The cost PI by iteration, on the training sessions. A dot is one choice of parameters, walked through all"]
+    said += [f"of them; the scale counts factors. Seed {tuning.run.seed}.<br/>{_search_legend(tuning)}<br/>"]
+    if len(finite) > DOTS:
+        said += [f"Of {len(finite)} evaluations every {-(-len(finite) // DOTS)}th is drawn."]
+    above = int(np.count_nonzero(finite > highest_drawn(tuning)))
+    if above:
+        said += [f"{above} dearer one{'s' * (above > 1)} lie{'s' * (above == 1)} above the picture."]
+    if len(finite) < len(history):
+        said += [f"{len(history) - len(finite)} had no finite cost: with such parameters the filter runs away."]
+    return " ".join(said)
+
+
+def _search_legend(tuning: Tuning) -> str:
+    marks = [("note", "dot", "an evaluation"), ("tuned", "key", "best so far")]
+    marks += [("tuned", "key thin", "other seeds")] if tuning.others else []
+    marks += [
+        ("plain", "key dashed", "plain integration"),
+        ("two", "key dotted", f"filter with {tuning.tunable.few_title} tuned"),
+    ]
+    return legend(marks)
+
+
+def _density_name(tuning: Tuning, axis: Axis) -> str:
+    known = tuning.tunable.meanings[axis.name]
+    unit = f", {known.unit}" if known.unit else ""
+    return f"<b>{text(axis.name)}{unit}</b>" + span(f"found: {parameter(tuning, axis)}", "note")
+
+
+def _density_words(tuning: Tuning) -> str:
+    upright = "The upright line is the value that was written, the best one seen"
+    even = "; dotted, at 1: no preference."
+    if tuning.run.densities is None:
+        return f"Where the last third of the search looked. {upright}{even}"
+    return (
+        "What the automata learnt: how much more often than at the start each value is tried by the end. A narrow peak "
+        f"is a parameter that matters; a flat one hardly does. {upright}, which need not be the peak{even}"
+    )
+
+
+def _pi_table(tuning: Tuning) -> str:
+    rows = [
+        ("plain integration", tuning.euler),
+        (f"filter with {tuning.tunable.few_title} tuned", tuning.few),
+        ("tuned filter", tuning.run.pi),
+    ]
+    has_test = any(pi.test is not None for _, pi in rows)
+    head = headings(["PI, deg²", "training", *["test"] * has_test])
+    cells = [[name, *pi_cells(pi, has_test=has_test)] for name, pi in rows]
+    return table("The cost: mean over the sessions of the mean squared yaw error.", head, cells)
+
+
+def pi_cells(pi: Pi, *, has_test: bool) -> list[str]:
+    """The cost as cells of a table, deg²: on the training sessions, and where there are any on the test sessions."""
+    test = "–" if pi.test is None else significant(pi.test, 4)
+    return [significant(pi.train, 4), *[test] * has_test]

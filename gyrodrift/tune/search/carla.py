@@ -1,0 +1,99 @@
+"""CARLA, continuous action reinforcement learning automata, as published: one automaton a parameter, one shared cost.
+
+Sources: M. N. Howell, G. P. Frost, T. J. Gordon and Q. H. Wu, "Continuous action reinforcement learning applied to
+vehicle suspension control", Mechatronics 7(3), 1997; M. N. Howell and M. C. Best, "On-line PID tuning for engine idle
+speed control using continuous action reinforcement learning automata", Control Engineering Practice 8, 2000.
+"""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+
+WIDTH = 0.02
+"""g_w: how far around an action a reward reaches, in shares of the range."""
+
+HEIGHT = 0.3
+"""g_h: how much a full reward adds; with this width 1.5 % of the whole mass."""
+
+MEMORY = 200
+"""R: how many costs are remembered for their median and minimum."""
+
+GRID = 501
+"""Points of the density; some ten of them to a reward's width."""
+
+
+@dataclass(slots=True)
+class Automaton:
+    """A density over the unit interval that learns which actions pay.
+
+    density
+        At `GRID` even points, shape (GRID,); its integral by the trapezoidal rule is 1.
+    """
+
+    density: Floats = field(default_factory=lambda: np.ones(GRID))
+
+    def select(self, z: Floats) -> Floats:
+        """The actions x with CDF(x) = z, of the shape of z."""
+        steps = 0.5 * (self.density[1:] + self.density[:-1])
+        cdf = np.concatenate([[0.0], np.cumsum(steps)])
+        actions: Floats = np.interp(z * cdf[-1], cdf, POINTS)
+        return actions
+
+    def reinforce(self, actions: Floats, betas: Floats, width: float = WIDTH, height: float = HEIGHT) -> None:
+        """Raise the density around actions by their rewards, shapes (k,), and bring its integral back to 1."""
+        if betas.any():
+            bells = np.exp(-0.5 * ((POINTS - actions[:, np.newaxis]) / width) ** 2)
+            self.density = self.density + height * (betas @ bells)
+            self.density /= np.trapezoid(self.density, POINTS)
+
+    @property
+    def mode(self) -> float:
+        """Where the density is highest."""
+        return float(POINTS[np.argmax(self.density)])
+
+
+POINTS: Floats = np.linspace(0.0, 1.0, GRID)
+
+
+class Memory:
+    """The last costs, by which a new one is judged."""
+
+    def __init__(self, size: int = MEMORY) -> None:
+        self._costs: deque[float] = deque(maxlen=size)
+
+    def judge(self, cost: float) -> float:
+        """The reward β of a cost, from 0 at the median to 1 at the best; then it is remembered itself.
+
+        A cost that is not finite counts as bad and is never remembered.
+        """
+        if not np.isfinite(cost):
+            return 0.0
+        beta = 0.0
+        if len(self._costs) == self._costs.maxlen:
+            median, least = float(np.median(self._costs)), min(self._costs)
+            beta = float(np.clip((median - cost) / (median - least), 0.0, 1.0)) if median > least else 0.0
+        self._costs.append(cost)
+        return beta
+
+
+class Carla:
+    """Automata that each choose a parameter, and share one memory of costs."""
+
+    def __init__(self, dimensions: int, rng: np.random.Generator, memory: int = MEMORY) -> None:
+        self.automata = [Automaton() for _ in range(dimensions)]
+        self._memory = Memory(memory)
+        self._rng = rng
+
+    def ask(self) -> Floats:
+        """A point of the unit cube, shape (1, dimensions)."""
+        draws = self._rng.random((1, len(self.automata)))
+        return np.column_stack([automaton.select(z) for automaton, z in zip(self.automata, draws.T, strict=True)])
+
+    def tell(self, point: Floats, costs: Floats) -> None:
+        """What the chosen point cost, shape (1,)."""
+        betas = np.array([self._memory.judge(float(costs[0]))])
+        for automaton, actions in zip(self.automata, point.T, strict=True):
+            automaton.reinforce(actions, betas)

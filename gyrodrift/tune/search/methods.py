@@ -1,0 +1,149 @@
+"""The search methods, each as one class that asks an `Objective` until the budget is spent."""
+
+import warnings
+from typing import Protocol
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.space import Axis, linear
+from gyrodrift.tune.search.carla import Automaton, Carla
+from gyrodrift.tune.search.objective import BudgetSpentError, Objective
+from gyrodrift.tune.search.race import BATCH, LARGEST, Team, race
+
+
+class Method(Protocol):
+    """A way to search."""
+
+    def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+        """The axes it searches, given those that are meant."""
+        ...
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Ask until the budget is spent, or until it is done; then it is started again.
+
+        Raises
+        ------
+        BudgetSpentError
+            At the end.
+        """
+        ...
+
+    def automata(self) -> list[Automaton]:
+        """The automata, as they are at the end; none for methods without."""
+        ...
+
+
+class _AsMeant:
+    """The axes are taken as they are, and there are no automata."""
+
+    def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+        """Which it searches."""
+        return axes
+
+    def automata(self) -> list[Automaton]:
+        """As they are at the end."""
+        return []
+
+
+class Race(_AsMeant):
+    """The default: automata in batches, and local searches that race from where they point."""
+
+    def __init__(self) -> None:
+        self._team: Team | None = None
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Until the budget is spent."""
+        self._team = Team(objective.dimensions, rng)
+        race(objective, rng, self._team)
+
+    def automata(self) -> list[Automaton]:
+        """As they are at the end."""
+        return self._team.automata if self._team else []
+
+
+class PublishedCarla:
+    """CARLA as published: linear axes, one point at a time, a fixed width."""
+
+    def __init__(self) -> None:
+        self._carla: Carla | None = None
+
+    def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+        """Which it searches."""
+        return linear(axes)
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Until the budget is spent."""
+        self._carla = carla = Carla(objective.dimensions, rng)
+        while True:
+            point = carla.ask()
+            carla.tell(point, objective(point))
+
+    def automata(self) -> list[Automaton]:
+        """As they are at the end."""
+        return self._carla.automata if self._carla else []
+
+
+class RandomSearch(_AsMeant):
+    """Points at random."""
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Until the budget is spent."""
+        while True:
+            objective(rng.random((BATCH, objective.dimensions)))
+
+
+class CmaEs(_AsMeant):
+    """CMA-ES by the `cma` package, from the middle of the cube, and its restarts with growing populations (IPOP)."""
+
+    SIGMA = 0.3
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Until the budget is spent."""
+        import cma  # noqa: PLC0415 - half a second to import, for who asks for it
+
+        size = 4 + int(3 * np.log(objective.dimensions))
+        start: Floats = np.full(objective.dimensions, 0.5)
+        while True:
+            options = {"bounds": [0.0, 1.0], "popsize": size, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
+            strategy = cma.CMAEvolutionStrategy(start, self.SIGMA, options)
+            while not strategy.stop():
+                points = strategy.ask()
+                strategy.tell(points, np.minimum(objective(np.array(points)), LARGEST).tolist())
+            size *= 2
+            start = rng.random(objective.dimensions)
+
+
+class DifferentialEvolution(_AsMeant):
+    """scipy's differential evolution with its default settings, a generation at a time."""
+
+    def search(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Until the budget is spent."""
+        from scipy.optimize import differential_evolution  # noqa: PLC0415 - half a second, for who asks for it
+
+        def costs(points: Floats) -> Floats:
+            return np.minimum(objective(points.T), LARGEST)
+
+        bounds = [(0.0, 1.0)] * objective.dimensions
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # scipy's, that a vectorised search updates by generations
+            differential_evolution(costs, bounds, maxiter=10**6, rng=rng, vectorized=True, polish=False)
+
+
+METHODS: dict[str, type[Method]] = {
+    "race": Race,
+    "carla": PublishedCarla,
+    "cma": CmaEs,
+    "de": DifferentialEvolution,
+    "random": RandomSearch,
+}
+
+
+def spend(method: Method, objective: Objective, seed: int) -> None:
+    """Let a method spend the whole budget; one that ends before is started again."""
+    rng = np.random.default_rng(seed)
+    try:
+        while objective.left:
+            method.search(objective, rng)
+    except BudgetSpentError:
+        return

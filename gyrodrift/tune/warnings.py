@@ -1,0 +1,90 @@
+"""What should be known before a tuning is believed: parameters at a bound or undecided, and a test that goes badly."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple
+from math import sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.space import Axis, limits
+from gyrodrift.evaluation.tunables import Tunable
+from gyrodrift.filters.registry import Params
+from gyrodrift.tune.result import Pi
+
+AT_BOUND = 0.01
+"""A parameter this near to an end of its range, in shares of it, would perhaps go on."""
+
+FLAT = 0.02
+FLAT_SHARE = 0.5
+SCAN_POINTS = 41
+"""A parameter is not decided where PI stays within FLAT of its least over FLAT_SHARE of the range."""
+
+WORSE = 2.0
+"""A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
+
+
+def bound_of(axis: Axis, value: float) -> str:
+    """Whether a value lies at the lower or the upper bound of its range; empty where it lies inside."""
+    at = axis.unit(value)
+    if at <= AT_BOUND:
+        return "lower"
+    return "upper" if at >= 1.0 - AT_BOUND else ""
+
+
+def bound_caveats(tunable: Tunable, axes: Sequence[Axis], params: Params) -> Iterator[str]:
+    """Parameters at an end of their range."""
+    for axis in axes:
+        end = bound_of(axis, getattr(params, axis.name))
+        if end:
+            value = axis.low if end == "lower" else axis.high
+            advice = (
+                ", which is where the filter's own ends"
+                if value in limits(axis.name, tunable.filter)
+                else "; widen it with --range"
+            )
+            yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
+
+
+def flat_caveats(
+    tunable: Tunable, axes: Sequence[Axis], params: Params, pi: Callable[[Floats], Floats]
+) -> Iterator[str]:
+    """Parameters that the training sessions leave open, by a walk along each axis.
+
+    Parameters
+    ----------
+    axes
+        Of the parameters that were searched.
+    params
+        From where to walk.
+    pi
+        The cost of candidates, shape (c, parameters), on the training sessions.
+    """
+    for axis in axes:
+        values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
+        rows = np.repeat(np.array([astuple(params)]), SCAN_POINTS, axis=0)
+        rows[:, tunable.names.index(axis.name)] = values
+        costs = pi(rows)
+        is_flat = costs <= (1.0 + FLAT) * costs.min()
+        if is_flat.mean() > FLAT_SHARE:
+            low, high = values[is_flat][[0, -1]]
+            yield (
+                f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
+                f"{FLAT:.0%} of its least; {tunable.meanings[axis.name].takes}"
+            )
+
+
+def worse_caveats(pi: Pi, euler: Pi) -> Iterator[str]:
+    """A test that is worse than plain integration, or much worse than the training.
+
+    Squares, in the units of E: sessions of the test may simply drift more, so that plain integration is beside.
+    """
+    if pi.test is None or euler.test is None:
+        return
+    if pi.test > euler.test:
+        yield "on the sessions kept apart the tuned filter is worse than plain integration: do not use it"
+    elif sqrt(pi.test) > WORSE * sqrt(pi.train) * max(1.0, sqrt(euler.test / max(euler.train, 1e-300))):
+        yield (
+            f"the sessions kept apart come out much worse than those tuned on ({sqrt(pi.test):.3g} against "
+            f"{sqrt(pi.train):.3g} deg RMS): the parameters follow these sessions too closely; record more"
+        )

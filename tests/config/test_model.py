@@ -1,0 +1,150 @@
+"""Configs: what is taken, and what is said of every mistake."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gyrodrift.config.model import Config, load_config
+from gyrodrift.errors import ConfigError
+from gyrodrift.files import shipped_config
+from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.filters.registry import RESTLEVEL
+from gyrodrift.filters.restlevel.model import RestlevelParams
+
+GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
+
+
+def problems(tmp_path: Path, text: str | bytes) -> list[str]:
+    """What is said of a file, without its folder."""
+    path = tmp_path / "c.yaml"
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    with pytest.raises(ConfigError) as caught:
+        load_config(path)
+    return [problem.removeprefix(f"{tmp_path}/") for problem in caught.value.problems]
+
+
+def test_a_good_file_is_taken_with_exponents_and_integers(tmp_path: Path) -> None:
+    """Numbers are what a person means by them."""
+    path = tmp_path / "c.yaml"
+    path.write_text("filter: hdr\nsample_rate_hz: 100\nprovenance: {by: hand, seeds: [1, 2]}\n" + GOOD)
+    assert load_config(path) == Config("hdr", HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25), 100.0)
+
+
+def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
+    """With its own block; the other's may stand beside it."""
+    path = tmp_path / "c.yaml"
+    path.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams(window_s=0.5)))}\n{GOOD}")
+    config = load_config(path)
+    assert config.chosen is RESTLEVEL
+    assert config.params == RestlevelParams(window_s=0.5)
+    assert config.hdr == HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)
+    assert config.changes_from(Config("hdr", config.hdr)) == [
+        "filter: hdr → restlevel",
+        "restlevel.window_s: 0.3 → 0.5",
+    ]
+
+
+def test_the_filter_that_is_named_has_to_have_its_block(tmp_path: Path) -> None:
+    """Whatever else stands in the file."""
+    (said,) = problems(tmp_path, GOOD + "filter: restlevel\n")
+    assert said.startswith("c.yaml:1:1 restlevel: is missing; expected a block with window_s, quiet, turn_on_dps,")
+    given = asdict(RestlevelParams()) | {"still_start": 1, "rest_share": "often"}
+    assert problems(tmp_path, f"filter: restlevel\nrestlevel: {json.dumps(given)}\n") == [
+        "c.yaml:2:110 restlevel.still_start: is 1; expected a number from 0 to below 1",
+        "c.yaml:2:128 restlevel.rest_share: is 'often' (text); expected a number from 0 to below 1",
+    ]
+
+
+def test_the_shipped_config_is_valid() -> None:
+    """What the demo runs with."""
+    assert load_config(shipped_config("gyrodrift.yaml")).sample_rate_hz == 100.0
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "c.yaml:1:1 is empty; expected a block hdr: with i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        ("# nothing\n", "c.yaml:1:1 is empty; expected a block hdr: with i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        ("just words", "c.yaml:1:1 holds 'just words' (text); expected keys such as hdr:"),
+        ("- 1\n", "c.yaml:1:1 holds a list; expected keys such as hdr:"),
+        ("hdr: [1, 2\n", "c.yaml:2:1 is not YAML: did not find expected ',' or ']'"),
+        ("a: b: c\n", "c.yaml:1:5 is not YAML: mapping values are not allowed in this context"),
+        (b"hdr:\n  \xff\xfe\n", "c.yaml:2:1 is not text: byte 0xff is not UTF-8"),
+        ("filter: hdr\n", "c.yaml:1:1 hdr: is missing; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        ("hdr:\n", "c.yaml:1:1 hdr: is empty; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr or restlevel"),
+        (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
+        (
+            GOOD + "colour: 1\n",
+            "c.yaml:7:1 colour: is not a key of this file; expected filter, hdr, restlevel, sample_rate_hz, provenance",
+        ),
+        (GOOD + "sample_rate_hz: 0\n", "c.yaml:7:1 sample_rate_hz: is 0; expected a number above 0 up to 1e+06 Hz"),
+        (GOOD + "  c1: 1\n", "c.yaml:7:3 hdr.c1: is given twice, first in line 5; keep one"),
+        (GOOD.replace(".5", "on"), "c.yaml:3:3 hdr.tau_s: is 'on' (text); expected a number from 0 to 1000 s"),
+        (
+            GOOD.replace(".5", "true"),
+            "c.yaml:3:3 hdr.tau_s: is true (a truth value); expected a number from 0 to 1000 s",
+        ),
+        (GOOD.replace(".5", "1:30"), "c.yaml:3:3 hdr.tau_s: is '1:30' (text); expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "017"), "c.yaml:3:3 hdr.tau_s: is '017' (text); expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "'0.5'"), "c.yaml:3:3 hdr.tau_s: is '0.5' (text); expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", ".nan"), "c.yaml:3:3 hdr.tau_s: is nan; expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "1e999"), "c.yaml:3:3 hdr.tau_s: is inf; expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "-1"), "c.yaml:3:3 hdr.tau_s: is -1; expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "[1]"), "c.yaml:3:3 hdr.tau_s: is a list; expected a number from 0 to 1000 s"),
+        (GOOD.replace(".5", "{a: 1}"), "c.yaml:3:3 hdr.tau_s: is a block of keys; expected a number from 0 to 1000 s"),
+    ],
+)
+def test_a_mistake_is_named_with_its_place_and_what_is_expected(
+    tmp_path: Path, text: str | bytes, expected: str
+) -> None:
+    """One mistake, one line."""
+    assert problems(tmp_path, text) == [expected]
+
+
+def test_all_mistakes_are_told_at_once_in_the_order_of_the_file(tmp_path: Path) -> None:
+    """A person mends a file once."""
+    text = "filtr: hdr\nhdr:\n  i_c_dps: 99\n  tau: 1\n  theta_w_dps: no\n  c1: 1\n  c1: 2\n  c2: 0\n"
+    places = [problem.split(" ")[:2] for problem in problems(tmp_path, text)]
+    assert places == [
+        ["c.yaml:1:1", "filtr:"],
+        ["c.yaml:2:1", "hdr.tau_s:"],
+        ["c.yaml:3:3", "hdr.i_c_dps:"],
+        ["c.yaml:4:3", "hdr.tau:"],
+        ["c.yaml:5:3", "hdr.theta_w_dps:"],
+        ["c.yaml:7:3", "hdr.c1:"],
+    ]
+
+
+def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
+    """A block that contains itself, which PyYAML takes."""
+    assert "c.yaml:1:6 hdr.0: is an alias (*), which may never end; write it out" in problems(
+        tmp_path, "hdr: &a [*a]\n"
+    )
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    """With the system's reason."""
+    with pytest.raises(ConfigError, match=r"nowhere\.yaml:1:1 cannot be read: No such file or directory"):
+        load_config(tmp_path / "nowhere.yaml")
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_a_config_or_a_config_error(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    """Never another exception."""
+    path = tmp_path_factory.mktemp("any") / "c.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigError):
+        load_config(path)
+
+
+def test_changes_are_told_key_by_key() -> None:
+    """Old and new."""
+    old = Config("hdr", HdrParams(tau_s=1.0), 100.0)
+    new = Config("hdr", HdrParams(tau_s=2.0), None)
+    assert new.changes_from(old) == ["sample_rate_hz: 100.0 → None", "hdr.tau_s: 1.0 → 2.0"]
+    assert new.changes_from(new) == []

@@ -1,0 +1,63 @@
+"""The watched config: whichever way an editor saves it."""
+
+from pathlib import Path
+
+import pytest
+
+from gyrodrift.config.watch import ConfigWatch
+from gyrodrift.errors import ConfigError
+
+BLOCK = "hdr: {{i_c_dps: 0.001, tau_s: {tau_s}, theta_w_dps: 1, c1: 0, c2: 1}}\n"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "c.yaml"
+    path.write_text(BLOCK.format(tau_s=1))
+    return path
+
+
+def test_nothing_new_while_nothing_changes(path: Path) -> None:
+    """The first config is there at once."""
+    watch = ConfigWatch(path)
+    assert watch.config.hdr.tau_s == 1.0
+    assert watch.poll() is None
+
+
+def test_a_file_written_in_place_is_seen_once(path: Path) -> None:
+    """As an editor with no safety saves."""
+    watch = ConfigWatch(path)
+    path.write_text(BLOCK.format(tau_s=2.25))
+    new = watch.poll()
+    assert new is not None
+    assert new.hdr.tau_s == 2.25
+    assert watch.poll() is None
+
+
+def test_a_file_renamed_over_it_is_seen(path: Path) -> None:
+    """As most editors and `tune` save."""
+    watch = ConfigWatch(path)
+    fresh = path.with_name("fresh")
+    fresh.write_text(BLOCK.format(tau_s=3))
+    fresh.replace(path)
+    assert watch.poll() is watch.config
+    assert watch.config.hdr.tau_s == 3.0
+
+
+def test_a_file_that_is_away_for_a_moment_changes_nothing(path: Path) -> None:
+    """Between the two halves of a careless save."""
+    watch = ConfigWatch(path)
+    path.unlink()
+    assert watch.poll() is None
+    path.write_text(BLOCK.format(tau_s=4))
+    assert watch.poll() is not None
+
+
+def test_a_file_with_mistakes_is_told_once_and_the_old_config_stays(path: Path) -> None:
+    """Until it is mended."""
+    watch = ConfigWatch(path)
+    path.write_text("hdr: {tau_s: no}\n")
+    with pytest.raises(ConfigError):
+        watch.poll()
+    assert watch.poll() is None
+    assert watch.config.hdr.tau_s == 1.0

@@ -1,0 +1,42 @@
+"""Signatures in units that a person knows."""
+
+import numpy as np
+import pytest
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.units import reading_of
+from gyrodrift.diagnose.features.vector import SIGNATURES
+
+
+@pytest.mark.parametrize("name", [signature.name for signature in SIGNATURES])
+def test_every_signature_has_a_unit_and_keeps_its_order(name: str) -> None:
+    """However large or small it is."""
+    reading = reading_of(name)
+    assert reading.unit
+    read = reading.of(np.array([-1e3, -2.0, -0.1, 0.0, 0.1, 2.0, 1e3]))
+    assert np.isfinite(read).all()
+    assert (np.diff(read) >= 0.0).all()
+    assert read[4] < read[5]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "read"),
+    [
+        ("drop_share", np.sqrt(0.02), 2.0),
+        ("wander_20s", np.log(0.01**2), 0.01),
+        ("arrival_scatter", np.log(0.003), 3.0),
+        ("angle_step", 3.0, 8.0),
+        ("clock_ratio", 2e-5, 20.0),
+        ("rate", 0.25, 0.25),
+        ("slip_count", 3.0, 9.0),
+    ],
+)
+def test_a_reading_is_what_a_person_would_count(name: str, value: float, read: float) -> None:
+    """Percent, deg/s, ms, counts, ppm."""
+    values: Floats = np.array([value])
+    assert reading_of(name).of(values)[0] == pytest.approx(read)
+
+
+def test_what_is_not_known_here_is_read_as_it_is() -> None:
+    """A new signature breaks no report."""
+    assert reading_of("gremlins").of(np.array([7.0]))[0] == 7.0

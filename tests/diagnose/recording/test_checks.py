@@ -1,0 +1,99 @@
+"""What has to be right before anything is compared."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.checks import pass_gates
+from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.session.session import Session
+
+T_S: Floats = np.arange(12_000, dtype=np.float64) * 0.01
+TRUE_DPS = 40.0 * np.sin(2.0 * np.pi * T_S / 13.0) + 25.0 * np.sin(2.0 * np.pi * T_S / 3.7)
+ANGLE_DEG: Floats = np.cumsum(TRUE_DPS) * 0.01
+
+
+def recording(rate_dps: Floats = TRUE_DPS, angle_deg: Floats = ANGLE_DEG) -> Recording:
+    noise = np.random.default_rng(1).normal(0.0, 0.05, len(T_S))
+    return recording_of(Session("swing", T_S, rate_dps + noise + 0.3, 1.7e9 + T_S, np.arange(len(T_S)), angle_deg))
+
+
+def test_a_good_recording_passes_as_it_is() -> None:
+    """Without a word."""
+    whole = recording()
+    passed = pass_gates(whole)
+    assert passed.recording is whole
+    assert passed.remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (-1.0, "the sign opposite to the encoder's"),
+        (np.pi / 180.0, "in radians per second"),
+        (180.0 / np.pi, "multiplied by 57.3"),
+        (-np.pi / 180.0, "the sign opposite"),
+    ],
+)
+def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
+    """So that the rest can still be said."""
+    whole = recording()
+    passed = pass_gates(replace(whole, rate_dps=whole.rate_dps * factor))
+    assert passed.recording is not None
+    assert said in " ".join(passed.remarks)
+    assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
+
+
+@pytest.mark.parametrize("lag", [-80, 150])
+def test_an_encoder_of_another_time_is_shifted(lag: int) -> None:
+    """And by how much is told."""
+    late_deg = ANGLE_DEG[np.clip(np.arange(len(T_S)) - lag, 0, len(T_S) - 1)]
+    passed = pass_gates(recording(angle_deg=late_deg))
+    assert passed.recording is not None
+    told = re.search(r"are ([0-9.]+) s apart; the encoder was shifted", passed.remarks[0])
+    assert told is not None
+    assert float(told[1]) == pytest.approx(abs(lag) / 100.0, abs=0.03)
+    shifted = np.gradient(passed.recording.encoder_deg, 0.01)[500:-500]
+    assert np.corrcoef(shifted, TRUE_DPS[500:-500])[0, 1] > 0.99
+
+
+def test_another_axis_is_refused() -> None:
+    """There is nothing to put right."""
+    passed = pass_gates(recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3)))
+    assert passed.recording is None
+    assert "another axis" in passed.remarks[0]
+
+
+def test_a_dead_encoder_is_refused_and_a_still_is_not() -> None:
+    """The gyro tells which it is."""
+    assert "does not move while the gyro does" in pass_gates(recording(angle_deg=np.zeros(len(T_S)))).remarks[0]
+    still = pass_gates(recording(np.zeros(len(T_S)), np.zeros(len(T_S))))
+    assert still.recording is not None
+    assert "nothing moves in it" in still.remarks[0]
+
+
+def test_clocks_that_contradict_each_other_are_told() -> None:
+    """Whoever is right."""
+    whole = recording()
+    passed = pass_gates(replace(whole, device_s=whole.device_s * 2.0))
+    assert passed.recording is not None
+    assert "which is right?" in passed.remarks[0]
+
+
+def test_a_recording_that_only_rests_is_told_of() -> None:
+    """It is of use for all that shows at rest."""
+    still = recording(np.zeros(len(T_S)), np.zeros(len(T_S)))
+    passed = pass_gates(still)
+    assert passed.recording is still
+    assert "nothing moves" in " ".join(passed.remarks)
+
+
+def test_a_short_recording_is_refused() -> None:
+    """Nothing slow shows in half a minute."""
+    short = Session("short", T_S[:3000], TRUE_DPS[:3000], encoder_deg=ANGLE_DEG[:3000])
+    passed = pass_gates(recording_of(short))
+    assert passed.recording is None
+    assert "30 s long" in " ".join(passed.remarks)

@@ -1,0 +1,98 @@
+"""A session on its grid."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.recording import filled, line, recording_of
+from gyrodrift.errors import DataError
+from gyrodrift.session.session import Session
+
+COUNT = 1000
+T_S: Floats = np.arange(COUNT, dtype=np.float64) * 0.01
+
+
+def session() -> Session:
+    """Ten seconds of a slow turn, by a device clock that is 1 % fast, with all columns."""
+    return Session(
+        name="turn",
+        t_device_s=3.0 + T_S * 1.01,
+        rate_dps=np.full(COUNT, 5.0),
+        t_host_s=1.7e9 + T_S,
+        seq=np.arange(COUNT) + 7,
+        encoder_deg=5.0 * T_S,
+        temp_c=np.full(COUNT, 25.0),
+    )
+
+
+def test_true_time_is_the_hosts() -> None:
+    """And the device's where there is no host."""
+    assert recording_of(session()).period_s == pytest.approx(0.01, rel=1e-9)
+    assert recording_of(replace(session(), t_host_s=None)).period_s == pytest.approx(0.0101, rel=1e-9)
+
+
+def test_samples_that_are_missing_leave_holes() -> None:
+    """Wherever the counter jumps."""
+    whole = session()
+    kept = np.delete(np.arange(COUNT), [10, 11, 500])
+    columns = {
+        name: getattr(whole, name)[kept] for name in ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg")
+    }
+    found = recording_of(Session("holes", **columns))
+    assert len(found.rate_dps) == COUNT
+    assert np.flatnonzero(np.isnan(found.rate_dps)).tolist() == [10, 11, 500]
+    assert np.allclose(filled(found.encoder_deg), 5.0 * T_S)
+
+
+def test_without_a_counter_holes_are_seen_by_the_clock() -> None:
+    """As far as it is even."""
+    whole = session()
+    kept = np.delete(np.arange(COUNT), [10, 11, 500])
+    columns = {name: getattr(whole, name)[kept] for name in ("t_device_s", "rate_dps", "encoder_deg")}
+    found = recording_of(Session("holes", **columns))
+    assert np.flatnonzero(np.isnan(found.rate_dps)).tolist() == [10, 11, 500]
+    assert not found.has_counter
+
+
+def test_a_counter_of_sixteen_bits_goes_round() -> None:
+    """Without a hole."""
+    found = recording_of(replace(session(), seq=(np.arange(COUNT) + 65_000) % 65_536))
+    assert len(found.rate_dps) == COUNT
+    assert np.isfinite(found.rate_dps).all()
+
+
+def test_samples_that_come_twice_or_late_are_counted() -> None:
+    """Each is taken once, in its place."""
+    order = np.arange(COUNT)
+    order[[20, 21]] = order[[21, 20]]
+    order = np.insert(order, 300, 299)
+    whole = session()
+    columns = {
+        name: getattr(whole, name)[order] for name in ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg")
+    }
+    found = recording_of(Session("mixed", **columns))
+    assert (found.repeated, found.disordered) == (1, 1)
+    assert len(found.rate_dps) == COUNT
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"encoder_deg": None}, "has no encoder"),
+        ({"seq": np.arange(COUNT) * 50}, "its counter speaks of 49951 samples, and 1000 are there"),
+        ({"rate_dps": np.full(COUNT, np.nan)}, "holds no numbers"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(change: dict[str, object], message: str) -> None:
+    """By name."""
+    with pytest.raises(DataError, match=message):
+        recording_of(replace(session(), **change))  # type: ignore[arg-type]  # any column
+
+
+def test_a_line_is_found_through_holes() -> None:
+    """Slope and offset."""
+    values = 3.0 + 0.25 * np.arange(100.0)
+    values[[5, 50]] = np.nan
+    assert line(values) == pytest.approx((0.25, 3.0))

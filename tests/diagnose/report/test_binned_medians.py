@@ -1,0 +1,54 @@
+"""The shape of a cloud: bins that hold every value once, medians that follow it, and how high it is."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gyrodrift.diagnose.report.binned_medians import LEAST, bins_of, medians, shape_dps
+
+DICE = np.random.default_rng(2)
+X = np.sort(DICE.uniform(-100.0, 100.0, 2000))
+
+
+@given(st.lists(st.integers(-20, 20) | st.floats(-1e6, 1e6), max_size=300))
+def test_bins_part_the_values(values: list[float]) -> None:
+    """In order, without overlap, equal values together, and none with too few."""
+    x = np.sort(np.array(values, dtype=np.float64))
+    bins = bins_of(x)
+    assert all(one.stop - one.start >= LEAST for one in bins)
+    for left, right in pairwise(bins):
+        assert left.stop <= right.start
+        assert x[left.stop - 1] < x[right.start]
+
+
+def test_medians_follow_a_shape() -> None:
+    """Past wild points, with an error that holds."""
+    y = np.abs(X) + DICE.normal(0.0, 5.0, len(X))
+    y[::50] = 1e4
+    found = medians(X, y)
+    assert len(found.x) > 10
+    assert np.abs(found.y - np.abs(found.x)).max() < 5.0
+    assert 0.2 < np.median(found.error) < 2.0
+
+
+def test_values_that_come_often_have_a_bin_of_their_own() -> None:
+    """As rest does among rates."""
+    x = np.sort(np.concatenate([np.zeros(1000), X]))
+    y = np.where(x == 0.0, 3.0, 0.0)
+    assert medians(x, y).y.max() == 3.0
+
+
+def test_a_shape_is_as_high_as_it_is() -> None:
+    """RMS of what follows x; noise alone has next to none."""
+    noise = DICE.normal(0.0, 1.0, len(X))
+    assert shape_dps(X, 0.02 * X + noise) == pytest.approx(np.std(0.02 * X), rel=0.1)
+    assert shape_dps(X, noise) < 0.1
+
+
+def test_nothing_has_no_shape() -> None:
+    """And no warning."""
+    assert shape_dps(np.zeros(0), np.zeros(0)) == shape_dps(np.zeros(9), np.ones(9)) == 0.0
+    assert len(medians(np.zeros(0), np.zeros(0)).x) == 0

@@ -1,0 +1,212 @@
+"""The compiled walk against `filter.step`: the same bits, whatever the parameters and the samples."""
+
+from itertools import pairwise
+from math import inf, isfinite, isnan, nan
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support import Recordings
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels import hdr as kernel
+from gyrodrift.filters.hdr import ATTENUATOR_TABLE, HdrParams, HdrState, attenuated_step, coefficients, step
+
+LOW = (0.0, 0.0, 1e-9, 0.0, 0.0)
+HIGH = (10.0, 1000.0, 2000.0, 1000.0, 10.0)
+"""Bounds of `HdrParams`; theta_w has none above 0."""
+
+Walk = tuple[Floats, Floats, Floats]
+"""dt_s, rate_dps and reference_deg of a course."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    """Let no test wait for the compiler."""
+    still = np.zeros(2), np.zeros(2), np.zeros(2)
+    for candidates in (1, 2):
+        kernel.sums(*still, np.ones((candidates, 5)))
+    kernel.attenuated_step(1.0, 1.0, 1.0, 1.0)
+
+
+def stepped(dt_s: Floats, rate_dps: Floats, params: Floats) -> list[float]:
+    """Yaw by `filter.step`, which sees exactly these steps of time."""
+    c, state, path = coefficients(HdrParams(*params.tolist())), HdrState(), []
+    for t_s, rate in zip(dt_s.tolist(), rate_dps.tolist(), strict=True):
+        state.t_s = 0.0
+        assert step(c, state, t_s, rate)
+        path.append(state.yaw_deg)
+    return path
+
+
+def summed(path: list[float], reference_deg: Floats) -> tuple[float, float, float, int]:
+    """Squares, absolutes, worst and count of one candidate, in the order of the samples."""
+    squares = absolutes = worst = 0.0
+    errors = [abs(yaw - r) for yaw, r in zip(path, reference_deg.tolist(), strict=True) if isfinite(r)]
+    for error in errors:
+        squares, absolutes, worst = squares + error * error, absolutes + error, max(worst, error)
+    return (inf, inf, inf, len(errors)) if isnan(squares) else (squares, absolutes, worst, len(errors))
+
+
+def assert_twins(course: Walk, params: Floats) -> None:
+    """Every bit of yaw and of the sums."""
+    dt_s, rate_dps, reference_deg = course
+    *found, count = kernel.sums(*course, params)
+    for k, candidate in enumerate(params):
+        path = stepped(dt_s, rate_dps, candidate)
+        np.testing.assert_array_equal(kernel.yaw(dt_s, rate_dps, candidate), path)
+        assert (*(column[k] for column in found), count) == summed(path, reference_deg)
+
+
+def candidates(dice: np.random.Generator, count: int) -> Floats:
+    """Ordinary parameters, with zeros and bounds among them."""
+    params = np.column_stack(
+        [*(10.0 ** dice.uniform(low, high, count) for low, high in ((-6, 0), (-3, 1.5), (-1.5, 1.5)))]
+        + [dice.uniform(0.0, 3.0, count) for _ in range(2)]
+    )
+    for bound in (np.array(LOW), np.array(HIGH)):
+        params = np.where(dice.random(params.shape) < 0.06, bound, params)
+    return params
+
+
+def walk(dice: np.random.Generator, samples: int = 2500) -> Walk:
+    """Noise, rests, turns, holes in time, exact zeros and samples without a reference."""
+    dt_s = np.where(dice.random(samples) < 0.5, 0.01, dice.uniform(1e-4, 0.1, samples))
+    dt_s[0], dt_s[dice.integers(1, samples, 5)] = 0.0, 20.0
+    rate_dps = dice.normal(dice.normal(0.0, 0.2), 10.0 ** dice.uniform(-3.0, 0.5), samples)
+    rate_dps[dice.random(samples) < 0.1] = 0.0
+    rate_dps[300:600] = 90.0 * np.sin(np.arange(300) / 20.0)
+    rate_dps[1200:2100] = dice.choice([0.0, 0.05, -0.3])
+    reference_deg = dice.normal(0.0, 5.0, samples)
+    reference_deg[dice.random(samples) < 0.3] = nan
+    reference_deg[0] = 0.0
+    return dt_s, rate_dps, reference_deg
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_candidate_on_any_course_gives_the_bits_of_the_filter(seed: int) -> None:
+    """Nineteen candidates: two full groups, and one that is not."""
+    dice = np.random.default_rng(seed)
+    assert_twins(walk(dice), candidates(dice, 19))
+
+
+values = st.one_of(st.floats(-3.0, 3.0), st.sampled_from([0.0, -0.0, 300.0, -300.0, 5e-324, 1e300, -1e308]))
+steps_s = st.one_of(st.just(0.01), st.floats(1e-6, 100.0), st.sampled_from([5e-324, 1e-300, 1e300]))
+references = st.one_of(values, st.just(nan))
+vectors = st.tuples(*(st.one_of(st.floats(low, high), st.just(low)) for low, high in zip(LOW, HIGH, strict=True)))
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.tuples(steps_s, values, st.one_of(values, st.just(nan))), max_size=60), st.lists(vectors, min_size=1)
+)
+def test_extremes_give_the_bits_of_the_filter(samples: list[tuple[float, float, float]], params: list[Floats]) -> None:
+    """Steps and rates that leave the floats included: inf where the filter has inf or NaN, and no warning."""
+    course = np.array([(0.0, 0.25, 0.0), *samples]).T.copy()
+    assert_twins((course[0], course[1], course[2]), np.array(params))
+
+
+def test_runs_beyond_the_filters_table_and_beyond_the_kernels_reach_take_exact_steps() -> None:
+    """A slow turn inside the turn switch, longer than what either remembers."""
+    samples = kernel.REACH + 300
+    assert samples > ATTENUATOR_TABLE
+    dt_s = np.full(samples, 0.01)
+    dt_s[0] = 0.0
+    params = np.array([[1e-6, 0.5, 5.0, 0.8, 1.2], [1e-6, 0.0, 5.0, 0.0, 0.0], [1e-7, 3.0, 2000.0, 3.0, 0.4]])
+    assert_twins((dt_s, np.full(samples, 1.5), np.zeros(samples)), params)
+
+
+@given(vectors, st.integers(1, 10**12))
+def test_a_step_is_that_of_the_filter(params: tuple[float, ...], run: int) -> None:
+    """However long the run."""
+    p = HdrParams(*params)
+    assert kernel.attenuated_step(p.i_c_dps, p.c1, p.c2, float(run)) == attenuated_step(p, run)
+
+
+def test_a_step_is_0_where_the_power_overflows() -> None:
+    """With c1 = 0 too, as in the filter."""
+    assert (
+        kernel.attenuated_step(1.0, 0.0, 10.0, 1e40) == attenuated_step(HdrParams(1.0, c1=0.0, c2=10.0), 10**40) == 0.0
+    )
+
+
+def test_grouping_and_a_used_table_change_no_bit() -> None:
+    """Alone, in another order, and with steps that an earlier course left behind."""
+    dice = np.random.default_rng(5)
+    first, second, params = walk(dice), walk(dice), candidates(dice, 8)
+    together = np.array(kernel.sums(*second, params)[:3])
+    alone = np.column_stack([np.array(kernel.sums(*second, one[np.newaxis])[:3])[:, 0] for one in params])
+    backwards = np.array(kernel.sums(*second, params[::-1])[:3])[:, ::-1]
+    table = kernel.unknown_steps(len(params))
+    kernel.group_sums(*first, params, table)
+    for found in (alone, backwards, kernel.group_sums(*second, params, table)):
+        np.testing.assert_array_equal(found, together)
+
+
+def test_a_candidate_that_leaves_the_floats_costs_inf_and_the_others_what_they_do() -> None:
+    """Its rate is inf where the low-pass multiplies a long step; no warning is raised."""
+    dt_s, rate_dps, reference_deg = np.array([0.0, 0.01, 1e10, 0.01]), np.array([0.0, 0.1, 1e300, 0.1]), np.zeros(4)
+    wild = kernel.sums(dt_s, rate_dps, reference_deg, np.array([[0.0006, 0.9, 0.5, 0.8, 1.2]] * 2))
+    assert [list(column) for column in wild[:3]] == [[inf, inf]] * 3
+    assert wild[3] == 4
+
+
+def test_a_cost_beyond_the_floats_is_inf_while_the_error_is_not() -> None:
+    """Only the square overflows."""
+    dt_s, rate_dps = np.array([0.0, 1.0]), np.array([0.0, 1e200])
+    squares, absolutes, worst, _ = kernel.sums(dt_s, rate_dps, np.zeros(2), np.array([[0.0, 0.0, 1.0, 0.0, 0.0]]))
+    assert (squares[0], absolutes[0], worst[0]) == (inf, 1e200, 1e200)
+
+
+@pytest.mark.parametrize("samples", [1, 2])
+def test_the_shortest_courses_are_walked(samples: int) -> None:
+    """The first sample turns nothing."""
+    dt_s, rate_dps = np.array([0.0, 0.5])[:samples], np.array([3.0, 3.0])[:samples]
+    *_, worst, count = kernel.sums(dt_s, rate_dps, np.zeros(samples), np.array([[0.0, 0.0, 1.0, 0.0, 0.0]] * 2))
+    assert (worst.tolist(), count) == ([1.5 * (samples - 1)] * 2, samples)
+
+
+@pytest.mark.parametrize("lengths", [(3, 2, 3, 5), (3, 3, 2, 5), (0, 0, 0, 5), (3, 3, 3, 4)])
+def test_arrays_that_do_not_belong_together_are_refused(lengths: tuple[int, int, int, int]) -> None:
+    """The compiled loop looks at no bounds."""
+    dt_s, rate_dps, reference_deg = (np.zeros(length) for length in lengths[:3])
+    with pytest.raises(ValueError, match="one length"):
+        kernel.sums(dt_s, rate_dps, reference_deg, np.ones((2, lengths[3])))
+
+
+def test_no_candidates_have_no_sums() -> None:
+    """A search may have nothing to ask."""
+    squares, *_, count = kernel.sums(np.zeros(3), np.zeros(3), np.zeros(3), np.empty((0, 5)))
+    assert (len(squares), count) == (0, 3)
+
+
+def test_nothing_that_was_given_is_changed() -> None:
+    """Candidates, also those in columns of something larger, and courses stay as they were."""
+    dice = np.random.default_rng(1)
+    course, params = walk(dice, 2200), candidates(dice, 24)[::2]
+    params[0, 0] = 0.0
+    before = [array.copy() for array in (*course, params)]
+    kernel.sums(*course, params)
+    kernel.euler(*course[:2])
+    for now, then in zip((*course, params), before, strict=True):
+        np.testing.assert_array_equal(now, then)
+
+
+def test_euler_adds_up_rates_times_steps() -> None:
+    """From the second sample on."""
+    assert kernel.euler(np.array([0.0, 0.5, 2.0]), np.array([9.0, 1.0, -2.0])).tolist() == [0.0, 0.5, -3.5]
+    assert kernel.euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
+
+
+@pytest.mark.parametrize("case", ["gaps", "other_parameters", "steady", "turns", "variable_dt", "zeros"])
+def test_yaw_of_a_golden_case_is_met_to_a_billionth(case: str, recordings: Recordings) -> None:
+    """Cases of an independent program."""
+    path = recordings.golden / f"hdr_{case}.csv"
+    with path.open() as file:
+        given_params = dict(word.split("=") for word in file.readline()[1:].split())
+    rows = np.genfromtxt(path, delimiter=",", names=True, skip_header=1)
+    params = np.array([float(given_params[name]) for name in ("i_c", "tau", "theta_w", "c1", "c2")])
+    times_s = rows["t_s"].tolist()
+    dt_s = np.array([0.0] + [after - before for before, after in pairwise(times_s)])
+    np.testing.assert_allclose(kernel.yaw(dt_s, rows["rate_dps"], params), rows["yaw_deg"], rtol=0.0, atol=1e-9)

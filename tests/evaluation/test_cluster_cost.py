@@ -1,0 +1,174 @@
+"""Tuning on a cluster: the same bits as here, whatever happens to workers."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cluster_support import PATIENCE_S, Cluster, candidates, cluster, recorded
+
+from gyrodrift.errors import DataError, GyrodriftError, UsageError
+from gyrodrift.evaluation import cluster_cost as room
+from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
+from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
+from gyrodrift.evaluation.dataset import Source, load_course
+from gyrodrift.session.files import load_session
+from gyrodrift.session.formats import write_session
+
+pytest.importorskip("distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'")
+
+Sessions = list[tuple[Path, bool]]
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """Two workers, for tests that leave the scheduler alive."""
+    with cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory: pytest.TempPathFactory) -> Sessions:
+    """Of many lengths, one of them as text, and a still."""
+    folder = tmp_path_factory.mktemp("sessions")
+    found = [(recorded(folder / f"turn-{seed}.mcap", 4500 + 371 * seed, seed), False) for seed in range(8)]
+    text = folder / "text.csv"
+    write_session(text, [load_session(found[0][0])])
+    return [*found[:3], (text, False), *found[3:], (recorded(folder / "still.mcap", 3000, 99), True)]
+
+
+@pytest.fixture
+def local(sessions: Sessions) -> Iterator[Cost]:
+    """The same sessions in this process."""
+    with Cost(load_course(Source(path, is_still))[0] for path, is_still in sessions) as cost:
+        yield cost
+
+
+def assert_same(ours: Scores, wanted: Scores) -> None:
+    for name in ("mean_squares", "mean_absolutes", "worst", "pi"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(wanted, name))
+
+
+def pids(cost: ClusterCost) -> dict[str, int]:
+    """Of the workers, by their address."""
+    return dict(cost._workers._client.run(os.getpid))
+
+
+def await_both(cost: ClusterCost) -> None:
+    """Until a nanny has replaced the worker that was killed, for the tests to come."""
+    cost._workers._client.wait_for_workers(2, timeout=PATIENCE_S)
+
+
+def before_results(cost: ClusterCost, action: Callable[[], None]) -> None:
+    """Do something once, when the next tasks have been sent and their results not yet asked for."""
+    results = cost._workers.results
+
+    def patched(tasks: Sequence[Any]) -> list[Any]:
+        cost._workers.results = results  # type: ignore[method-assign]  # a test may
+        action()
+        return results(tasks)
+
+    cost._workers.results = patched  # type: ignore[method-assign]  # likewise
+
+
+@pytest.mark.parametrize("count", [1, 11, BLOCK + 37])
+def test_scores_are_those_of_this_process(shared: Cluster, sessions: Sessions, local: Cost, count: int) -> None:
+    """Bit for bit, in the order of the sessions; of all and of some."""
+    params = candidates(count)
+    with ClusterCost(shared.address, sessions) as cost:
+        assert cost.threads == 2
+        assert_same(cost.cost(params), local.cost(params))
+        assert_same(cost.cost(params, [9, 0, 4]), local.cost(params, [9, 0, 4]))
+        np.testing.assert_array_equal(cost.pi(params, range(1, 6)), local.pi(params, range(1, 6)))
+        assert cost.evaluations == 3 * count
+
+
+def test_no_candidates_and_no_sessions_cost_nothing(shared: Cluster, sessions: Sessions) -> None:
+    """The shapes are kept."""
+    with ClusterCost(shared.address, sessions[:2]) as cost:
+        assert cost.cost(np.empty((0, 5))).worst.shape == (2, 0)
+        assert cost.cost(candidates(3), []).worst.shape == (0, 3)
+
+
+def test_what_is_known_of_sessions_is_what_is_known_here(shared: Cluster, sessions: Sessions) -> None:
+    """Name, content, duration, rate, and what is odd."""
+    with ClusterCost(shared.address, sessions) as cost:
+        assert cost.abouts == tuple(load_course(Source(path, is_still))[1] for path, is_still in sessions)
+
+
+def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
+    """As many as keep the threads busy, and never more than sessions; files that are not seen count alike."""
+    paths = [path for path, _ in sessions]
+    edges = room._edges(paths, 2)
+    sizes = [sum(path.stat().st_size for path in paths[first:last]) for first, last in pairwise(edges)]
+    assert len(sizes) == 2 * room.BATCHES_PER_THREAD
+    assert max(sizes) < 2 * min(sizes)
+    assert room._edges(paths, 100) == list(range(len(paths) + 1))
+    assert room._edges([Path("/elsewhere/a.mcap")] * 1000, 1) == [0, 249, 499, 749, 1000]
+
+
+def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sessions, local: Cost) -> None:
+    """What it held is loaded again, and what it was doing done again; so for the other one, which took over."""
+    params = candidates(BLOCK)
+    with ClusterCost(shared.address, sessions) as cost:
+        for _ in range(2):
+            held = cost._workers._client.has_what()
+            address, pid = next((address, pid) for address, pid in pids(cost).items() if held[address])
+            before_results(cost, lambda pid=pid: os.kill(pid, signal.SIGKILL))  # type: ignore[misc]  # a default
+            assert_same(cost.cost(params), local.cost(params))
+            await_both(cost)
+            assert pids(cost).get(address) != pid
+
+
+def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
+    shared: Cluster, sessions: Sessions, local: Cost
+) -> None:
+    """They were done, and are gone."""
+    params = candidates(64)
+    with ClusterCost(shared.address, sessions) as cost:
+        gathered = cost._workers._gathered
+
+        def kill_and_gather(tasks: Sequence[Any]) -> list[Any]:
+            cost._workers._gathered = gathered  # type: ignore[method-assign]  # a test may
+            os.kill(next(iter(pids(cost).values())), signal.SIGKILL)
+            return gathered(tasks)
+
+        cost._workers._gathered = kill_and_gather  # type: ignore[method-assign]  # likewise
+        assert_same(cost.cost(params), local.cost(params))
+        await_both(cost)
+
+
+@pytest.mark.parametrize("damage", ["missing", "no session"])
+def test_a_session_that_cannot_be_read_is_said_as_here(
+    shared: Cluster, sessions: Sessions, tmp_path: Path, damage: str
+) -> None:
+    """The first of them, with its path."""
+    path = tmp_path / "bad.mcap"
+    if damage == "no session":
+        path.write_bytes(b"no session\n")
+    with pytest.raises(DataError) as here:
+        load_course(Source(path))
+    bad = [*sessions[:4], (path, False), *sessions[4:], (tmp_path / "never.mcap", False)]
+    with pytest.raises(DataError) as there:
+        ClusterCost(shared.address, bad)
+    assert str(there.value) == str(here.value)
+    assert str(path) in str(there.value)
+
+
+def test_another_version_on_a_worker_is_refused() -> None:
+    """It might give other bits."""
+    with pytest.raises(UsageError, match=r"has gyrodrift .*, this is 0\.0\.0; install the same"):
+        load_batch([], "0.0.0")
+
+
+def test_any_other_error_of_a_task_says_where_it_comes_from(shared: Cluster, sessions: Sessions) -> None:
+    """Candidates with a column too few."""
+    with (
+        ClusterCost(shared.address, sessions[:1]) as cost,
+        pytest.raises(GyrodriftError, match=r"^tcp://.*: a task failed: ValueError: .* five columns"),
+    ):
+        cost.cost(np.zeros((2, 4)))

@@ -1,0 +1,66 @@
+"""Ranges of parameters, and the unit cube."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gyrodrift.errors import UsageError
+from gyrodrift.evaluation.space import AXES, Axis, limits, linear, params_of, with_ranges
+from gyrodrift.filters.hdr import HdrParams
+
+
+@pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
+@given(u=st.floats(0, 1))
+def test_there_and_back(axis: Axis, u: float) -> None:
+    """A point of the unit interval and its parameter stand for each other."""
+    value = float(axis.values(np.array([u]))[0])
+    assert axis.low <= value <= axis.high
+    assert axis.unit(value) == pytest.approx(u, abs=1e-9)
+
+
+def test_half_way_is_the_geometric_mean_where_factors_count() -> None:
+    """And the arithmetic one elsewhere."""
+    middle = np.array([0.5])
+    assert Axis("x", 0.01, 100.0, is_log=True).values(middle) == pytest.approx([1.0])
+    assert Axis("x", 0.0, 4.0).values(middle) == pytest.approx([2.0])
+    assert not any(axis.is_log for axis in linear(AXES))
+
+
+def test_a_corner_of_the_cube_is_a_filter() -> None:
+    """With every range at its lower end."""
+    assert params_of(AXES, np.zeros((2, 5))).tolist() == [[axis.low for axis in AXES]] * 2
+    HdrParams(*params_of(AXES, np.ones((1, 5)))[0].tolist())
+
+
+def test_a_range_is_replaced_by_name() -> None:
+    """The others stay."""
+    axes = with_ranges(["tau_s=0.5:2", "c1=0:1"])
+    assert [(axis.low, axis.high) for axis in axes[1::2]] == [(0.5, 2.0), (0.0, 1.0)]
+    assert axes[0] == AXES[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("tau_s=2:0.5", "the range is upside down or empty"),
+        ("tau_s=1:1", "the range is upside down or empty"),
+        ("tau=0:1", "unknown parameter tau; there are i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        ("tau_s=fast", "expected NAME=LOW:HIGH"),
+        ("tau_s=nan:1", "the range is upside down or empty"),
+        ("tau_s=0:1", "its range begins above 0"),
+        ("c2=0:11", "c2 goes up to 10"),
+        ("c1=-1:1", "c1 begins at 0"),
+    ],
+)
+def test_a_range_that_makes_no_sense_is_told(text: str, message: str) -> None:
+    """With the option as it was given."""
+    with pytest.raises(UsageError, match=message) as caught:
+        with_ranges([text])
+    assert text in str(caught.value)
+
+
+def test_the_filters_own_limits_are_known() -> None:
+    """As its parameters are annotated."""
+    assert limits("c2") == (0.0, 10.0)
+    assert limits("theta_w_dps") == (0.0, 2000.0)

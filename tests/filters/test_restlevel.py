@@ -1,0 +1,269 @@
+"""Restlevel: an independent reading of its equations, the same bits however it is run, and what it makes of motions."""
+
+from copy import deepcopy
+from math import inf, isfinite, isnan, nan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from restlevel_reference import reference
+from scipy.signal import lfilter
+from support import Recordings
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.restlevel import walk
+from gyrodrift.evaluation.reference import accepted
+from gyrodrift.filters.restlevel.model import MOST, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.session.files import load_session
+
+RATE_HZ = 100.0
+REAL = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep")
+
+rates = st.one_of(st.floats(-2.0, 2.0), st.sampled_from([0.0, -0.0, nan, inf, -inf, 300.0, -300.0, 1e9]))
+steps_s = st.one_of(st.floats(1e-4, 0.1), st.sampled_from([0.01, 0.01, 0.01, 0.0, -0.05, 5.0, 1e6, nan]))
+params = st.builds(
+    RestlevelParams,
+    window_s=st.floats(0.01, 0.5),
+    quiet=st.floats(0.1, 50.0),
+    turn_on_dps=st.floats(0.001, 50.0),
+    walk_dps_rts=st.floats(0.0, 0.1),
+    drift_dps_s=st.floats(0.0, 0.1),
+    still_start=st.floats(0.0, 0.999),
+    rest_share=st.floats(0.0, 0.999),
+)
+
+
+def walked(t_s: Floats, rate_dps: Floats, p: RestlevelParams, state: RestlevelState | None = None) -> Floats:
+    """Yaw, its sigma and the bias after each sample, shape (3, n), by the plain filter."""
+    c, s = coefficients(p), state or RestlevelState()
+    rows = []
+    for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
+        step(c, s, each_s, each_dps)
+        rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps))
+    return np.array(rows).T
+
+
+def estimates(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> Floats:
+    """The same by the compiled filter."""
+    return walk(np.diff(t_s, prepend=t_s[:1]), rate_dps, p)
+
+
+def measured(true_dps: Floats, bias_dps: float | Floats, seed: int = 1) -> tuple[Floats, Floats, Floats]:
+    """Times, rates with a bias and noise, and the true yaw."""
+    t_s = np.arange(len(true_dps)) / RATE_HZ
+    rate_dps = true_dps + bias_dps + np.random.default_rng(seed).normal(0.0, 0.05, len(true_dps))
+    middle_dps = 0.5 * (true_dps + np.r_[true_dps[0], true_dps[:-1]])
+    return t_s, rate_dps, np.cumsum(middle_dps) / RATE_HZ
+
+
+def held(*pieces: tuple[float, float]) -> Floats:
+    """Rates in deg/s, each for so many seconds, with half a second from one to the next."""
+    knots_s, knots_dps, now_s = [0.0], [pieces[0][0]], 0.0
+    for rate_dps, seconds in pieces:
+        knots_s += [now_s + 0.5, now_s + seconds]
+        knots_dps += [rate_dps, rate_dps]
+        now_s += seconds
+    return np.interp(np.arange(round(now_s * RATE_HZ)) / RATE_HZ, knots_s, knots_dps)
+
+
+TURNS = [(0.0, 5.0), (30.0, 4.0), (0.0, 5.0), (-12.0, 6.0), (0.0, 4.0), (5.0, 5.0)]
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_an_independent_reading_agrees_on_real_recordings(name: str, recordings: Recordings) -> None:
+    """To 1e-9 deg and deg/s, at the end of every block."""
+    session = load_session(recordings.data / f"{name}.csv")
+    t_s, rate_dps = session.t_device_s, session.rate_dps
+    found = reference(t_s, rate_dps, RestlevelParams())
+    yaw_deg, _, bias_dps = estimates(t_s, rate_dps, RestlevelParams())
+    np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_independent_reading_agrees_where_accounts_split_and_join(seed: int) -> None:
+    """Random motions and random parameters: plateaus of all lengths and levels, biases that drift."""
+    dice = np.random.default_rng(seed)
+    pieces = [(float(dice.choice([0.0, 0.0, 0.3, 5.0, -40.0])), float(dice.uniform(1.0, 8.0))) for _ in range(60)]
+    true_dps = held(*pieces)
+    bias_dps = dice.normal(0.0, 1.0) + np.cumsum(dice.normal(0.0, 0.0005, len(true_dps)))
+    t_s, rate_dps, _ = measured(true_dps, bias_dps, seed)
+    p = RestlevelParams(
+        window_s=float(dice.uniform(0.1, 0.5)),
+        quiet=float(dice.uniform(2.0, 8.0)),
+        turn_on_dps=float(dice.uniform(0.1, 2.0)),
+        walk_dps_rts=float(dice.uniform(0.0, 0.01)),
+        drift_dps_s=float(dice.uniform(0.0, 0.03)),
+        still_start=float(dice.uniform(0.1, 0.99)),
+        rest_share=float(dice.uniform(0.05, 0.5)),
+    )
+    found = reference(t_s, rate_dps, p)
+    yaw_deg, _, bias_dps = estimates(t_s, rate_dps, p)
+    np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_the_compiled_filter_has_the_same_bits(name: str, recordings: Recordings) -> None:
+    """One source, run as Python and as machine code."""
+    session = load_session(recordings.data / f"{name}.csv")
+    t_s, rate_dps = session.t_device_s[:20_000], session.rate_dps[:20_000]
+    compiled = estimates(t_s, rate_dps, RestlevelParams())
+    np.testing.assert_array_equal(compiled, walked(t_s, rate_dps, RestlevelParams()))
+
+
+@given(params, st.lists(st.tuples(steps_s, rates), max_size=400))
+def test_bits_are_the_same_whatever_comes(p: RestlevelParams, stream: list[tuple[float, float]]) -> None:
+    """Plain and compiled, with times and rates that no sensor sends; what is finite stays so."""
+    t_s = np.cumsum([0.0, *(0.0 if isnan(step_s) else step_s for step_s, _ in stream)])
+    rate_dps = np.array([0.1, *(rate for _, rate in stream)])
+    plain, kept = walked(t_s, rate_dps, p), accepted(t_s, rate_dps)
+    np.testing.assert_array_equal(estimates(t_s[kept], rate_dps[kept], p), plain[:, kept])
+    assert np.isfinite(plain).all()
+
+
+def test_saved_half_way_it_goes_on_with_the_same_bits() -> None:
+    """A deep copy of the state is the filter."""
+    t_s, rate_dps, _ = measured(held(*TURNS * 4), 0.3)
+    whole = walked(t_s, rate_dps, RestlevelParams())
+    for cut in (1, 17, 2500, 9999):
+        state = RestlevelState()
+        walked(t_s[:cut], rate_dps[:cut], RestlevelParams(), state)
+        saved = deepcopy(state)
+        walked(t_s[cut:][::-1], rate_dps[cut:], RestlevelParams(), state)
+        np.testing.assert_array_equal(walked(t_s[cut:], rate_dps[cut:], RestlevelParams(), saved), whole[:, cut:])
+
+
+def test_it_does_not_grow() -> None:
+    """As many accounts after an hour as there were places at the start, and never more alive than it keeps."""
+    t_s, rate_dps, _ = measured(held(*TURNS * 20), 0.3)
+    c, s = coefficients(RestlevelParams()), RestlevelState()
+    places = len(s.accounts)
+    for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
+        step(c, s, each_s, each_dps)
+        assert sum(h.weight > 0.0 for h in s.accounts) <= MOST
+    assert len(s.accounts) == places
+
+
+def test_what_cannot_be_used_is_passed_by_and_counted() -> None:
+    """Times that do not advance, and what is no number."""
+    c, s = coefficients(RestlevelParams()), RestlevelState()
+    assert not step(c, s, nan, 1.0)
+    assert not step(c, s, 0.0, inf)
+    assert step(c, s, 0.0, 1.0)
+    before = deepcopy(s)
+    for t_s, rate_dps in ((0.0, 1.0), (-1.0, 1.0), (inf, 1.0), (1.0, nan)):
+        assert not step(c, s, t_s, rate_dps)
+    before.rejected = s.rejected
+    assert s == before
+    assert s.rejected == 6
+
+
+@pytest.mark.parametrize("bias_dps", [0.0, 0.02, -0.5, 3.0])
+def test_turns_and_rests_are_told_apart_whatever_the_bias(bias_dps: float) -> None:
+    """No threshold stands against the bias."""
+    t_s, rate_dps, true_deg = measured(held(*TURNS * 6), bias_dps)
+    yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg)[1200:].max() < 0.5
+    assert found_dps[-1] == pytest.approx(bias_dps, abs=0.005)
+
+
+@pytest.mark.parametrize("spin_dps", [0.2, 0.5, 1.5, 20.0])
+def test_a_spin_that_begins_after_a_rest_is_no_drift(spin_dps: float) -> None:
+    """Ten minutes of it, with a bias of its own size."""
+    t_s, rate_dps, true_deg = measured(held((0.0, 10.0), (spin_dps, 600.0)), -0.4)
+    yaw_deg, _, _ = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg).max() < 5.0
+
+
+def test_what_to_make_of_a_spin_from_the_first_sample_is_a_setting() -> None:
+    """It looks exactly like a bias."""
+    t_s, rate_dps, true_deg = measured(held((0.6, 300.0)), 0.0)
+    resting, *_ = estimates(t_s, rate_dps, RestlevelParams(still_start=0.99))
+    turning, *_ = estimates(t_s, rate_dps, RestlevelParams(still_start=0.0))
+    assert abs(resting[-1]) < 1.0
+    assert abs(turning[-1] - true_deg[-1]) < 1.0
+
+
+def test_a_device_that_moves_from_the_first_sample_finds_its_bias_at_its_rests() -> None:
+    """And takes back what the unknown bias has made of yaw until then."""
+    t_s, rate_dps, true_deg = measured(held((25.0, 6.0), *TURNS * 4), 0.7)
+    yaw_deg, _, _ = estimates(t_s, rate_dps, RestlevelParams())
+    assert abs(yaw_deg[500] - true_deg[500]) > 3.0
+    assert np.abs(yaw_deg - true_deg)[-4000:].max() < 0.5
+
+
+def test_yaw_stands_still_in_a_long_rest_while_the_bias_drifts() -> None:
+    """An hour in which the bias goes up and down by half a degree a second."""
+    bias_dps = 0.5 * np.sin(np.arange(360_000) / RATE_HZ / 600.0)
+    t_s, rate_dps, _ = measured(np.zeros(360_000), bias_dps)
+    yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg[200:]).max() < 0.5
+    assert np.abs(found_dps - bias_dps)[1000:].max() < 0.05
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_bias_that_flickers_is_not_a_spin(seed: int) -> None:
+    """An hour at rest; wobbles of seconds to minutes, larger than what the noise makes of a block."""
+    dice, bias_dps = np.random.default_rng(seed), np.full(360_000, 0.2)
+    for memory_s in (1.0, 5.0, 25.0, 125.0):
+        kept = np.exp(-1.0 / (RATE_HZ * memory_s))
+        shocks = dice.normal(0.0, 0.008 * np.sqrt(1.0 - kept**2), len(bias_dps))
+        bias_dps += lfilter([1.0], [1.0, -kept], shocks)
+    t_s, rate_dps, _ = measured(np.zeros(360_000), bias_dps, seed)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg[200:]).max() < 1.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_rest_at_the_start_is_found_whatever_chance_does_to_its_first_blocks(seed: int) -> None:
+    """The noise is known from few samples then; ten seconds at rest are enough to tell a slow spin by."""
+    t_s, rate_dps, true_deg = measured(held((0.0, 10.0), (1.5, 60.0)), 0.5, seed)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg)[1000:].max() < 2.0
+
+
+def test_what_is_left_gently_after_a_second_or_two_was_a_curve() -> None:
+    """A vehicle that is under way when the device is switched on: the ends of its curves are no rests."""
+    t_s = np.arange(12_000) / RATE_HZ
+    curves_dps = 0.9 + 3.0 * np.cos(2.0 * np.pi * t_s / 25.0) + 1.5 * np.cos(2.0 * np.pi * t_s / 17.3)
+    t_s, rate_dps, true_deg = measured(curves_dps, 0.1)
+    yaw_deg, *_ = estimates(t_s, rate_dps, RestlevelParams())
+    assert abs(yaw_deg - true_deg)[-1] < 1.5 * 0.1 * t_s[-1]
+
+
+def test_one_that_does_not_know_says_so() -> None:
+    """Never at rest: what the bias may be at power-on is what yaw may be off."""
+    t_s = np.arange(60_00) / RATE_HZ
+    t_s, rate_dps, true_deg = measured(60.0 * np.sin(t_s), 0.4)
+    yaw_deg, sigma_deg, bias_dps = estimates(t_s, rate_dps, RestlevelParams(scale_percent=0.0))
+    assert bias_dps[-1] == 0.0
+    assert abs(yaw_deg[-1] - true_deg[-1]) == pytest.approx(24.0, abs=0.5)
+    assert sigma_deg[-1] == pytest.approx(0.5 * 60.0, rel=0.05)
+
+
+def test_its_certainty_is_right() -> None:
+    """Over sessions of their own noise, bias and motion, yaw is within two sigma about 95 % of the time."""
+    inside = []
+    for seed in range(40):
+        dice = np.random.default_rng(seed)
+        pieces = [
+            (float(dice.choice([0.0, 1.0]) * dice.normal(0.0, 30.0)), float(dice.uniform(2.0, 8.0))) for _ in range(40)
+        ]
+        true_dps = held((0.0, 5.0), *pieces)
+        bias_dps = dice.normal(0.0, 0.5) + np.cumsum(dice.normal(0.0, 0.0005 / 10.0, len(true_dps)))
+        t_s, rate_dps, true_deg = measured(true_dps, bias_dps, seed)
+        yaw_deg, sigma_deg, _ = estimates(t_s, rate_dps, RestlevelParams(scale_percent=0.0))
+        inside.append(np.mean(np.abs(yaw_deg - true_deg) <= 2.0 * sigma_deg + 1e-6))
+    assert 0.9 < np.mean(inside) < 0.9995
+
+
+def test_a_sensor_of_coarse_steps_is_at_rest_where_nothing_changes() -> None:
+    """Samples that are all alike show no noise at all; one step of the resolution is none either."""
+    t_s, rate_dps, true_deg = measured(held(*TURNS * 4), 0.33)
+    coarse_dps = np.round(rate_dps / 0.5) * 0.5
+    yaw_deg, *_ = estimates(t_s, coarse_dps, RestlevelParams())
+    assert isfinite(yaw_deg[-1])
+    assert np.abs(yaw_deg - true_deg).mean() < 0.3 * np.abs(np.cumsum(coarse_dps) / RATE_HZ - true_deg).mean()

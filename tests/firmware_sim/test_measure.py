@@ -1,0 +1,186 @@
+"""The whole bench: bias, noise, counts, range, encoder; the same from the same seed however it is cut into blocks."""
+
+from itertools import chain, islice
+
+import numpy as np
+import pytest
+from effects_bench import REST, Record, profile_of, record, rig_of
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_sim.measure import COUNTS_MOST, measure
+from firmware_sim.motion.profile import Profile, load_profile
+from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig
+
+NOISY = Rig(base=Base(noise_dps_rthz=0.02, bias_dps=0.3))
+IDEAL = Rig(base=Base(noise_dps_rthz=0.0))
+SAMPLES = 100_000
+
+Row = tuple[int, int, float, int, bool, int, int]
+
+
+@pytest.fixture(scope="module")
+def turntable() -> Profile:
+    return load_profile("turntable")
+
+
+def first_rows(count: int, rig: Rig, profile: Profile, seed: int = 0, block_samples: int = 4096) -> list[Row]:
+    blocks = measure(rig, profile, seed, block_samples=block_samples)
+    return list(islice(chain.from_iterable(block.rows() for block in blocks), count))
+
+
+def at_rest(base: Base) -> Record:
+    """A hundred thousand samples of a table that stands still."""
+    return record(rig_of(base=base), profile_of(*REST), SAMPLES / base.sample_rate_hz)
+
+
+def spinning(to_dps: float) -> Profile:
+    """From rest to a rate at constant acceleration within a second."""
+    return profile_of({"kind": "ramp", "seconds": 1.0, "to_dps": to_dps})
+
+
+def test_the_same_seed_gives_the_same_bytes(turntable: Profile) -> None:
+    """Two runs of one rig, profile and seed agree in every bit of every array."""
+    one, other = (list(islice(measure(NOISY, turntable, 7), 2)) for _ in range(2))
+    for left, right in zip(one, other, strict=True):
+        for name in left.__slots__:
+            assert getattr(left, name).tobytes() == getattr(right, name).tobytes()
+
+
+@given(st.integers(0, 2**63), st.integers(0, 2**63))
+def test_a_different_seed_gives_different_rates(turntable: Profile, seed: int, other: int) -> None:
+    """Runs with unequal seeds differ, and runs with equal seeds do not."""
+    left, right = (first_rows(50, NOISY, turntable, number, 50) for number in (seed, other))
+    assert (left == right) == (seed == other)
+
+
+def test_every_session_of_a_seed_has_its_own_noise(turntable: Profile) -> None:
+    """The number of the session is part of the dice."""
+    one, other = (next(measure(NOISY, turntable, 0, session)).rate_raw for session in (0, 1))
+    assert one.tolist() != other.tolist()
+
+
+@given(st.integers(1, 300))
+def test_the_size_of_the_blocks_makes_no_difference(turntable: Profile, block_samples: int) -> None:
+    """Blocks of one sample and of any other size hold the same measurements."""
+    assert first_rows(300, NOISY, turntable, 1, block_samples) == first_rows(300, NOISY, turntable, 1)
+
+
+def test_only_the_rate_is_random(turntable: Profile) -> None:
+    """Counter, clock, arrival, temperature and encoder do not depend on the seed."""
+    left, right = (first_rows(1000, NOISY, turntable, seed) for seed in (1, 2))
+    assert [row[:3] + row[4:] for row in left] == [row[:3] + row[4:] for row in right]
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 33.3, 100.0, 1000.0, 65535.0])
+def test_counter_clock_and_arrival_go_together(turntable: Profile, rate_hz: float) -> None:
+    """Sample n has number n and the time n over the sample rate; the host has it after its delay."""
+    rows = first_rows(500, Rig(base=Base(sample_rate_hz=rate_hz, host_delay_s=0.5)), turntable, block_samples=37)
+    assert [row[0] for row in rows] == list(range(500))
+    assert all(abs(row[1] - row[0] * 1e6 / rate_hz) <= 0.5001 for row in rows)
+    assert [row[2] for row in rows] == pytest.approx([n / rate_hz + 0.5 for n in range(500)])
+
+
+def test_the_clock_does_not_wrap_here(turntable: Profile) -> None:
+    """Wrapping is the wire's: the numbers of a long run go on beyond 16 and 32 bits."""
+    slow = Rig(base=Base(sample_rate_hz=1.0))
+    block = next(measure(slow, turntable, 0, block_samples=70_000))
+    assert (int(block.seq[-1]), int(block.t_device_us[-1])) == (69_999, 69_999_000_000)
+
+
+def test_an_ideal_rig_measures_the_motion(turntable: Profile) -> None:
+    """Without bias and noise, rate and encoder are the profile's to half a count."""
+    ideal = record(IDEAL, turntable, 80.0)
+    assert np.abs(ideal.error_dps).max() <= 0.00763 / 2.0 + 1e-9
+    assert np.abs(ideal.encoder_error_deg).max() <= 0.005 + 1e-9
+
+
+@pytest.mark.parametrize("bias_dps", [-2.0, 0.0, 0.35])
+def test_the_mean_at_rest_is_the_bias(bias_dps: float) -> None:
+    """Standing still, a noisy gyro gives its bias, to within five times the error of the mean."""
+    still = at_rest(Base(dps_per_lsb=1e-3, bias_dps=bias_dps))
+    assert abs(float(still.rate_dps.mean()) - bias_dps) < 5.0 * 0.005 * np.sqrt(100.0 / SAMPLES)
+
+
+@pytest.mark.parametrize("rate_hz", [10.0, 100.0, 1000.0])
+@pytest.mark.parametrize("noise_dps_rthz", [0.005, 0.02])
+def test_the_noise_has_the_density_of_the_rig(rate_hz: float, noise_dps_rthz: float) -> None:
+    """A sample scatters by density times the root of the sample rate; five standard errors are 1.1 %."""
+    still = at_rest(Base(sample_rate_hz=rate_hz, dps_per_lsb=1e-4, noise_dps_rthz=noise_dps_rthz))
+    assert float(still.rate_dps.std()) == pytest.approx(noise_dps_rthz * np.sqrt(rate_hz), rel=0.011)
+
+
+def test_the_noise_is_white() -> None:
+    """A sample knows nothing of the one before it."""
+    rate_dps = at_rest(Base(dps_per_lsb=1e-4)).rate_dps
+    assert abs(np.corrcoef(rate_dps[:-1], rate_dps[1:])[0, 1]) < 5.0 / np.sqrt(SAMPLES)
+
+
+@given(st.floats(-4000.0, 4000.0), st.floats(-50.0, 50.0))
+def test_without_noise_a_rate_becomes_the_nearest_count(to_dps: float, bias_dps: float) -> None:
+    """The count times the step is within half a step of rate plus bias."""
+    base = Base(dps_per_lsb=0.5, noise_dps_rthz=0.0, bias_dps=bias_dps)
+    climb = record(rig_of(base=base), spinning(to_dps), 1.0)
+    assert (np.abs(climb.error_dps - bias_dps) <= 0.25 * (1.0 + 1e-9)).all()
+
+
+def test_a_slowly_rising_rate_climbs_in_steps_of_one_count() -> None:
+    """The output of a fine ramp is a staircase of even steps."""
+    base = Base(sample_rate_hz=1000.0, dps_per_lsb=0.1, noise_dps_rthz=0.0)
+    steps, lengths = np.unique(np.rint(record(rig_of(base=base), spinning(1.0), 1.0).rate_dps * 10), return_counts=True)
+    assert steps.tolist() == list(range(11))
+    assert set(lengths[1:-1].tolist()) <= {99, 100, 101}
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_rate_out_of_range_is_clipped_and_says_so(sign: int) -> None:
+    """Both ends of the range are a true value; beyond them the end is given with a flag."""
+    base = Base(sample_rate_hz=1.0, dps_per_lsb=1e-3, noise_dps_rthz=0.0)
+    steps = [COUNTS_MOST - 1, COUNTS_MOST, COUNTS_MOST + 1, 10 * COUNTS_MOST]
+    motion = {"kind": "steps", "rates_dps": [sign * count * 1e-3 for count in steps]}
+    profile = profile_of(motion | {"ramp_seconds": 1.0, "hold_seconds": 1.0})
+    block = next(measure(rig_of(base=base), profile, 0, block_samples=8))
+    assert block.rate_raw[1::2].tolist() == [sign * min(count, COUNTS_MOST) for count in steps]
+    assert block.is_clipped[1::2].tolist() == [False, False, True, True]
+
+
+@given(st.floats(-4000.0, 4000.0), st.integers(1, ENCODER_CPR_MOST))
+def test_a_count_of_the_encoder_is_never_more_than_half_a_count_off(to_dps: float, cpr: int) -> None:
+    """Counts times 360 over the counts of a turn is the angle, to the resolution of the encoder."""
+    turn = record(rig_of(base=Base(encoder_cpr=cpr)), spinning(to_dps), 10.0)
+    assert np.abs(turn.encoder_error_deg).max() <= 180.0 / cpr + 1e-9
+
+
+def test_every_count_of_the_encoder_is_as_wide_as_the_others() -> None:
+    """There is no wider step at zero, as rounding towards zero would make one."""
+    there_and_back = {"kind": "steps", "rates_dps": [-10.0, 10.0, 10.0], "ramp_seconds": 0.1, "hold_seconds": 60.0}
+    turn = record(rig_of(base=Base(encoder_cpr=360)), profile_of(there_and_back), 180.0)
+    forward = turn.encoder_deg[(turn.t_s > 60.2) & (turn.t_s < 180.0)]
+    _, widths = np.unique(forward, return_counts=True)
+    assert set(widths[1:-1].tolist()) <= {9, 10, 11}
+
+
+def test_a_rig_without_encoder_measures_no_angle(turntable: Profile) -> None:
+    """Its counts are zeros all the way."""
+    assert {row[6] for row in first_rows(2000, Rig(base=Base(encoder_cpr=0)), turntable)} == {0}
+
+
+@pytest.mark.parametrize("powered_s", [0.0, 240.0, 1e5])
+def test_the_sensor_warms_itself_after_power_on(powered_s: float) -> None:
+    """It ends 8 °C above the air, and has 1/e of that left to go after four minutes."""
+    ambient = [{"at_s": 0.0, "temp_c": 20.0}]
+    temp_c = record(IDEAL, profile_of(*REST, powered_s=powered_s, ambient=ambient), 1.0).temp_c
+    assert temp_c[0] == pytest.approx(28.0 - 8.0 * np.exp(-powered_s / 240.0), abs=0.005)
+
+
+def test_the_sensor_follows_the_air() -> None:
+    """A warm sensor in air that gets 10 °C warmer gets 10 °C warmer, in hundredths of a degree."""
+    ambient = [{"at_s": 0.0, "temp_c": -10.0}, {"at_s": 50.0, "temp_c": 0.0}]
+    warm = record(IDEAL, profile_of(*REST, powered_s=1e5, ambient=ambient), 100.0)
+    assert warm.temp_c[[0, 2500, 5000, 9999]].tolist() == [-2.0, 3.0, 8.0, 8.0]
+
+
+def test_rows_are_plain_numbers(turntable: Profile) -> None:
+    """What goes to struct and to text is Python's own, in the order of the arrays."""
+    row = first_rows(1, IDEAL, turntable)[0]
+    assert [type(value) for value in row] == [int, int, float, int, bool, int, int]

@@ -1,0 +1,88 @@
+"""A page for a person: text stays text, and every part is whole HTML."""
+
+from page_support import parsed, row, words
+
+from gyrodrift.html.html import (
+    command_line,
+    facts,
+    figure,
+    header,
+    headings,
+    legend,
+    page,
+    panels,
+    paragraph,
+    section,
+    table,
+    text,
+    tile,
+    tiles,
+    warnings,
+)
+
+
+def test_text_is_escaped() -> None:
+    """Quotes too, since it may stand in an attribute."""
+    assert text("<a href='x'>&\"\n") == "&lt;a href=&#x27;x&#x27;&gt;&amp;&quot;\n"
+
+
+def test_what_no_page_may_hold_is_replaced() -> None:
+    """Control characters, halves of characters, and what is no character."""
+    assert text("red\x1b[31m \x00 \udc80 \ufffe") == "red\ufffd[31m \ufffd \ufffd \ufffd"
+
+
+def test_all_parts_together_are_a_page() -> None:
+    """Every element closed, in the order that they were given."""
+    body = [
+        header(
+            "a & b", "It <works>", warnings("First", ["one < two"]), tiles([tile("E", [("now", "1°"), ("then", "2°")])])
+        ),
+        section(
+            "Numbers",
+            paragraph("small", "note"),
+            figure(legend([("plain", "key", "plain")]), panels(["left", "right"], ["<svg></svg>"] * 2)),
+            facts([("Seed", "1")]),
+            command_line("gyrodrift tune <here>"),
+        ),
+    ]
+    said = words(page("A & B", body))
+    order = [
+        "a & b",
+        "It <works>",
+        "First",
+        "one < two",
+        "now",
+        "1°",
+        "then",
+        "2°",
+        "Numbers",
+        "small",
+        "plain",
+        "left",
+    ]
+    order += ["right", "Seed", "1", "gyrodrift tune <here>"]
+    at = -1
+    for part in order:
+        at = said.index(part, at + 1)
+
+
+def test_what_is_empty_leaves_no_mark() -> None:
+    """No box without warnings, no command without one, and no part of a section."""
+    assert warnings("First", []) == command_line("") == ""
+    assert section("Empty", "", "<p>x</p>", "") == "<section>\n<h2>Empty</h2>\n<p>x</p>\n</section>"
+
+
+def test_numbers_of_a_table_stand_to_the_right() -> None:
+    """Between the name of a row and the columns of words."""
+    head = headings(["name", "E", "NE", "meaning"], words=1)
+    html = page("T", [table("Caption", head, [["a", "1", "2", "long"]], ["mean", "1", "2", ""], words=1)])
+    assert row(html, "a") == ["a", "1", "2", "long"]
+    assert row(html, "mean") == ["mean", "1", "2", ""]
+    for cells in parsed(html).iter("tr"):
+        assert [cell.get("class") for cell in cells] == [None, "number", "number", None]
+
+
+def test_the_first_value_of_a_tile_is_large() -> None:
+    """The others are not."""
+    found = parsed(page("T", [tile("E", [("now", "1°"), ("then", "2°"), ("once", "3°")])])).iter("dd")
+    assert [value.get("class") for value in found] == ["main", None, None]

@@ -1,0 +1,223 @@
+"""The device clock: unwrapped, its holes measured, its restarts told from its glitches."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support import near
+
+from gyrodrift.link.clocks.clock import ClockRestart, Gap
+from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.sample import Reading, Sample
+
+WRAP = 1 << 32
+PERIOD_US = 10_000
+
+
+class Bench:
+    """A device that is read every sample, with a host clock that the test sets."""
+
+    def __init__(self, *, start_us: int = 0, has_counter: bool = True, now_s: float = 1000.0) -> None:
+        self.clock = DeviceClock(epoch_s=0.0)
+        self.ticks_us, self.count, self.now_s = start_us, 0, now_s
+        self.has_counter = has_counter
+
+    def read(self, samples: int = 1, *, step_us: int = PERIOD_US, host_s: float | None = None) -> list[Sample]:
+        out = []
+        for _ in range(samples):
+            reading = Reading(self.ticks_us % WRAP, self.count % 65536 if self.has_counter else None, 0.0)
+            out += self.clock.stamp([reading], self.now_s)
+            self.ticks_us += step_us
+            self.count += 1
+            self.now_s += step_us * 1e-6 if host_s is None else host_s
+        return out
+
+    def skip(self, samples: int, *, host_s: float | None = None) -> None:
+        self.ticks_us += samples * PERIOD_US
+        self.count += samples
+        self.now_s += samples * PERIOD_US * 1e-6 if host_s is None else host_s
+
+    def events(self) -> list[object]:
+        found, self.clock.events = list(self.clock.events), []
+        return list(found)
+
+
+def test_time_and_counter_are_unwrapped() -> None:
+    """Across the 71.6 minutes of 32 bits and the 65536 samples of 16."""
+    bench = Bench(start_us=WRAP - 500 * PERIOD_US)
+    bench.count = 65536 - 300
+    samples = bench.read(1000)
+    assert [s.t_device_s for s in samples] == [(WRAP - 500 * PERIOD_US + i * PERIOD_US) / 1e6 for i in range(1000)]
+    assert [s.seq for s in samples] == list(range(65236, 66236))
+    assert bench.events() == []
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+@given(st.integers(1, 5000), st.integers(10, 60))
+def test_a_hole_is_measured_and_time_stays_true(has_counter: bool, missing: int, before: int) -> None:  # noqa: FBT001
+    """With the counter, or by time where there is none."""
+    bench = Bench(has_counter=has_counter)
+    bench.read(before)
+    bench.skip(missing)
+    sample, *_ = bench.read(2)
+    assert bench.events() == [Gap(missing, near((missing + 1) * 0.01))]
+    assert sample.t_device_s == pytest.approx((before + missing) * 0.01)
+    assert sample.seq == before + missing
+
+
+def test_a_hole_longer_than_the_counter_is_counted_by_the_clock() -> None:
+    """Twenty minutes at 100 Hz are more than 16 bits."""
+    bench = Bench()
+    bench.read(200)
+    bench.skip(120_000)
+    bench.read()
+    assert bench.events() == [Gap(120_000, near(1200.01))]
+
+
+def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
+    """There the host clock is no witness."""
+    bench = Bench(has_counter=False)
+    for _ in range(300):
+        bench.read(host_s=1e-5)
+    bench.skip(1000, host_s=1e-5)
+    sample, _ = bench.read(2, host_s=1e-5)
+    assert sample.t_device_s == pytest.approx(13.0)
+    assert len(bench.events()) == 1
+
+
+@pytest.mark.parametrize("old_us", [50_000_000, WRAP - 60_000_000])
+@pytest.mark.parametrize("has_counter", [True, False])
+def test_a_reset_goes_on_one_period_after_the_last_sample(old_us: int, has_counter: bool) -> None:  # noqa: FBT001
+    """Whether the old clock was lower than the new one by less or by more than half a wrap; nothing is lost."""
+    bench = Bench(start_us=old_us, has_counter=has_counter)
+    last = bench.read(300)[-1]
+    bench.ticks_us, bench.count = 0, 0
+    bench.now_s += 2.5
+    after = bench.read(50)
+    assert [s.t_device_s for s in after] == pytest.approx([last.t_device_s + 0.01 * (i + 1) for i in range(50)])
+    assert [s.seq for s in after] == [last.seq + 1 + i for i in range(50)]
+    (event,) = bench.events()
+    assert isinstance(event, ClockRestart)
+    assert event.silent_s == pytest.approx(2.5, abs=0.05)
+
+
+def test_a_clock_step_forward_that_the_host_did_not_see_is_a_restart() -> None:
+    """A sample cannot arrive before it was taken."""
+    bench = Bench(has_counter=False)
+    last = bench.read(300)[-1]
+    bench.ticks_us += 30_000_000
+    after = bench.read(3)
+    assert after[-1].t_device_s - last.t_device_s == pytest.approx(0.03)
+    assert isinstance(bench.events()[0], ClockRestart)
+
+
+def test_a_single_wild_time_is_a_glitch() -> None:
+    """Dropped, and time goes on as if it had not been."""
+    bench = Bench()
+    bench.read(300)
+    wild = Reading(3_000_000_000, 300, 0.0)
+    assert bench.clock.stamp([wild], bench.now_s) == []
+    bench.skip(1)
+    samples = bench.read(5)
+    assert [s.t_device_s for s in samples] == pytest.approx([3.01 + 0.01 * i for i in range(5)])
+    assert bench.clock.glitches == 1
+
+
+def test_times_that_repeat_or_go_back_a_little_are_left_to_the_filter() -> None:
+    """They do not move the clock."""
+    bench = Bench()
+    bench.read(100)
+    repeated = Reading(bench.ticks_us - PERIOD_US, 99, 0.0)
+    earlier = Reading(bench.ticks_us - 3 * PERIOD_US, 97, 0.0)
+    times = [s.t_device_s for s in bench.clock.stamp([repeated, earlier], bench.now_s)]
+    assert times == pytest.approx([0.99, 0.97])
+    assert bench.read()[0].t_device_s == pytest.approx(1.0)
+    assert bench.events() == []
+
+
+def test_after_an_outage_a_clock_that_ran_on_keeps_its_true_time() -> None:
+    """The cable was pulled, the device was not."""
+    bench = Bench()
+    bench.read(500)
+    bench.clock.doubt()
+    bench.skip(6000)
+    sample, _ = bench.read(2)
+    assert sample.t_device_s == pytest.approx(65.0)
+    assert bench.events() == [Gap(6000, near(60.01))]
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+@pytest.mark.parametrize("step_us", [-900_000, -300_000, 900_000])
+def test_a_step_of_less_than_a_second_is_told_from_time_that_passed(has_counter: bool, step_us: int) -> None:  # noqa: FBT001
+    """The counter, or the host clock, knows that there was no such time."""
+    bench = Bench(has_counter=has_counter)
+    last = bench.read(300)[-1]
+    bench.ticks_us += step_us
+    after = bench.read(20)
+    assert [s.t_device_s for s in after] == pytest.approx([last.t_device_s + 0.01 * (i + 1) for i in range(20)])
+    assert [type(event) for event in bench.events()] == [ClockRestart]
+
+
+def test_a_fast_replay_believes_the_counter_and_not_a_clock_that_jumped() -> None:
+    """Where the host clock is no witness."""
+    bench = Bench()
+    for _ in range(300):
+        bench.read(host_s=1e-5)
+    bench.ticks_us += 30_000_000
+    after = bench.read(5, host_s=1e-5)
+    assert after[-1].t_device_s == pytest.approx(3.04)
+    assert [type(event) for event in bench.events()] == [ClockRestart]
+
+
+@pytest.mark.parametrize("wild_us", [-500_000, 400_000, 40_000_000])
+def test_one_damaged_time_without_a_counter_is_a_glitch(wild_us: int) -> None:
+    """As when a digit of a csv line is lost."""
+    bench = Bench(has_counter=False)
+    bench.read(300)
+    assert bench.clock.stamp([Reading(bench.ticks_us + wild_us, None, 0.0)], bench.now_s) == []
+    bench.skip(1)
+    assert bench.read(5)[0].t_device_s == pytest.approx(3.01)
+    assert bench.clock.glitches == 1
+
+
+@given(st.lists(st.integers(2_000, 60_000), min_size=5, max_size=200))
+def test_irregular_times_lose_nothing_but_perhaps_the_last(steps_us: list[int]) -> None:
+    """Without a counter, and in a fast replay: every step is as it was."""
+    bench = Bench(has_counter=False)
+    samples = [sample for step_us in steps_us for sample in bench.read(step_us=step_us, host_s=1e-5)]
+    times_us = [sum(steps_us[:i]) for i in range(len(steps_us))]
+    got_us = [round(sample.t_device_s * 1e6) for sample in samples]
+    assert got_us == times_us[: len(got_us)]
+    assert len(got_us) >= len(times_us) - 1
+
+
+def test_after_an_outage_a_clock_that_began_anew_is_not_taken_for_a_hole() -> None:
+    """Even where it reads more than before: it disagrees with how long the host waited."""
+    bench = Bench()
+    last = bench.read(500)[-1]
+    bench.clock.doubt()
+    bench.ticks_us, bench.count = 8_000_000, 800
+    bench.now_s += 60.0
+    samples = bench.read(5)
+    assert samples[0].t_device_s == pytest.approx(last.t_device_s + 0.01)
+    assert [type(event) for event in bench.events()] == [ClockRestart]
+
+
+def test_a_stall_that_ends_in_a_burst_moves_nothing() -> None:
+    """Late is not lost."""
+    bench = Bench()
+    bench.read(300)
+    bench.now_s += 4.0
+    late = bench.read(400, host_s=0.0)
+    assert late[-1].t_device_s == pytest.approx(6.99)
+    assert bench.read(50)[-1].t_device_s == pytest.approx(7.49)
+    assert bench.events() == []
+
+
+@pytest.mark.parametrize("ppm", [-8000.0, -50.0, 0.0, 50.0, 8000.0])
+def test_the_drift_of_the_device_clock_is_measured(ppm: float) -> None:
+    """To a part per million where arrival is exact."""
+    bench = Bench()
+    for _ in range(3000):
+        bench.read(host_s=0.01 / (1.0 + ppm * 1e-6))
+    assert bench.clock.drift_ppm == pytest.approx(ppm, abs=1.0)
+    assert bench.clock.period_s == pytest.approx(0.01)

@@ -1,0 +1,90 @@
+"""The csv protocol: what hobby sketches print, and what serial lines make of it."""
+
+from math import inf, isnan
+
+import pytest
+
+from gyrodrift.link.protocols.csv import CsvDecoder
+from gyrodrift.sample import Reading
+
+THREE = b"100,1.5\n10100,2.5\n20100,-3.5\n"
+
+
+def test_columns_are_time_rate_angle_and_temperature() -> None:
+    """The last two may be absent."""
+    readings = CsvDecoder().push(b"0,1,2.5,25.1\r\n10000,-1e-2,2.6,25.2\r\n20000,.5,2.7,nan\r\n")
+    assert readings[:2] == [Reading(0, None, 1.0, 2.5, 25.1), Reading(10000, None, -0.01, 2.6, 25.2)]
+    assert isnan(readings[2].temp_c)
+    assert isnan(CsvDecoder().push(THREE)[0].encoder_deg)
+
+
+def test_comments_banners_and_blank_lines_are_no_samples() -> None:
+    """A header counts as a line that does not parse, a comment as nothing."""
+    decoder = CsvDecoder()
+    assert len(decoder.push(b"# hello\n\n  \r\nt_us,rate_dps\n" + THREE)) == 3
+    assert (decoder.counters.frames, decoder.counters.damaged) == (3, 1)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"-5,1", b"30100,1,2,3,4", b"30100,0x10",
+     b"30100,1e9", b"30100,1.2.3", b"30100,--1", b"\xff\xfe,1", b"30100,1" + b" " * 300],
+)  # fmt: skip
+def test_a_line_that_does_not_parse_is_counted_and_skipped(line: bytes) -> None:
+    """Numbers as Python would forgive them are no numbers here."""
+    decoder = CsvDecoder()
+    decoder.push(THREE)
+    assert decoder.push(line + b"\n") == []
+    assert decoder.counters.damaged == 1
+    assert len(decoder.push(b"40100,1.5\n")) == 1
+
+
+def test_rates_that_are_not_finite_are_passed_on_for_the_filter_to_count() -> None:
+    """A sketch prints nan when its sensor does not answer."""
+    decoder = CsvDecoder()
+    decoder.push(THREE)
+    rates = [reading.rate_dps for reading in decoder.push(b"30100,nan\n40100,inf\n50100,-inf\n")]
+    assert isnan(rates[0])
+    assert rates[1:] == [inf, -inf]
+
+
+@pytest.mark.parametrize(
+    ("partial", "rest"),
+    [
+        (b"678,0.5\n", b"12355678,0.6\n12365678,0.7\n"),
+        (b"0.5,1.0\n", b"12355678,0.6,1.1\n12365678,0.7,1.2\n12375678,0.8,1.3\n"),
+        (b"5,1.0\n", b"12355678,0.6,1.1\n12365678,0.7,1.2\n"),
+        (b",0.5\n", b"12355678,0.6\n12365678,0.7\n12375678,0.8\n"),
+    ],
+)
+def test_the_shortened_line_at_which_a_reader_joins_is_no_sample(partial: bytes, rest: bytes) -> None:
+    """Even where it parses."""
+    decoder = CsvDecoder()
+    readings = decoder.push(partial + rest)
+    assert readings[0].t_us == 12355678
+    assert decoder.counters.damaged == 1
+    assert len(readings) == rest.count(b"\n")
+
+
+def test_a_first_line_that_is_whole_is_kept() -> None:
+    """Time may start at 0, and a slow device steps by more than a second."""
+    assert len(CsvDecoder().push(b"0,1\n2000000,1\n4000000,1\n")) == 3
+    assert len(CsvDecoder().push(THREE)) == 3
+
+
+def test_a_line_cut_short_or_merged_does_not_pass_for_a_sample() -> None:
+    """A device keeps its number of columns."""
+    decoder = CsvDecoder()
+    decoder.push(b"0,1,10\n10000,1,10\n20000,1,10\n")
+    assert decoder.push(b"30000,1\n40000,1,10\n") == [Reading(40000, None, 1.0, 10.0)]
+    assert decoder.push(b"50000,1,1060000,1,10\n70000,1,10\n") == [Reading(70000, None, 1.0, 10.0)]
+    assert decoder.counters.damaged == 2
+
+
+def test_a_device_that_changes_its_columns_for_good_is_followed() -> None:
+    """After three lines, and without losing them."""
+    decoder = CsvDecoder()
+    decoder.push(THREE)
+    assert decoder.push(b"30100,1,5\n40100,1,5\n") == []
+    assert [reading.t_us for reading in decoder.push(b"50100,1,5\n")] == [30100, 40100, 50100]
+    assert decoder.counters.damaged == 0

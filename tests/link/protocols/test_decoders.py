@@ -1,0 +1,130 @@
+"""What holds for every decoder: any split, any damage, any noise."""
+
+import tracemalloc
+from collections.abc import Callable, Iterator
+from itertools import islice, pairwise
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from firmware_sim import wire
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Base, Rig
+from gyrodrift.link.protocols.csv import CsvDecoder
+from gyrodrift.link.protocols.decoder import Decoder
+from gyrodrift.link.protocols.detect import DECODERS, decoder_for
+from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.link.protocols.witmotion import WitmotionDecoder
+from gyrodrift.sample import Reading
+
+RIG = Rig(base=Base(bias_dps=0.3))
+
+
+def frames(protocol: str, count: int) -> list[bytes]:
+    """What the simulated device says, one frame, line or triple a measurement."""
+    spoken = wire.PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), seed=3), RIG.base)
+    return [frame.content for frame in islice(spoken, count)]
+
+
+STREAMS = {protocol: frames(protocol, 150) for protocol in DECODERS}
+ONE_PUSH = {protocol: decoder_for(protocol).push(b"".join(stream)) for protocol, stream in STREAMS.items()}
+
+
+def pieces(stream: bytes, cuts: list[int]) -> Iterator[bytes]:
+    places = [0, *sorted(cut % (len(stream) + 1) for cut in cuts), len(stream)]
+    return (stream[start:end] for start, end in pairwise(places))
+
+
+def pushed(decoder: Decoder, chunks: Iterator[bytes]) -> list[str]:
+    """Readings as text, in which NaN equals NaN."""
+    return [repr(reading) for chunk in chunks for reading in decoder.push(chunk)]
+
+
+protocols = st.sampled_from(sorted(DECODERS))
+cuts = st.lists(st.integers(0, 1 << 20), max_size=40)
+
+
+@pytest.mark.parametrize("protocol", DECODERS)
+def test_everything_the_device_says_is_read(protocol: str) -> None:
+    """None missing, none invented."""
+    expected = sum(1 for frame in STREAMS[protocol] if not frame.startswith(b"#")) - (protocol == "native") * 2
+    assert len(ONE_PUSH[protocol]) == expected
+
+
+@given(protocols, cuts)
+def test_any_split_of_the_stream_gives_the_same_readings(protocol: str, cuts: list[int]) -> None:
+    """Down to single bytes."""
+    split = pushed(decoder_for(protocol), pieces(b"".join(STREAMS[protocol]), cuts))
+    assert split == [repr(reading) for reading in ONE_PUSH[protocol]]
+
+
+@given(protocols, cuts, st.lists(st.tuples(st.integers(0, 1 << 20), st.binary(max_size=30)), max_size=8))
+def test_any_split_of_a_damaged_stream_gives_the_same_readings_and_counts(
+    protocol: str, cuts: list[int], damage: list[tuple[int, bytes]]
+) -> None:
+    """Damage is bytes written over others, at any place."""
+    stream = bytearray(b"".join(STREAMS[protocol]))
+    for place, junk in damage:
+        start = place % len(stream)
+        stream[start : start + len(junk)] = junk
+    whole, split = decoder_for(protocol), decoder_for(protocol)
+    assert pushed(whole, iter([bytes(stream)])) == pushed(split, pieces(bytes(stream), cuts))
+    assert whole.counters == split.counters
+
+
+@given(protocols, st.integers(20, 120), st.integers(0, 200), st.integers(1, 255))
+def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
+    protocol: str, index: int, place: int, flip: int
+) -> None:
+    """And the stream is read on behind it."""
+    stream = list(STREAMS[protocol])
+    broken = bytearray(stream[index])
+    broken[place % len(broken)] ^= flip
+    readings = decoder_for(protocol).push(b"".join([*stream[:index], bytes(broken), *stream[index + 1 :]]))
+    assert len(readings) >= len(ONE_PUSH[protocol]) - 2
+    assert readings[-20:] == ONE_PUSH[protocol][-20:] or protocol == "witmotion"
+    assert [reading.rate_dps for reading in readings[-20:]] == [r.rate_dps for r in ONE_PUSH[protocol][-20:]]
+
+
+@given(protocols, st.binary(max_size=2000))
+@settings(max_examples=300)
+def test_noise_is_never_more_than_counted(protocol: str, noise: bytes) -> None:
+    """No exception, whatever comes."""
+    decoder = decoder_for(protocol)
+    decoder.push(noise)
+    assert decoder.counters.damaged >= 0
+
+
+@pytest.mark.parametrize("protocol", DECODERS)
+def test_after_a_hundred_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> None:
+    """In bounded memory; half the noise has no line end and no zero."""
+    random = Random(5)
+    decoder = decoder_for(protocol)
+    decoder.push(b"".join(STREAMS[protocol][:5]))
+    any_byte = random.randbytes(1 << 20)
+    no_end = bytes(byte or 1 for byte in any_byte.replace(b"\n", b"x"))
+    tracemalloc.start()
+    for _ in range(50):
+        decoder.push(any_byte)
+        decoder.push(no_end)
+    kept_bytes, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert kept_bytes < 100_000
+    readings = decoder.push(b"".join(STREAMS[protocol][5:25]))
+    assert len(readings) >= 20 - 2
+    assert decoder.counters.damaged > 0
+
+
+@pytest.mark.parametrize("make", [NativeDecoder, CsvDecoder, WitmotionDecoder])
+def test_half_a_frame_at_the_end_waits_for_its_other_half(make: Callable[[], Decoder]) -> None:
+    """And is no damage."""
+    decoder = make()
+    *whole, last = STREAMS[decoder.name]
+    before = len(decoder.push(b"".join(whole) + last[:5]))
+    after = decoder.push(last[5:])
+    assert (before + 1, len(after)) == (len(ONE_PUSH[decoder.name]), 1)
+    assert decoder.counters.damaged == 0
+    assert isinstance(after[0], Reading)

@@ -1,0 +1,56 @@
+"""Which protocol is it: decided from the bytes, with nothing lost on the way."""
+
+from random import Random
+
+import pytest
+
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Rig
+from firmware_sim.wire import PROTOCOLS
+from gyrodrift.errors import UsageError
+from gyrodrift.link.protocols.detect import Detector, decoder_for
+
+RIG = Rig()
+
+
+def spoken(protocol: str, count: int) -> list[bytes]:
+    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    return [next(frames).content for _ in range(count)]
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("start", [0, 7, 33])
+def test_a_protocol_is_found_wherever_the_reader_joins(protocol: str, start: int) -> None:
+    """In the middle of a frame too, and within five frames."""
+    stream = b"".join(spoken(protocol, 40))[start:]
+    detector = Detector()
+    for end in range(1, len(stream)):
+        found = detector.push(stream[end - 1 : end])
+        if found is not None:
+            break
+    assert found is not None
+    decoder, readings = found
+    assert decoder.name == protocol
+    rest = decoder.push(stream[end:])
+    assert [repr(r) for r in readings + rest] == [repr(r) for r in decoder_for(protocol).push(stream)]
+
+
+def test_noise_is_no_protocol() -> None:
+    """Ten megabytes of it."""
+    detector, random = Detector(), Random(1)
+    assert all(detector.push(random.randbytes(1 << 16)) is None for _ in range(160))
+
+
+def test_readings_are_not_kept_of_protocols_that_do_not_win() -> None:
+    """What the winner read before it was sure is all there."""
+    stream = spoken("csv", 12)
+    found = Detector().push(b"\x55\x52\x00garbage\n" + b"".join(stream))
+    assert found is not None
+    assert len(found[1]) == 11
+
+
+def test_an_unknown_protocol_is_named_with_those_there_are() -> None:
+    """The message a person needs."""
+    with pytest.raises(UsageError, match="unknown protocol 'nmea'; known are auto, native, csv, witmotion"):
+        decoder_for("nmea")

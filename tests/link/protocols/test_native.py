@@ -1,0 +1,76 @@
+"""The native protocol, from frames worked out by hand."""
+
+from math import isnan
+
+import golden_frames as golden
+import pytest
+from golden_frames import NativeSample
+from support import near
+
+from firmware_sim.wire import native_frame
+from gyrodrift.link.protocols.decoder import DeviceFacts
+from gyrodrift.link.protocols.native import NativeDecoder
+
+LSB = 0.007629999890923500
+"""0.00763 as the nearest 32-bit float."""
+
+
+def test_hello_tells_the_facts() -> None:
+    """Of the device and its scale."""
+    decoder = NativeDecoder()
+    assert decoder.push(golden.HELLO) == []
+    assert decoder.facts == DeviceFacts("firmware_sim", 100.0, near(LSB), 36000)
+
+
+@pytest.mark.parametrize("sample", golden.SAMPLES)
+def test_a_golden_sample_is_read_field_by_field(sample: NativeSample) -> None:
+    """Rates by the scale of HELLO, the rest by the flags."""
+    decoder = NativeDecoder()
+    (reading,) = decoder.push(golden.HELLO + golden.SAMPLES[sample])
+    assert (reading.t_us, reading.seq) == (sample.t_us, sample.seq)
+    assert reading.rate_dps == pytest.approx(sample.rate_raw * LSB, rel=1e-12)
+    assert decoder.counters.clipped == (sample.flags >> 2 & 1)
+    if sample.flags & 1:
+        assert reading.encoder_deg == pytest.approx(sample.encoder_counts * 0.01)
+        assert reading.temp_c == sample.temp_centi_c / 100
+    else:
+        assert isnan(reading.encoder_deg)
+        assert isnan(reading.temp_c)
+
+
+def test_samples_before_hello_are_dropped_and_counted() -> None:
+    """Their scale would be a guess."""
+    decoder = NativeDecoder()
+    frames = b"".join(golden.SAMPLES.values())
+    assert decoder.push(frames) == []
+    assert decoder.counters.before_hello == len(golden.SAMPLES)
+    assert len(decoder.push(golden.HELLO + frames)) == len(golden.SAMPLES)
+
+
+@pytest.mark.parametrize(
+    ("frame", "damaged", "other"),
+    [
+        (native_frame(b""), 1, 0),
+        (native_frame(b"\x02\x00"), 0, 1),
+        (native_frame(b"\x07 something newer"), 0, 1),
+        (b"\x05\x01\x02\x00", 1, 0),
+        (b"\x01" * 200 + b"\x00", 1, 0),
+        (b"\x00\x00\x00", 0, 0),
+        (golden.HELLO[:-6] + b"\x00", 1, 0),
+    ],
+    ids=["no payload", "sample too short", "unknown type", "bad stuffing", "too long", "only zeros", "truncated"],
+)
+def test_what_is_not_a_frame_we_know_is_counted(frame: bytes, damaged: int, other: int) -> None:
+    """As damaged, or as good but of no use."""
+    decoder = NativeDecoder()
+    assert decoder.push(frame) == []
+    assert (decoder.counters.damaged, decoder.counters.other) == (damaged, other)
+
+
+def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None:
+    """A later protocol may mean something else by its fields."""
+    decoder = NativeDecoder()
+    body = b"\x00d\x00\x00\x00\x00\x00" + b"\x00" * 20
+    decoder.push(native_frame(b"\x01\x02" + body[1:]) + native_frame(b"\x01\x01" + body[1:]))
+    assert decoder.facts == DeviceFacts()
+    assert decoder.push(next(iter(golden.SAMPLES.values()))) == []

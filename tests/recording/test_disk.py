@@ -1,0 +1,229 @@
+"""The file that is written by a thread: whoever hands it bytes never waits, and learns what went wrong."""
+
+import fcntl
+import os
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import PATIENCE_S
+
+from gyrodrift.recording import disk
+from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.session.mcap.interrupted import lock
+
+
+def until(is_done: Callable[[], bool]) -> None:
+    """Wait for the thread, for as long as a test has patience."""
+    waiting = threading.Event()
+    for _ in range(round(PATIENCE_S / 0.01)):
+        if is_done():
+            return
+        waiting.wait(0.01)
+    raise AssertionError("it never happened")
+
+
+def test_what_is_handed_over_is_in_the_file_before_it_is_closed(tmp_path: Path) -> None:
+    """So that a kill loses none of it."""
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    file.write(b"def")
+    until(lambda: (tmp_path / "f").read_bytes() == b"abcdef")
+    file.finish()
+    file.join()
+    assert file.is_finished
+
+
+def test_it_is_synced_every_few_seconds_and_at_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Never later than five seconds after it was handed over, also where nothing more comes."""
+    assert disk.SYNC_S + disk.LOOK_S < 5.0
+    synced: list[int] = []
+    monkeypatch.setattr(os, "fsync", lambda fd: synced.append(os.fstat(fd).st_size))
+    monkeypatch.setattr(disk, "SYNC_S", 0.02)
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    file.write(b"x" * 10)
+    until(lambda: 10 in synced)
+    before = len(synced)
+    file.write(b"x" * 5)
+    file.finish()
+    file.join()
+    assert synced[before:][-1] == 15
+
+
+def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
+    """Somebody's recording."""
+    (tmp_path / "f").write_bytes(b"precious")
+    with pytest.raises(FileExistsError):
+        DiskFile(tmp_path / "f")
+    assert (tmp_path / "f").read_bytes() == b"precious"
+
+
+def test_nobody_else_takes_it_for_an_interrupted_one(tmp_path: Path) -> None:
+    """It is locked while it is written."""
+    file = DiskFile(tmp_path / "f")
+    with (tmp_path / "f").open("rb") as other, pytest.raises(Exception, match="is being written"):
+        lock(tmp_path / "f", other)
+    file.finish()
+    file.join()
+
+
+class SlowFile:
+    """A file whose disk hangs until it is let go."""
+
+    def __init__(self, file: Any, go_on: threading.Event) -> None:
+        self._file, self._go_on = file, go_on
+
+    def write(self, content: bytes) -> int:
+        self._go_on.wait(PATIENCE_S)
+        return int(self._file.write(content[:3]))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+
+def test_a_disk_that_hangs_keeps_nobody_waiting_up_to_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then it is told; what was taken is written when the disk goes on, in pieces of whatever size it takes."""
+    monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 100)
+    go_on = threading.Event()
+    file = DiskFile(tmp_path / "f")
+    file._file = SlowFile(file._file, go_on)  # type: ignore[assignment]  # as far as it is used
+    for _ in range(6):
+        file.write(b"0123456789" * 2)
+    with pytest.raises(RecordingError, match="the disk is too slow"):
+        file.write(b"x")
+    go_on.set()
+    file.finish()
+    file.join()
+    assert (tmp_path / "f").read_bytes() == b"0123456789" * 12
+
+
+def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) -> None:
+    """With the reason of the system."""
+    file = DiskFile(tmp_path / "f")
+    file.write(b"good")
+    until(lambda: (tmp_path / "f").stat().st_size == 4)
+    real = file._file
+    file._file = Path("/dev/full").open("wb", buffering=0)  # noqa: SIM115 - it closes what it writes to
+    file.write(b"bad")
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="No space left on device; 4 bytes of it are written"):
+        file.write(b"more")
+    with pytest.raises(RecordingError, match="No space left"):
+        file.join()
+    real.close()
+    assert (tmp_path / "f").read_bytes() == b"good"
+
+
+@pytest.mark.parametrize("is_folder_gone", [False, True])
+def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, is_folder_gone: bool) -> None:
+    """Its folder too."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    path = tmp_path / "out" / "f"
+    path.parent.mkdir()
+    file = DiskFile(path)
+    file.write(b"all of it")
+    until(lambda: path.stat().st_size == 9)
+    path.unlink()
+    if is_folder_gone:
+        path.parent.rmdir()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
+        file.join()
+    assert path.read_bytes() == b"all of it"
+
+
+def test_who_makes_a_file_does_not_wait_for_the_folder_to_be_synced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That can take seconds on a card, and samples keep coming."""
+    go_on, synced = threading.Event(), threading.Event()
+
+    def slow(fd: int) -> None:
+        go_on.wait(PATIENCE_S)
+        synced.set()
+
+    monkeypatch.setattr(os, "fsync", slow)
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    assert not synced.is_set()
+    go_on.set()
+    file.finish()
+    file.join()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+
+
+def test_the_name_of_a_new_file_is_synced_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file without a name is lost in a power cut, however well its bytes were synced."""
+    synced: list[str] = []
+    monkeypatch.setattr(os, "fsync", lambda fd: synced.append(str(Path(f"/proc/self/fd/{fd}").readlink())))
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    file.finish()
+    file.join()
+    assert synced == [str(tmp_path), str(tmp_path / "f")]
+
+
+def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking for interrupted files locks each for a moment, also one that is just being made."""
+    real, looks = fcntl.flock, []
+
+    def looked_at(file: Any, how: int) -> None:
+        other = (tmp_path / "f").open("rb")
+        real(other, fcntl.LOCK_EX)
+        looks.append(threading.Timer(0.05, other.close))
+        looks[0].start()
+        real(file, how)
+
+    monkeypatch.setattr(fcntl, "flock", looked_at)
+    file = DiskFile(tmp_path / "f")
+    file.write(b"abc")
+    file.finish()
+    file.join()
+    looks[0].join()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+
+
+def test_a_failure_is_told_to_who_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With nothing to write; before it, asking is silent."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    file.check()
+    (tmp_path / "f").unlink()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="was removed"):
+        file.check()
+
+
+def test_a_removed_file_is_put_back_with_what_was_still_waiting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All that was handed over until then."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    go_on = threading.Event()
+    file = DiskFile(tmp_path / "f")
+    file._file = SlowFile(file._file, go_on)  # type: ignore[assignment]  # as far as it is used
+    for _ in range(5):
+        file.write(b"0123456789")
+    (tmp_path / "f").unlink()
+    go_on.set()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="it was put back"):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"0123456789" * 5
+
+
+def test_a_file_whose_name_was_taken_meanwhile_is_told_and_nothing_is_written_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody else's file stands there now."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    (tmp_path / "g").write_bytes(b"another's")
+    (tmp_path / "g").replace(tmp_path / "f")
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="was removed while it was being written, and could not be put back: File"):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"another's"

@@ -1,0 +1,177 @@
+"""A real `record` killed at random moments: what was older than a second is in the file, and the file can be mended."""
+
+import signal
+import time
+from pathlib import Path
+from random import Random
+
+import pytest
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.stream_reader import StreamReader
+from support import Command, are_recorded, never, speaking_on
+
+from firmware_sim.pty import PtyDevice
+from gyrodrift.cli import main
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.session.mcap.repair import repair
+
+KILLS = 60
+AT_ONCE = 6
+PERIOD_US = 500
+FLUSHED_S = 1.0
+
+
+class Speaker:
+    """A device on a pty that says numbered lines in real time, and remembers when which was said."""
+
+    def __init__(self, device: PtyDevice) -> None:
+        self.device = device
+        self.said: list[bytes] = []
+        self.times_s: list[float] = []
+
+    def speak(self, seconds: float) -> None:
+        """Say what is due since the last time."""
+        for _ in range(max(1, round(seconds * 1e6 / PERIOD_US))):
+            line = b"%d,%d.5\n" % (len(self.said) * PERIOD_US, len(self.said) % 100)
+            if self.device.send(line):
+                self.said.append(line)
+                self.times_s.append(time.monotonic())
+
+    def said_before(self, moment_s: float) -> int:
+        """How many lines had been said by then."""
+        return sum(said_s <= moment_s for said_s in self.times_s)
+
+
+def killed(folder: Path, moments_s: list[float], *options: str) -> list[tuple[Path, int, int]]:
+    """Several recordings side by side, each killed at its moment: folder, lines said, and those said in good time."""
+    from contextlib import ExitStack  # noqa: PLC0415 - of this one test
+
+    found = []
+    with ExitStack() as stack:
+        ports = [folder / f"gyro{number}" for number in range(len(moments_s))]
+        speakers = [Speaker(stack.enter_context(speaking_on(port))) for port in ports]
+        running = [
+            stack.enter_context(Command("record", "--port", port, "--out", folder / f"{port.name}-out", *options))
+            for port in ports
+        ]
+        for speaker in speakers:
+            speaker.device.wait_for_reader(never)
+        left = dict(enumerate(moments_s))
+        begun_s = last_s = time.monotonic()
+        while left:
+            now_s = time.monotonic()
+            for number in left:
+                speakers[number].speak(now_s - last_s)
+            last_s = now_s
+            for number in [number for number, moment_s in left.items() if now_s - begun_s >= moment_s]:
+                running[number].process.send_signal(signal.SIGKILL)
+                running[number].process.wait()
+                del left[number]
+                in_time = speakers[number].said_before(time.monotonic() - FLUSHED_S)
+                found.append((folder / f"gyro{number}-out", len(speakers[number].said), in_time))
+            time.sleep(0.002)  # a device has its own pace
+    return found
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("options", [(), ("--raw",)], ids=["samples", "with raw bytes"])
+def test_what_is_older_than_a_second_survives_a_kill(
+    tmp_path: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At many random moments; what is there is gap-free, and closed files are accepted by the public reader."""
+    random = Random(len(options))
+    kept_in_all = in_time_in_all = 0
+    for batch in range(KILLS // AT_ONCE // 2):
+        folder = tmp_path / str(batch)
+        folder.mkdir()
+        for out, said, in_time in killed(folder, [random.uniform(0.8, 3.0) for _ in range(AT_ONCE)], *options):
+            paths = list(out.glob("*.mcap")) if out.is_dir() else []
+            assert paths or not in_time
+            for path in paths:
+                kept = samples_in(path) if path.stat().st_size else 0
+                assert in_time <= kept <= said
+                kept_in_all += kept
+                in_time_in_all += in_time
+                if kept:
+                    check_mended(path, kept)
+    assert in_time_in_all > 0
+    with capsys.disabled():
+        print(f" [{KILLS // 2} kills, {kept_in_all} samples kept, {in_time_in_all} had to be]", end="")
+
+
+def samples_in(path: Path) -> int:
+    """How many, after a look that they are the first ones of those that were said."""
+    session = read_mcap(path)
+    count = len(session.rate_dps)
+    assert session.t_device_s.tolist() == [number * PERIOD_US / 1e6 for number in range(count)]
+    assert session.rate_dps.tolist() == [number % 100 + 0.5 for number in range(count)]
+    return count
+
+
+def check_mended(path: Path, count: int) -> None:
+    """After a repair the public reader finds the same, with its checksums."""
+    assert repair(path) is not None
+    check_closed(path, count)
+    assert samples_in(path) == count
+    assert repair(path) is None
+
+
+def check_closed(path: Path, count: int) -> None:
+    """What the public readers find is what was kept, statistics and metadata included."""
+    with path.open("rb") as file:
+        assert type(list(StreamReader(file, validate_crcs=True).records)[-1]).__name__ == "Footer"
+    with path.open("rb") as file:
+        streamed = NonSeekingReader(file, True)
+        assert sum(1 for _ in streamed.iter_messages(["/gyro"])) == count
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        times = [message.log_time for _, _, message in reader.iter_messages()]
+        assert sum(1 for _ in reader.iter_messages(["/gyro"])) == count
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        assert summary.statistics.message_count == len(times)
+        assert (summary.statistics.message_start_time, summary.statistics.message_end_time) == (min(times), max(times))
+        assert {channel.topic for channel in summary.channels.values()} <= {"/gyro", "/link", "/raw"}
+        tables = {table.name: table.metadata for table in reader.iter_metadata()}
+    assert tables["recording"]["protocol"] == "csv"
+
+
+def test_the_next_recording_into_the_folder_closes_what_was_killed(tmp_path: Path) -> None:
+    """And says so."""
+    ((out, _, _),) = killed(tmp_path, [2.0])
+    (first,) = out.glob("*.mcap")
+    count = samples_in(first)
+    port = tmp_path / "again"
+    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--duration", "0.05") as record:
+        device.wait_for_reader(never)
+        device.send_all(b"".join(b"%d,0.5\n" % (i * 1000) for i in range(200)), never)
+        assert record.end() == 0
+    assert "event=repaired" in record.log
+    assert f"samples={count}" in record.log
+    check_closed(first, count)
+    assert samples_in(first) == count
+    assert len(list(out.glob("*.mcap"))) == 2
+    assert main(["repair", str(out)]) == 0
+
+
+def test_raw_bytes_of_a_killed_recording_are_what_was_said(tmp_path: Path) -> None:
+    """Byte for byte, as far as they go."""
+    port = tmp_path / "gyro"
+    lines = b"".join(b"%d,0.5\n" % (i * 1000) for i in range(3000))
+    with (
+        speaking_on(port) as device,
+        Command("record", "--port", port, "--out", tmp_path / "out", "--raw") as record,
+    ):
+        device.wait_for_reader(never)
+        device.send_all(lines, never)
+        device.drain()
+        record.until(lambda _: are_recorded(2990, tmp_path / "out", len(lines)), "samples and bytes on disk")
+        record.process.kill()
+    (path,) = (tmp_path / "out").glob("*.mcap")
+    kept = b"".join(read.content for read in read_raw(path))
+    assert kept
+    assert lines.startswith(kept)
+    assert repair(path) is not None
+    assert b"".join(read.content for read in read_raw(path)) == kept

@@ -1,0 +1,167 @@
+"""The line that says how a recording goes."""
+
+import fcntl
+import io
+import os
+import pty
+import select
+import struct
+import termios
+import tty
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TextIO, cast
+
+import pytest
+
+from gyrodrift.link.link import Link
+from gyrodrift.recording import live_line
+from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
+from gyrodrift.recording.recorder import Recorder
+
+QUIET_S = 0.2
+
+
+class Going:
+    """A recording that is going on, as far as the line looks at it."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.link = SimpleNamespace(name="/dev/gyro", counters=SimpleNamespace(gaps=0), decoder=None)
+        self.recorder = SimpleNamespace(samples=0, size_bytes=0, options=SimpleNamespace(folder=Path("/")))
+        self.line = LiveLine(cast("Link", self.link), cast("Recorder", self.recorder), stream)
+
+    def go_on(self, now_s: float, samples: int, size_bytes: int) -> str:
+        self.recorder.samples, self.recorder.size_bytes = samples, size_bytes
+        self.line.do_chores(now_s)
+        return self.line.text(now_s)
+
+
+@pytest.fixture(autouse=True)
+def disk_left(monkeypatch: pytest.MonkeyPatch) -> dict[str, int | None]:
+    """A disk with 36 GB left, unless a test says otherwise."""
+    left: dict[str, int | None] = {"bytes": 36_000_000_000}
+    monkeypatch.setattr(live_line, "disk_left_bytes", lambda _folder: left["bytes"])
+    return left
+
+
+class Terminal:
+    """A pty with so many columns, and a text stream on it."""
+
+    def __init__(self, columns: int) -> None:
+        self.master, slave = pty.openpty()
+        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("4H", 24, columns, 0, 0))
+        tty.setraw(slave)
+        self.stream = os.fdopen(slave, "w")
+
+    def hang_up(self) -> None:
+        os.close(self.master)
+        self.master = -1
+
+    def shown(self) -> str:
+        """All that has come; a pty hands on what is written in its own time."""
+        found = os.read(self.master, 1 << 16)
+        while select.select([self.master], [], [], QUIET_S)[0]:
+            found += os.read(self.master, 1 << 16)
+        return found.decode()
+
+    def close(self) -> None:
+        with suppress(OSError):  # what a dead terminal did not take
+            self.stream.close()
+        if self.master >= 0:
+            self.hang_up()
+
+
+@pytest.fixture
+def terminal() -> Iterator[Terminal]:
+    terminal = Terminal(80)
+    yield terminal
+    terminal.close()
+
+
+def test_it_waits_until_samples_come() -> None:
+    """And says on which port."""
+    assert Going(io.StringIO()).go_on(5.0, 0, 400) == "waiting for samples on /dev/gyro"
+
+
+def test_it_tells_time_rate_gaps_damage_size_and_how_long_the_disk_will_do() -> None:
+    """The rate over the last two seconds or so, the time since the first sample."""
+    going = Going(io.StringIO())
+    going.go_on(10.0, 100, 1_000_000)
+    going.link.counters.gaps = 2
+    going.link.decoder = SimpleNamespace(counters=SimpleNamespace(damaged=7))
+    said = going.go_on(12.0, 300, 3_000_000)
+    assert said == "0:00:02   100.0 Hz   300 samples   2 gaps   7 damaged   3.0 MB   36.0 GB left for 10 h"
+
+
+def test_the_rate_is_that_of_the_last_moments() -> None:
+    """Not of all the time: a device that slows down shows at once."""
+    going = Going(io.StringIO())
+    for chore in range(40):
+        going.go_on(chore * 0.25, chore * 250, chore * 20_000)
+    for chore in range(9):
+        said = going.go_on(10.0 + chore * 0.25, 10_000 + chore * 25, 800_000 + chore * 2000)
+    assert " 100.0 Hz " in said
+
+
+@pytest.mark.parametrize(
+    ("left", "size_bytes", "said"),
+    [
+        (None, 1_000_000, "disk gone"),
+        (36_000_000_000, 0, "36.0 GB left"),
+        (36_000_000_000, 100_000, "36.0 GB left for 4 days"),
+        (0, 100_000, "0.0 GB left for 0 h"),
+    ],
+)
+def test_the_disk_is_told_in_words_for_a_person(
+    disk_left: dict[str, int | None], left: int | None, size_bytes: int, said: str
+) -> None:
+    """Hours up to three days; nothing where nothing is written."""
+    disk_left["bytes"] = left
+    going = Going(io.StringIO())
+    going.go_on(0.0, 1, 0)
+    assert going.go_on(1.0, 101, size_bytes).endswith(f"   {said}")
+
+
+def test_it_is_written_over_and_over_and_gone_at_the_end() -> None:
+    """Never a line end."""
+    stream = io.StringIO()
+    going = Going(stream)
+    said = [going.go_on(float(second), second, second) for second in range(3)]
+    going.line.close()
+    assert stream.getvalue() == "".join(CLEAR + text for text in [*said, ""])
+
+
+def test_it_never_wraps(terminal: Terminal) -> None:
+    """A line that wraps would not be cleared, and fill the terminal four times a second."""
+    going = Going(terminal.stream)
+    going.go_on(0.0, 1_000_000, 83_000_000)
+    said = going.go_on(0.25, 1_000_250, 83_020_750)
+    assert len(said) > 80
+    assert terminal.shown().split(CLEAR)[-1] == said[:79]
+
+
+def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) -> None:
+    """Neither by the line nor by the log above it."""
+    going = Going(terminal.stream)
+    going.go_on(0.0, 1, 1)
+    terminal.hang_up()
+    going.go_on(0.25, 2, 2)
+    log = AboveLine(terminal.stream)
+    print("level=info", file=log, flush=True)
+    going.line.close()
+
+
+def test_the_log_clears_the_line_and_ends_its_own() -> None:
+    """So that neither stands in the other."""
+    stream = io.StringIO()
+    print("level=info event=gap", file=AboveLine(stream), flush=True)
+    assert stream.getvalue() == f"{CLEAR}level=info event=gap\n"
+
+
+def test_it_takes_nothing_and_has_nothing_for_the_log() -> None:
+    """The counters tell."""
+    line = Going(io.StringIO()).line
+    line.take([])
+    assert line.stats() == {}

@@ -1,0 +1,188 @@
+"""A recorder in one process: its files, their names, and what it makes of a disk that fails."""
+
+import errno
+import json
+import threading
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+from disk_support import fill, small_disk
+from mcap.reader import make_reader
+from support import PATIENCE_S, speaking_on
+
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.recording import disk, recorder
+from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.recording.names import recording_path
+from gyrodrift.recording.recorder import Recorder, RecordOptions
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.read import read_mcap
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Iterator[Link]:
+    with speaking_on(tmp_path / "gyro"):
+        link = Link(LinkOptions(str(tmp_path / "gyro")), lambda *_news, **_fields: None)
+        yield link
+        link.close()
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+def samples(first: int, count: int) -> list[Sample]:
+    return [Sample(i, i / 100, 1.7e9 + i / 100, float(i)) for i in range(first, first + count)]
+
+
+def missing_in(path: Path) -> list[int]:
+    """Of each gap that a file tells of."""
+    with path.open("rb") as file:
+        messages = [message.data for _, _, message in make_reader(file).iter_messages(["/link"])]
+    return [json.loads(text)["missing"] for text in messages]
+
+
+def record_until_it_fails(recording: Recorder, count: int) -> None:
+    """The disk has a thread of its own, which fails in its own time."""
+    for first in range(0, count, 100):
+        recording.take(samples(first, 100))
+        recording.do_chores(0.0)
+    file = recording._disk
+    until(lambda: file is not None and file.is_finished)
+    recording.do_chores(0.0)
+
+
+def until(is_done: Callable[[], bool]) -> None:
+    """Wait for the thread, for as long as a test has patience."""
+    waiting = threading.Event()
+    for _ in range(round(PATIENCE_S / 0.01)):
+        if is_done():
+            return
+        waiting.wait(0.01)
+    raise AssertionError("it never happened")
+
+
+def test_a_name_that_another_recording_takes_first_costs_nothing(
+    out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between finding a free name and taking it there is a moment."""
+    found: list[Path] = []
+
+    def raced(folder: Path, begun: datetime, device: str, profile: str) -> Path:
+        path = recording_path(folder, begun, device, profile)
+        if not found:
+            path.write_bytes(b"another's")
+        found.append(path)
+        return path
+
+    monkeypatch.setattr(recorder, "recording_path", raced)
+    recording = Recorder(RecordOptions(out), link)
+    recording.take(samples(0, 10))
+    recording.close()
+    assert found[0].read_bytes() == b"another's"
+    assert recording.paths == found[1:]
+    assert len(read_mcap(found[1]).rate_dps) == 10
+
+
+def test_a_failure_is_noticed_while_the_device_is_silent(
+    out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With nothing to write there is nothing that would fail."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    recording = Recorder(RecordOptions(out), link)
+    recording.take(samples(0, 10))
+    recording.do_chores(0.0)
+    assert recording._disk is not None
+    file = recording._disk
+    until(lambda: file._written == file._handed_over)
+    recording.paths[0].unlink()
+    until(lambda: file.is_finished)
+    with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
+        recording.do_chores(1.0)
+    with pytest.raises(RecordingError):
+        recording.close()
+    assert len(read_mcap(recording.paths[0]).rate_dps) == 10
+
+
+def test_closing_waits_for_every_file_whatever_became_of_the_others(
+    out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file that failed does not keep the one after it from its end."""
+    recording = Recorder(RecordOptions(out, rotate_bytes=1), link)
+    joined: list[Path] = []
+
+    def join(file: DiskFile) -> None:
+        file._thread.join()
+        joined.append(file.path)
+        raise RecordingError(f"{file.path}: no")
+
+    monkeypatch.setattr(recorder, "_is_over", lambda _disk: False)
+    monkeypatch.setattr(DiskFile, "join", join)
+    for first in (0, 10, 20):
+        recording.take(samples(first, 10))
+        recording.do_chores(0.0)
+    with pytest.raises(RecordingError):
+        recording.close()
+    assert sorted(joined) == sorted(recording.paths)
+    assert len(joined) == 3
+
+
+def test_between_two_files_reads_and_events_wait_for_the_next(out: Path, link: Link) -> None:
+    """In their order, none lost and none twice."""
+    recording = Recorder(RecordOptions(out, rotate_bytes=1, keeps_raw=True), link)
+    for first in range(0, 50, 10):
+        recording.take_raw(b"before %d\n" % first, 1.7e9)
+        recording.on_event("gap", {"missing": first})
+        recording.take(samples(first, 10))
+        recording.take_raw(b"behind %d\n" % first, 1.7e9)
+        recording.do_chores(0.0)
+    recording.close()
+    assert len(recording.paths) == 5
+    content = b"".join(read.content for path in recording.paths for read in read_raw(path))
+    assert content == b"".join(b"before %d\nbehind %d\n" % (first, first) for first in range(0, 50, 10))
+    assert [missing for path in recording.paths for missing in missing_in(path)] == [*range(0, 50, 10)]
+    rates = [rate for path in recording.paths for rate in read_mcap(path).rate_dps.tolist()]
+    assert rates == [float(i) for i in range(50)]
+
+
+def test_a_disk_that_stays_full_is_not_littered(out: Path, link: Link) -> None:
+    """A service tries again every few seconds, for days."""
+    with small_disk(out, "64k"):
+        filler = fill(out)
+        for _ in range(3):
+            recording = Recorder(RecordOptions(out), link)
+            recording.take(samples(0, 10))
+            with pytest.raises(RecordingError, match=r"No space left on device$"):
+                recording.close()
+        assert list(out.iterdir()) == [filler]
+
+
+def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> None:
+    """With every whole sample, and it says how many bytes."""
+    with small_disk(out, "64k"):
+        recording = Recorder(RecordOptions(out), link)
+        with pytest.raises(RecordingError, match="No space left on device; 65536 bytes of it are written"):
+            record_until_it_fails(recording, 3000)
+        with pytest.raises(RecordingError):
+            recording.close()
+        (path,) = out.iterdir()
+        rates = read_mcap(path).rate_dps.tolist()
+        assert len(rates) > 700
+        assert rates == [float(i) for i in range(len(rates))]
+
+
+def test_a_folder_that_takes_no_files_is_told(out: Path, link: Link, monkeypatch: pytest.MonkeyPatch) -> None:
+    """When the first sample comes, as every failure of a recording is."""
+
+    def refuse(_path: Path) -> DiskFile:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    recording = Recorder(RecordOptions(out), link)
+    monkeypatch.setattr(recorder, "DiskFile", refuse)
+    with pytest.raises(RecordingError, match="recording stopped: Read-only file system"):
+        recording.take(samples(0, 1))
+    recording.abandon()

@@ -1,0 +1,56 @@
+"""Messages of ROS 2 that others wrote: turns about z, and schemas that are not to be believed."""
+
+import math
+from pathlib import Path
+
+import pytest
+from foreign_support import SAMPLE_TEXT, Recorder, imu, refused, ros, written
+
+from gyrodrift.session.foreign.read import read_foreign
+
+
+@pytest.mark.parametrize("name", ["sensor_msgs/msg/Imu", "sensor_msgs/Imu"])
+def test_an_imu_gives_its_turn_about_z_in_degrees(tmp_path: Path, name: str) -> None:
+    """Device time from the stamp, host time from the log; there is no angle, temperature or counter."""
+    session = read_foreign(written(tmp_path, ros(map(imu, range(60)), name=name)))
+    assert session.t_device_s.tolist() == [1_700_000_000.500000001 + i for i in range(60)]
+    assert session.rate_dps.tolist() == [math.degrees(0.01 * i) for i in range(60)]
+    assert session.t_host_s is not None
+    assert session.t_host_s.tolist() == [(5_000_000 + i) / 1e6 for i in range(60)]
+    assert (session.seq, session.encoder_deg, session.temp_c) == (None, None, None)
+
+
+def test_an_imu_without_a_rate_is_told(tmp_path: Path) -> None:
+    """By the −1 that the ROS documentation asks for."""
+    lacking = imu(3, angular_velocity_covariance=[-1.0] + [0.0] * 8)
+    text = refused(tmp_path, ros([imu(0), imu(1), lacking]))
+    assert text == "/imu/data: message 3 has no rate: angular_velocity_covariance begins with -1"
+
+
+@pytest.mark.parametrize(
+    ("name", "schema", "payload", "message"),
+    [
+        ("gyrodrift/Sample", SAMPLE_TEXT, b"\0\1\0\0\0", "message 1 does not fit its schema gyrodrift/Sample"),
+        ("gyrodrift/Sample", "float64 x", b"\0\1\0\0" + b"\0" * 8, "message 1 has no t_device_s, which is required"),
+        (
+            "gyrodrift/Sample",
+            "float64 t_device_s\nstring rate_dps",
+            b"\0\1\0\0" + b"\0" * 8 + b"\3\0\0\0up\0",
+            "message 1 has 'up' as rate_dps, expected a number",
+        ),
+        ("gyrodrift/Sample", "not a ! field", b"", "the schema gyrodrift/Sample cannot be parsed"),
+        ("gyrodrift/Sample", "other/Part x", b"\0\1\0\0", "message 1 does not fit its schema gyrodrift/Sample"),
+        ("gyrodrift/Sample", "gyrodrift/Sample x", b"\0\1\0\0", "does not fit its schema gyrodrift/Sample"),
+        ("sensor_msgs/msg/Imu", "float64 x", b"\0\1\0\0" + b"\0" * 8, "message 1 lacks header.stamp, angular_velocity"),
+    ],
+)
+def test_a_schema_that_lies_is_told(
+    tmp_path: Path, name: str, schema: str, payload: bytes, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever the decoder makes of it, and nothing is printed on the way."""
+    recorder = Recorder()
+    recorder.add(recorder.channel("/a", "cdr", (name, "ros2msg", schema)), [payload])
+    text = refused(tmp_path, recorder.content())
+    assert text.startswith("/a: ")
+    assert message in text
+    assert capsys.readouterr() == ("", "")

@@ -1,0 +1,483 @@
+"""Closing what a kill left open: whole records stay, public readers accept the file, and a repair repairs itself."""
+
+import fcntl
+import io
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.stream_reader import StreamReader
+from mcap.writer import Writer
+
+from gyrodrift.cli import main
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap import interrupted as looking
+from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.session.mcap.layout import MESSAGE
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.session.mcap.repair import repair
+from gyrodrift.session.mcap.write import McapWriter
+
+METADATA = {"device": {"device_id": "bench"}}
+
+patient = settings(deadline=None)  # a disk takes the time it takes
+
+
+def sample(number: int) -> Sample:
+    return Sample(number, number / 100, 1.7e9 + number / 100, 0.5 * number, 0.1 * number, 25.0)
+
+
+def written(*, is_finished: bool = False, samples: int = 20) -> bytes:
+    """Samples in runs of five, and between them raw bytes, events and a table."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream, METADATA)
+    for number in range(samples):
+        writer.add(sample(number))
+        if number % 5 == 4:
+            writer.add_read(b"x" * number, 1.7e9 + number / 100)
+            writer.add_event("gap", 1.7e9 + number / 100, {"missing": number})
+            writer.flush()
+    writer.add_metadata("link", {"samples": str(samples)})
+    if is_finished:
+        writer.finish()
+    return stream.getvalue()
+
+
+def whole_samples(content: bytes) -> int:
+    """How many sample records of `content` are whole, by walking its heads."""
+    at, count = 8, 0
+    while at + 9 <= len(content):
+        length = int.from_bytes(content[at + 1 : at + 9], "little")
+        if at + 9 + length > len(content):
+            break
+        count += content[at] == 5 and content[at + 9 : at + 11] == b"\1\0"
+        at += 9 + length
+    return count
+
+
+def public(path: Path) -> list[tuple[int, float]]:
+    """Sequence and log time of the samples, by the public readers with every check they have."""
+    with path.open("rb") as file:
+        records = list(StreamReader(file, validate_crcs=True).records)
+    assert type(records[-1]).__name__ == "Footer"
+    with path.open("rb") as file:
+        streamed = [message.sequence for _, _, message in NonSeekingReader(file, True).iter_messages(["/gyro"])]
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        found = [(message.sequence, message.log_time * 1e-9) for _, _, message in reader.iter_messages(["/gyro"])]
+        every = sum(1 for _ in reader.iter_messages())
+        names = [index.name for index in summary.metadata_indexes]
+        assert [record.name for record in reader.iter_metadata()] == names
+    assert summary.statistics.message_count == every
+    assert sum(summary.statistics.channel_message_counts.values()) == every
+    assert streamed == [sequence for sequence, _ in found]
+    return found
+
+
+@pytest.mark.parametrize("is_finished", [True, False])
+def test_torn_at_any_byte_it_is_closed_with_every_whole_sample(tmp_path: Path, is_finished: bool) -> None:  # noqa: FBT001 - a parameter of a test
+    """Of the last records and of the whole end; a second repair has nothing to do."""
+    content = written(is_finished=is_finished)
+    path = tmp_path / "s.mcap"
+    for length in range(len(content) - 900, len(content)):
+        path.write_bytes(content[:length])
+        expected = whole_samples(content[:length])
+        done = repair(path)
+        assert done is not None
+        assert (done.samples, done.tail) == (expected, None)
+        assert [sequence for sequence, _ in public(path)] == list(range(expected))
+        assert read_mcap(path).rate_dps.tolist() == [0.5 * number for number in range(expected)]
+        assert repair(path) is None
+
+
+def test_a_repair_that_is_cut_off_is_repaired(tmp_path: Path) -> None:
+    """At any byte of the end that it writes."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written())
+    repair(path)
+    repaired = path.read_bytes()
+    for length in range(len(written()), len(repaired)):
+        path.write_bytes(repaired[:length])
+        assert repair(path) is not None
+        assert path.read_bytes() == repaired
+
+
+def test_a_closed_file_stays_as_it_is(tmp_path: Path) -> None:
+    """To the byte, and its time."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written(is_finished=True))
+    before = path.stat().st_mtime_ns
+    assert repair(path) is None
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == (before, written(is_finished=True))
+
+
+def test_zeros_of_a_power_cut_are_cut_off(tmp_path: Path) -> None:
+    """A page that was given to the file and never written."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written() + bytes(4096))
+    done = repair(path)
+    assert done is not None
+    assert (done.samples, done.cut_bytes, done.tail) == (20, 4096, None)
+    assert len(public(path)) == 20
+
+
+def test_bytes_that_are_no_torn_record_are_kept_beside(tmp_path: Path) -> None:
+    """Nobody knows what they are worth."""
+    garbage = np.random.default_rng(3).bytes(500)
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written() + garbage)
+    done = repair(path)
+    assert done is not None
+    assert done.tail == tmp_path / "s.mcap.tail"
+    assert done.tail.read_bytes() == garbage
+    assert len(public(path)) == 20
+
+
+def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:
+    """In a file that was cut off in its last table."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written()[:-20])
+    repair(path)
+    assert [read.content for read in read_raw(path)] == [b"x" * number for number in (4, 9, 14, 19)]
+    with path.open("rb") as file:
+        events = [json.loads(message.data) for _, _, message in make_reader(file).iter_messages(["/link"])]
+    assert [event["missing"] for event in events] == [4, 9, 14, 19]
+
+
+records = st.lists(st.sampled_from(["sample", "read", "event", "metadata", "flush"]), max_size=60)
+
+
+@patient
+@given(records, st.floats(0.0, 1.0))
+def test_whatever_was_recorded_and_wherever_it_was_cut(
+    tmp_path_factory: pytest.TempPathFactory, kinds: list[str], share: float
+) -> None:
+    """The samples are the first ones of those recorded, and the public readers agree."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream, METADATA)
+    start = len(stream.getvalue())
+    number = 0
+    for at, kind in enumerate(kinds):
+        match kind:
+            case "sample":
+                writer.add(sample(number))
+                number += 1
+            case "read":
+                writer.add_read(bytes(at), 1.7e9)
+            case "event":
+                writer.add_event("gap", 1.7e9, {})
+            case "metadata":
+                writer.add_metadata(f"table {at}", {})
+            case _:
+                writer.flush()
+    content = stream.getvalue()
+    content = content[: start + round(share * (len(content) - start))]
+    path = tmp_path_factory.mktemp("s") / "s.mcap"
+    path.write_bytes(content)
+    done = repair(path)
+    assert done is not None
+    assert done.samples == whole_samples(content) <= number
+    assert [sequence for sequence, _ in public(path)] == list(range(done.samples))
+
+
+def of_another_program() -> bytes:
+    stream = io.BytesIO()
+    writer = Writer(stream, use_chunking=False)
+    writer.start(library="somebody's")
+    channel = writer.register_channel("/x", "json", 0)
+    writer.add_message(channel, 0, b"{}" * 100, 0)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (of_another_program(), "it was written by another program"),
+        (b"", "it does not begin as an MCAP file"),
+        (b"t_device_s,rate_dps\n", "it does not begin as an MCAP file"),
+    ],
+)
+def test_what_is_not_ours_is_left_alone(tmp_path: Path, content: bytes, message: str) -> None:
+    """To the byte."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=message):
+        repair(path)
+    assert path.read_bytes() == content
+
+
+@pytest.fixture
+def in_use(tmp_path: Path) -> Iterator[Path]:
+    """A file that somebody is writing."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written())
+    with path.open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield path
+
+
+def test_a_file_that_is_being_written_is_left_alone(in_use: Path) -> None:
+    """It is no interrupted one."""
+    with pytest.raises(DataError, match="is being written by another process"):
+        repair(in_use)
+    assert list(interrupted(in_use.parent)) == []
+    assert in_use.read_bytes() == written()
+
+
+def test_only_files_that_were_never_closed_are_interrupted(tmp_path: Path) -> None:
+    """By name."""
+    for name, content in {"b": written(), "a": written()[:-3], "c": written(is_finished=True)}.items():
+        (tmp_path / f"{name}.mcap").write_bytes(content)
+    (tmp_path / "folder.mcap").mkdir()
+    (tmp_path / "notes.txt").write_text("x")
+    assert [path.name for path in interrupted(tmp_path)] == ["a.mcap", "b.mcap"]
+
+
+def test_the_command_closes_a_folder_and_tells_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One file that cannot be mended does not keep it from the others; the status tells."""
+    (tmp_path / "a.mcap").write_bytes(of_another_program())
+    (tmp_path / "b.mcap").write_bytes(written()[: -MESSAGE.size])
+    (tmp_path / "c.mcap").write_bytes(written(is_finished=True))
+    assert main(["repair", str(tmp_path)]) == 4
+    said = capsys.readouterr()
+    assert "a.mcap: cannot be repaired: it was written by another program" in said.err
+    assert f"{tmp_path / 'b.mcap'}: closed, 20 samples; " in said.out
+    assert f"{tmp_path / 'c.mcap'}: is whole" in said.out
+    assert len(public(tmp_path / "b.mcap")) == 20
+
+
+def test_a_path_that_is_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In one line."""
+    assert main(["repair", str(tmp_path / "x.mcap")]) == 4
+    assert capsys.readouterr().err == f"gyrodrift: {tmp_path / 'x.mcap'}: there is no such file or folder\n"
+
+
+def whole_messages(content: bytes) -> dict[str, int]:
+    """How many messages of `content` are whole, by channel."""
+    at, counts = 8, {"/gyro": 0, "/raw": 0, "/link": 0}
+    while at + 9 <= len(content):
+        length = int.from_bytes(content[at + 1 : at + 9], "little")
+        if at + 9 + length > len(content):
+            break
+        if content[at] == 5:
+            counts[list(counts)[content[at + 9] - 1]] += 1
+        at += 9 + length
+    return counts
+
+
+def test_torn_at_any_byte_it_keeps_every_whole_read_and_event(tmp_path: Path) -> None:
+    """Over the last two groups of samples, a read, an event, and a table."""
+    content = written()
+    path = tmp_path / "s.mcap"
+    for length in range(len(content) - 2 * (5 * MESSAGE.size + 200), len(content)):
+        path.write_bytes(content[:length])
+        repair(path)
+        counts = {"/gyro": 0, "/raw": 0, "/link": 0}
+        with path.open("rb") as file:
+            for _, channel, _ in make_reader(file, validate_crcs=True).iter_messages():
+                counts[channel.topic] += 1
+        assert counts == whole_messages(content[:length])
+
+
+def test_torn_inside_its_first_records_it_is_closed_or_left_alone(tmp_path: Path) -> None:
+    """Closed from where it says that it is ours; before that nobody knows whose it is, and nothing is in it."""
+    content = written(samples=1)
+    header_end = 8 + 9 + int.from_bytes(content[9:17], "little")
+    path = tmp_path / "s.mcap"
+    for length in range(len(content)):
+        path.write_bytes(content[:length])
+        if length < header_end:
+            with pytest.raises(DataError, match=r"does not begin as an MCAP|before it says which program"):
+                repair(path)
+            assert path.read_bytes() == content[:length]
+        else:
+            done = repair(path)
+            assert done is not None
+            assert len(public(path)) == done.samples == whole_samples(content[:length])
+
+
+@pytest.mark.parametrize("library", [b"gyrodrift", b"somebody's"])
+def test_a_file_that_ends_before_it_says_whose_it_is_stays_as_it_is(tmp_path: Path, library: bytes) -> None:
+    """Another program may be about to go on with it."""
+    content = written() if library == b"gyrodrift" else of_another_program()
+    path = tmp_path / "s.mcap"
+    path.write_bytes(content[: content.index(library) + 3])
+    with pytest.raises(DataError, match="it ends before it says which program wrote it"):
+        repair(path)
+    assert path.read_bytes() == content[: content.index(library) + 3]
+
+
+@pytest.mark.parametrize("zeros", [1, 83, 4096, 200_000])
+def test_a_sample_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path, zeros: int) -> None:
+    """A page boundary falls anywhere in a sample; what is torn there must not be read with zeros for values."""
+    path = tmp_path / "s.mcap"
+    content = written(samples=19)
+    content = content[: content.rindex(b"\x0c")]  # without the table
+    whole = whole_samples(content)
+    assert whole == 19
+    for torn in range(1, MESSAGE.size):
+        path.write_bytes(content[:-torn] + bytes(torn + zeros))
+        assert len(read_mcap(path).rate_dps) == whole - 1
+        done = repair(path)
+        assert done is not None
+        assert (done.samples, done.tail) == (whole - 1, None)
+        assert [sequence for sequence, _ in public(path)] == list(range(whole - 1))
+
+
+def record_end(content: bytes) -> int:
+    """Where the record ends that `content` is torn in, with zeros for the rest of its head."""
+    at = 8
+    while at + 9 <= len(content) and at + 9 + int.from_bytes(content[at + 1 : at + 9], "little") <= len(content):
+        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
+    return at + 9 + int.from_bytes(content[at + 1 : at + 9], "little")
+
+
+@patient
+@given(st.floats(0.0, 1.0), st.integers(1, 5000))
+def test_zeros_behind_any_cut_make_nothing_up(
+    tmp_path_factory: pytest.TempPathFactory, share: float, zeros: int
+) -> None:
+    """Unless they end a record to the byte: then nothing tells them from values that are 0."""
+    content, start = written(), len(written(samples=0)) // 2
+    content = content[: start + round(share * (len(content) - start))]
+    assume(record_end(content) != len(content) + zeros)
+    path = tmp_path_factory.mktemp("s") / "s.mcap"
+    path.write_bytes(content + bytes(zeros))
+    done = repair(path)
+    assert done is not None
+    assert done.samples == whole_samples(content)
+    assert read_rates(path) == [0.5 * number for number in range(done.samples)]
+
+
+def read_rates(path: Path) -> list[float]:
+    """The rates in a file, perhaps none."""
+    return read_mcap(path).rate_dps.tolist() if public(path) else []
+
+
+@pytest.mark.parametrize("cut", [0, 1, 100, 500])
+def test_bytes_behind_an_end_are_kept_beside(tmp_path: Path, cut: int) -> None:
+    """Behind a whole end and behind a torn one: what is no part of the end is nothing that may be lost."""
+    garbage = np.random.default_rng(4).bytes(500)
+    finished = written(is_finished=True)
+    path = tmp_path / "s.mcap"
+    path.write_bytes(finished[: len(finished) - cut] + garbage)
+    done = repair(path)
+    assert done is not None
+    assert done.tail is not None
+    assert done.tail.read_bytes().endswith(garbage)
+    assert path.read_bytes() == finished
+
+
+@pytest.mark.parametrize("cut", [0, 1, 100, 500])
+def test_zeros_behind_an_end_are_cut_off(tmp_path: Path, cut: int) -> None:
+    """Nothing is kept beside, since nothing is in them."""
+    finished = written(is_finished=True)
+    path = tmp_path / "s.mcap"
+    path.write_bytes(finished[: len(finished) - cut] + bytes(3000))
+    done = repair(path)
+    assert done is not None
+    assert done.tail is None
+    assert path.read_bytes() == finished
+
+
+def test_a_repair_that_is_cut_off_after_it_saved_a_tail_keeps_it(tmp_path: Path) -> None:
+    """At any byte of the end that it writes in its place."""
+    garbage = np.random.default_rng(5).bytes(50)
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written() + garbage)
+    repair(path)
+    repaired = path.read_bytes()
+    for length in range(len(written()), len(repaired)):
+        path.write_bytes(repaired[:length])
+        repair(path)
+        assert path.read_bytes() == repaired
+        assert (tmp_path / "s.mcap.tail").read_bytes() == garbage
+
+
+def test_a_message_too_short_to_be_one_is_told(tmp_path: Path) -> None:
+    """Where a file was damaged and not torn."""
+    content = written() + b"\x05" + (3).to_bytes(8, "little") + b"abc"
+    path = tmp_path / "s.mcap"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match="cannot be repaired: a message is too short"):
+        repair(path)
+    assert path.read_bytes() == content
+
+
+@patient
+@given(st.lists(st.tuples(st.integers(8, len(written()) - 1), st.integers(0, 255)), min_size=1, max_size=5))
+def test_whatever_is_damaged_in_a_file_it_is_mended_or_told(
+    tmp_path_factory: pytest.TempPathFactory, damage: list[tuple[int, int]]
+) -> None:
+    """A recording begins with a look at its folder, and must not end with it."""
+    content = bytearray(written())
+    for at, byte in damage:
+        content[at] = byte
+    path = tmp_path_factory.mktemp("s") / "s.mcap"
+    path.write_bytes(content)
+    try:
+        done = repair(path)
+    except DataError:
+        assert path.read_bytes() == content
+    else:
+        assert done is not None
+        assert repair(path) is None
+
+
+HOLD = (
+    "import fcntl, sys; f = open(sys.argv[1], 'rb'); fcntl.flock(f, fcntl.LOCK_EX); print('held', flush=True); input()"
+)
+
+
+def test_a_file_that_another_process_writes_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Until that process ends, however it ends."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written())
+    command = [sys.executable, "-c", HOLD, str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == "held\n"
+        assert list(interrupted(tmp_path)) == []
+        assert main(["repair", str(tmp_path)]) == 4
+        assert "is being written by another process" in capsys.readouterr().err
+        assert path.read_bytes() == written()
+        holder.kill()
+    assert list(interrupted(tmp_path)) == [path]
+    assert main(["repair", str(tmp_path)]) == 0
+
+
+def test_a_file_that_cannot_be_looked_into_does_not_hide_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may be somebody else's, or gone by now."""
+    for name in ("a", "b", "c"):
+        (tmp_path / f"{name}.mcap").write_bytes(written())
+    real = looking.is_closed
+
+    def refusing(file: IO[bytes]) -> bool:
+        if file.name.endswith("b.mcap"):
+            raise PermissionError(13, "Permission denied")
+        return real(file)
+
+    monkeypatch.setattr(looking, "is_closed", refusing)
+    assert [path.name for path in interrupted(tmp_path)] == ["a.mcap", "c.mcap"]
+
+
+def test_a_folder_with_the_name_of_a_session_is_no_session(tmp_path: Path) -> None:
+    """Nothing in it is touched, and nothing is wrong."""
+    (tmp_path / "folder.mcap").mkdir()
+    (tmp_path / "a.mcap").write_bytes(written())
+    assert main(["repair", str(tmp_path)]) == 0

@@ -1,0 +1,36 @@
+"""What the figures of a tuning draw: costs, where the search looked, and scales that show errors."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from tuning_support import curve, run
+
+from gyrodrift.evaluation.space import AXES
+
+pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+from gyrodrift.tune.report import figures
+
+
+def test_the_best_so_far_falls_to_the_least() -> None:
+    """Infinite costs before the first finite one are passed by."""
+    x, y = figures.best_so_far(replace(run(), history=np.array([inf, 9.0, 9.5, 4.0, inf, 5.0])))
+    np.testing.assert_array_equal(x[np.isfinite(y)], [2.0, 4.0, 6.0])
+    np.testing.assert_array_equal(y[np.isfinite(y)], [9.0, 4.0, 4.0])
+
+
+def test_where_the_search_looked_has_the_mean_one() -> None:
+    """No preference is 1, by automata and by a histogram."""
+    at_random = replace(run(evaluations=30_000), densities=None)
+    _, height = figures.preference(at_random, 3, AXES[3])
+    assert height.mean() == pytest.approx(1.0)
+    assert np.abs(height - 1.0).max() < 0.4
+
+
+def test_errors_are_enlarged_only_where_that_shows_more() -> None:
+    """A tuned filter as bad as plain integration needs one scale; a single bad session does not spoil it."""
+    good, bad = curve("good"), replace(curve("bad"), tuned_deg=curve("bad").euler_deg)
+    assert figures.heights([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
+    assert figures.heights([bad]).zoom_deg is None
+    assert figures.heights([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)

@@ -1,0 +1,208 @@
+"""The report of a tuning: a whole page for any tuning there can be, that says what was found and asks for nothing."""
+
+import re
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+import pytest
+from page_support import parsed, row, words
+from tuning_support import curve, run, score, tuning
+
+from gyrodrift.evaluation.space import AXES, linear
+from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.tune.result import Pi, Tuning
+
+pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+from gyrodrift.tune.report.page import judged, report_html
+
+
+@pytest.fixture(scope="module", autouse=True)
+def has_fonts() -> None:
+    """The fonts of a picture are opened once in a process and stay open."""
+    report_html(tuning())
+
+
+def test_it_begins_with_the_verdict() -> None:
+    """The error on sessions that the search never saw, and what to do next."""
+    html = report_html(tuning(), "gyrodrift tune <here>")
+    assert "Yaw error falls from 56.4° to 0.500° on sessions that the tuning never saw" in words(html)
+    assert "110 times less" in words(html)
+    assert "gyrodrift serve --port PORT --config FILE.yaml" in words(html)
+    assert "gyrodrift tune <here>" in words(html)
+    assert "100 Hz" in words(html)
+
+
+def test_tables_hold_the_numbers() -> None:
+    """Minutes, E and NE of both, E of the two-parameter filter; means; the cost on both splits."""
+    html = report_html(tuning())
+    assert row(html, "walk-0") == ["walk-0", "20.0", "56.4", "2.82", "0.500", "0.0250", "0.750"]
+    assert row(html, "check-1")[1:] == row(html, "mean")[1:] == row(html, "walk-0")[1:]
+    assert row(html, "plain integration") == ["plain integration", "6877", "2008"]
+    assert row(html, "tuned filter") == ["tuned filter", "0.1775", "0.2838"]
+    assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000001 – 0.1"]
+    assert row(html, "c2")[3] == "at the lower bound"
+    assert all(f"Figure {number}." in words(html) for number in (6, 7, 8, 9))
+    assert all(f"Table {number}." in words(html) for number in (1, 2, 3))
+
+
+def test_without_test_sessions_it_says_so() -> None:
+    """And shows no columns, table or figure of them."""
+    html = report_html(tuning(train=1, test=0))
+    assert "on the sessions it was tuned on" in words(html)
+    assert "No sessions were kept apart" in words(html)
+    assert "Figure 9" not in words(html)
+    assert "Table 3" not in words(html)
+    assert row(html, "tuned filter") == ["tuned filter", "0.1775"]
+
+
+def test_sessions_left_out_in_turn_are_the_verdict_without_others() -> None:
+    """They were not seen by their own tuning."""
+    left = replace(tuning(test=0), left_out={"walk-0": 1.5, "walk-1": 2.5})
+    assert judged(left) == (56.4, 2.0, "on sessions left out in turn")
+    html = report_html(left)
+    assert "Yaw error falls from 56.4° to 2.00° on sessions left out in turn" in words(html)
+    assert "Left out in turn." in words(html)
+    assert ["walk-1", "56.4", "0.500", "2.50"] in [
+        ["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")
+    ]
+
+
+def test_a_filter_that_is_worse_is_not_praised() -> None:
+    """Neither in the headline, nor in what to do, nor in its table."""
+    worse = replace(tuning(test=0), scores=(score("walk-0", e_tuned_deg=70.0),))
+    html = report_html(worse)
+    assert "No gain on the sessions it was tuned on: yaw error 70.0° tuned, 56.4° by plain integration" in words(html)
+    assert "keep the config you have" in words(html)
+    assert "▲ worse" in words(html)
+
+
+def test_other_seeds_show_how_far_the_numbers_spread() -> None:
+    """In the table of parameters, and in one of their own."""
+    other = replace(run(7, pi=Pi(0.21, 0.19)), params=HdrParams(0.0009, 0.02, 0.2, 1.0, 2.0))
+    html = report_html(replace(tuning(), others=(other,)))
+    assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000457 – 0.0009"]
+    assert row(html, "7")[:3] == ["7", "0.21", "0.19"]
+    assert "over 2 seeds" in words(html)
+
+
+def test_warnings_stand_before_the_numbers() -> None:
+    """Each as it was said."""
+    told = words(report_html(replace(tuning(), warnings=("Two sessions are <few>.", "The rates differ."))))
+    assert told.index("Two sessions are <few>.") < told.index("The rates differ.") < told.index("Yaw error is how far")
+
+
+NAMES = [
+    "<script>alert('&')</script>",
+    'a"b' * 200,
+    "Messung № 3 — 回転台\u3000👩\u200d🔬",
+    "red\x1b[31m \x00 \udc80 \ufffe",
+    "",
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_any_name_is_only_text(name: str) -> None:
+    """Marks of HTML, letters that the figures' font has not, characters that no page may hold."""
+    odd = replace(tuning(test=0), scores=(score(name),), curves=(curve(name),), left_out={name: 1.0}, method=name)
+    html = report_html(odd, name)
+    html.encode()
+    assert re.sub("[\x00\x1b\udc80\ufffe]", "\ufffd", name) in "".join(parsed(html).itertext())
+    assert "<script" not in html
+
+
+def numbers_of(svg: str) -> str:
+    return "".join(re.findall(r' d="([^"]*)"', svg))
+
+
+def odd_tunings() -> dict[str, Tuning]:
+    """Whatever a search may end as."""
+    usual = tuning()
+    run_away = np.where(np.arange(90) % 3 == 0, inf, usual.run.history)
+    gap = replace(curve("walk-0"), euler_deg=np.where(np.arange(400) < 9, nan, 3.0), tuned_deg=np.full(400, inf))
+    return {
+        "no automata": replace(usual, method="de", run=replace(usual.run, densities=None)),
+        "costs that are infinite": replace(usual, run=replace(usual.run, history=run_away)),
+        "every cost infinite": replace(usual, run=replace(usual.run, history=np.full(90, inf), pi=Pi(inf, inf))),
+        "one evaluation": replace(usual, run=run(evaluations=1)),
+        "one evaluation, no automata": replace(usual, run=replace(run(evaluations=1), densities=None)),
+        "a perfect fit": replace(
+            usual, run=replace(usual.run, history=np.zeros(90), pi=Pi(0.0, 0.0)), few=Pi(0.0, 0.0)
+        ),
+        "no drift at all": replace(usual, euler=Pi(0.0, 0.0), scores=(score("walk-0", e_tuned_deg=0.0),)),
+        "plain integration ran away": replace(usual, euler=Pi(inf, inf)),
+        "a score that is infinite": replace(usual, scores=(*usual.scores, score("far", e_tuned_deg=inf))),
+        "curves with holes": replace(usual, curves=(gap,)),
+        "curves of nothing": replace(usual, curves=(replace(gap, euler_deg=np.full(400, nan)),)),
+        "no curves": replace(usual, curves=()),
+        "a curve of one point": replace(usual, curves=(curve("walk-0", points=1),)),
+        "narrow ranges": replace(usual, axes=tuple(replace(axis, low=0.4, high=0.5) for axis in AXES)),
+        "linear axes": replace(usual, axes=linear(AXES), method="carla"),
+        "a method of tomorrow": replace(usual, method="tomorrow"),
+    }
+
+
+@pytest.mark.parametrize("case", odd_tunings())
+def test_whatever_a_search_ends_as_there_is_a_whole_page(case: str) -> None:
+    """Without a warning, and with no number that is none."""
+    html = report_html(odd_tunings()[case])
+    assert "Figure 7." in words(html)
+    assert not re.search(r"\b(nan|inf|None)\b", words(html), re.IGNORECASE)
+    assert not re.search(r"nan|inf", numbers_of(html), re.IGNORECASE)
+
+
+def test_it_asks_for_nothing_and_runs_nothing() -> None:
+    """No address is in an attribute but those that name what SVG is, and every reference stays in the page."""
+    html = report_html(tuning())
+    names: list[str] = []
+    references: list[str] = []
+    for element in parsed(html).iter():
+        assert element.tag.rpartition("}")[2] not in {"script", "link", "img", "image", "iframe", "object"}
+        for key, value in element.attrib.items():
+            assert "//" not in value
+            assert not key.startswith("on")
+            names += [value] if key == "id" else []
+            references += [value[1:]] if key.endswith("href") else re.findall(r"url\(#([^)]*)\)", value)
+    assert len(names) == len(set(names)), "a name is given once"
+    assert set(references) <= set(names)
+    assert "@import" not in html
+    assert set(re.findall(r"https?://[^\"]*", html)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+
+
+def test_figures_take_their_colours_from_the_page() -> None:
+    """Not one is left that light or dark would hide."""
+    html = report_html(tuning())
+    svgs = re.findall(r"<svg.*?</svg>", html, re.DOTALL)
+    assert len(svgs) == 1 + 5 + 4 + len(AXES)
+    used = set(re.findall(r"var\(--(\w+)\)", "".join(svgs)))
+    assert used <= set(re.findall(r"--(\w+):", html))
+    assert not re.search(r"#[0-9a-f]{6}\b(?!\")", "".join(svgs))
+
+
+def test_the_same_tuning_gives_the_same_bytes() -> None:
+    """However matplotlib is set to, which it is again afterwards."""
+    import matplotlib as mpl  # noqa: PLC0415 - after the question whether it can be
+
+    first = report_html(tuning(), "gyrodrift tune x")
+    with mpl.rc_context({"lines.color": "red", "font.size": 30.0, "axes.grid": False, "axes.facecolor": "black"}):
+        assert report_html(tuning(), "gyrodrift tune x") == first
+        assert mpl.rcParams["font.size"] == 30.0
+
+
+def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables() -> None:
+    """And the file stays small, with curves that are all noise."""
+    many = tuning(train=40, test=40)
+    rng = np.random.default_rng(2)
+    noisy = tuple(
+        replace(one, minutes=np.arange(4000.0), euler_deg=rng.normal(size=4000), tuned_deg=rng.normal(size=4000))
+        for one in many.curves
+    )
+    scores = tuple(replace(one, e_tuned_deg=1.0 + number % 40) for number, one in enumerate(many.scores))
+    html = report_html(replace(many, run=run(evaluations=20_000), curves=noisy, scores=scores))
+    assert len(html.encode()) < 3_000_000
+    shown = [name.attrib["title"] for name in parsed(html).iter("b") if "title" in name.attrib]
+    assert shown == [f"{kind}-{number}" for kind in ("walk", "check") for number in range(39, 27, -1)]
+    assert "Of 40 sessions the 12 with the largest E of the tuned filter" in words(html)
+    assert "every 5th is drawn" in words(html)
+    assert row(html, "walk-0")
+    assert row(html, "check-39")

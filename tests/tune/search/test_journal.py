@@ -1,0 +1,73 @@
+"""The journal of an interrupted tuning."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gyrodrift.errors import DataError
+from gyrodrift.evaluation.space import AXES
+from gyrodrift.tune.search.journal import Journal
+from gyrodrift.tune.search.objective import Objective
+
+
+def asked(count: int) -> Objective:
+    objective = Objective(lambda params: params[:, 0], AXES, count)
+    objective(np.random.default_rng(count).random((count, 5)))
+    return objective
+
+
+def test_what_was_saved_is_known_again(tmp_path: Path) -> None:
+    """Search by search, to the bit; names may hold anything a session's name may."""
+    path = tmp_path / "c.progress.npz"
+    journal = Journal(path, "these sessions", is_resumed=False)
+    names = ["seed 0", "without folder/a.b", "two parameters"]
+    for number, name in enumerate(names, 3):
+        journal.note(name, asked(number))
+    journal.save()
+    again = Journal(path, "these sessions", is_resumed=True)
+    for number, name in enumerate(names, 3):
+        known = again.known(name)
+        assert known is not None
+        assert np.array_equal(known[0], asked(number).cube)
+        assert np.array_equal(known[1], asked(number).costs)
+    assert again.known("seed 1") is None
+    again.discard()
+    assert not path.exists()
+
+
+def test_without_resume_nothing_is_known(tmp_path: Path) -> None:
+    """Though the file is there."""
+    path = tmp_path / "c.progress.npz"
+    journal = Journal(path, "a", is_resumed=False)
+    journal.note("seed 0", asked(3))
+    journal.save()
+    assert Journal(path, "a", is_resumed=False).known("seed 0") is None
+
+
+def test_a_journal_of_other_sessions_is_refused(tmp_path: Path) -> None:
+    """Its costs would be lies."""
+    path = tmp_path / "c.progress.npz"
+    Journal(path, "a", is_resumed=False).save()
+    with pytest.raises(DataError, match="belongs to other sessions, ranges or another method"):
+        Journal(path, "b", is_resumed=True)
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 torn", b"not a zip"])
+def test_a_damaged_journal_is_told(tmp_path: Path, content: bytes) -> None:
+    """With what to do."""
+    path = tmp_path / "c.progress.npz"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=r"cannot be resumed from: .*; remove it to begin anew"):
+        Journal(path, "a", is_resumed=True)
+
+
+def test_it_is_saved_every_few_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that a kill loses little."""
+    path = tmp_path / "c.progress.npz"
+    journal = Journal(path, "a", is_resumed=False)
+    journal.note("seed 0", asked(3))
+    assert not path.exists()
+    monkeypatch.setattr("gyrodrift.tune.search.journal.SAVE_S", 0.0)
+    journal.note("seed 0", asked(3))
+    assert path.exists()
