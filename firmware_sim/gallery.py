@@ -28,7 +28,7 @@ SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class Trace:
     """A run as numbers with units, every array of the shape (n,)."""
 
     device_s: Floats
@@ -39,10 +39,10 @@ class Record:
     true_rate_dps: Floats
     true_angle_deg: Floats
 
-    def part(self, from_s: float, to_s: float) -> "Record":
+    def part(self, from_s: float, to_s: float) -> "Trace":
         """The samples from one device time to another."""
         kept = (self.device_s >= from_s) & (self.device_s < to_s)
-        return Record(*(getattr(self, name)[kept] for name in self.__slots__))
+        return Trace(*(getattr(self, name)[kept] for name in self.__slots__))
 
 
 def _turning(rate_dps: Floats) -> Floats:
@@ -50,7 +50,7 @@ def _turning(rate_dps: Floats) -> Floats:
     return np.where(np.abs(rate_dps) > 10.0, rate_dps, np.nan)
 
 
-Axis = tuple[str, Callable[[Record], Floats]]
+Axis = tuple[str, Callable[[Trace], Floats]]
 
 TIME: Axis = ("time, s", lambda r: r.device_s)
 RATE: Axis = ("measured rate, deg/s", lambda r: r.rate_dps)
@@ -111,13 +111,13 @@ SCENES = {
 }
 
 
-def record(rig: Rig, profile_name: str, seconds: float) -> Record:
+def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
     """Run a rig for a time."""
     profile = load_profile(profile_name)
     blocks = list(islice(measure(rig, profile, SEED), ceil(seconds * rig.base.sample_rate_hz / BLOCK_SAMPLES)))
     whole = Block(*(np.concatenate([getattr(block, name) for block in blocks]) for name in Block.__slots__))
     angle_deg, rate_dps = profile.at(whole.seq / rig.base.sample_rate_hz)
-    return Record(
+    return Trace(
         device_s=whole.t_device_us / 1e6,
         host_s=whole.t_host_s,
         rate_dps=whole.rate_raw.astype(np.float64) * rig.base.dps_per_lsb,

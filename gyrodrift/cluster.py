@@ -31,7 +31,7 @@ CANCELLED = (asyncio.CancelledError, futures.CancelledError)
 """Of the two kinds Dask raises now one, now the other."""
 
 
-class Workers:
+class ClusterWorkers:
     """The workers of a Dask scheduler, and a wait for their results that always ends.
 
     Parameters

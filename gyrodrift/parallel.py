@@ -11,7 +11,7 @@ Given = TypeVar("Given")
 Found = TypeVar("Found")
 
 
-class Workers:
+class LocalWorkers:
     """Maps in this process or in others; what they were made after is known to them too."""
 
     def __init__(self, pool: ProcessPoolExecutor | None) -> None:
@@ -23,14 +23,14 @@ class Workers:
 
 
 @contextmanager
-def workers(jobs: int) -> Iterator[Workers]:
+def workers(jobs: int) -> Iterator[LocalWorkers]:
     """So many processes; with one the work is done here."""
     if jobs == 1:
-        yield Workers(None)
+        yield LocalWorkers(None)
         return
     pool = ProcessPoolExecutor(jobs, get_context("fork"), _leave_signals_to_the_parent)
     try:
-        yield Workers(pool)
+        yield LocalWorkers(pool)
     finally:
         pool.shutdown(cancel_futures=True)
 

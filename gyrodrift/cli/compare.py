@@ -17,7 +17,7 @@ from gyrodrift.cli import options
 from gyrodrift.files import check_writable
 
 if TYPE_CHECKING:
-    from gyrodrift.compare.comparison import Asked, Comparison
+    from gyrodrift.compare.comparison import Comparison, ComparisonRequest
     from gyrodrift.progress import Progress
 
 
@@ -56,15 +56,15 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _asked(arguments: argparse.Namespace, progress: "Progress") -> "Asked":
-    from gyrodrift.compare.comparison import Asked
+def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
+    from gyrodrift.compare.comparison import ComparisonRequest
     from gyrodrift.compare.methods.registry import methods
     from gyrodrift.config.model import Config, load_config
     from gyrodrift.session.files import session_paths
 
     config = load_config(arguments.config) if arguments.config else Config()
     stills = session_paths(arguments.still)
-    return Asked(
+    return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
         methods=methods(config.hdr, config.restlevel),
         train=session_paths(arguments.train),

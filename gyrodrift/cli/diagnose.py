@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.effects.catalogue import CATALOGUE
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
-    from gyrodrift.diagnose.diagnosis import Asked, diagnose
+    from gyrodrift.diagnose.diagnosis import DiagnosisRequest, diagnose
     from gyrodrift.diagnose.report.files import summary, write_files
     from gyrodrift.diagnose.report.page import report_html
     from gyrodrift.progress import Progress
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress(sys.stderr) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
-            Asked(session_paths(arguments.paths), rig, withheld, jobs, arguments.cluster, progress.evaluated)
+            DiagnosisRequest(session_paths(arguments.paths), rig, withheld, jobs, arguments.cluster, progress.evaluated)
         )
     write_files(arguments.out, diagnosis)
     page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))

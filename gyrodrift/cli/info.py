@@ -36,7 +36,7 @@ LOUD_DPS = 2.0
 """No gyro at rest scatters by that much: the encoder was off, or the table shook."""
 
 
-class Line(NamedTuple):
+class TableLine(NamedTuple):
     """A line of the table; what is odd is marked."""
 
     name: str
@@ -48,7 +48,7 @@ class Group(NamedTuple):
     """Lines under a heading."""
 
     heading: str
-    lines: list[Line]
+    lines: list[TableLine]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -146,102 +146,104 @@ def _groups(facts: "SessionFacts") -> Iterator[Group]:
     yield Group("noise", list(_noise(facts.allan)))
 
 
-def _samples(facts: "SessionFacts") -> Iterator[Line]:
-    yield Line("samples", str(facts.samples))
-    yield Line("duration", f"{facts.duration_s:.6g} s")
+def _samples(facts: "SessionFacts") -> Iterator[TableLine]:
+    yield TableLine("samples", str(facts.samples))
+    yield TableLine("duration", f"{facts.duration_s:.6g} s")
     if facts.rate_hz is None or facts.jitter_s is None:
-        yield Line("rate", "unknown: device time never goes forward", is_odd=True)
+        yield TableLine("rate", "unknown: device time never goes forward", is_odd=True)
     else:
-        yield Line("rate", f"{facts.rate_hz:.6g} Hz")
+        yield TableLine("rate", f"{facts.rate_hz:.6g} Hz")
         is_odd = facts.jitter_s * facts.rate_hz > JITTER_ODD
-        yield Line("jitter", f"{_milliseconds(facts.jitter_s)}, scatter of the time steps", is_odd)
+        yield TableLine("jitter", f"{_milliseconds(facts.jitter_s)}, scatter of the time steps", is_odd)
     gaps = facts.gaps
     missing = f", {gaps.missing} samples missing" if gaps.count or gaps.missing else ""
     longest = f", longest {gaps.longest_s:.3g} s" if gaps.count else ""
-    yield Line("gaps", f"{gaps.count}{missing}{longest}", bool(missing))
+    yield TableLine("gaps", f"{gaps.count}{missing}{longest}", bool(missing))
     if facts.steps_not_forward:
-        yield Line("time", f"{facts.steps_not_forward} steps do not go forward; the filter passes them by", is_odd=True)
+        yield TableLine(
+            "time", f"{facts.steps_not_forward} steps do not go forward; the filter passes them by", is_odd=True
+        )
     if facts.rates_not_finite:
-        yield Line("rates", f"{facts.rates_not_finite} are no number; the filter passes them by", is_odd=True)
+        yield TableLine("rates", f"{facts.rates_not_finite} are no number; the filter passes them by", is_odd=True)
 
 
 def _milliseconds(seconds: float) -> str:
     return f"{round(1e3 * seconds, 6):.3g} ms"
 
 
-def _host(host: "HostClock | None") -> Iterator[Line]:
+def _host(host: "HostClock | None") -> Iterator[TableLine]:
     if host is None:
-        yield Line("arrival", "not recorded")
+        yield TableLine("arrival", "not recorded")
         return
     if host.drift_ppm is None or host.drift_sd_ppm is None:
-        yield Line("drift", "unknown: too short to say")
+        yield TableLine("drift", "unknown: too short to say")
     else:
         is_odd = abs(host.drift_ppm) > DRIFT_ODD_PPM or host.drift_sd_ppm > DRIFT_DOUBT_PPM
         digits = 0 if host.drift_sd_ppm > DRIFT_ROUGH_PPM else 2
         drift = f"{host.drift_ppm:.{digits}f} ± {host.drift_sd_ppm:.{digits}f}"
-        yield Line("drift", f"{drift} ppm, device against host", is_odd)
+        yield TableLine("drift", f"{drift} ppm, device against host", is_odd)
     late = f"95 of 100 samples within {_milliseconds(host.delay_p95_s)} of the soonest possible"
-    yield Line("delay", late, host.delay_p95_s > DELAY_ODD_S)
+    yield TableLine("delay", late, host.delay_p95_s > DELAY_ODD_S)
 
 
-def _values(facts: "SessionFacts") -> Iterator[Line]:
+def _values(facts: "SessionFacts") -> Iterator[TableLine]:
     if facts.rate is None:
-        yield Line("rate", "not one that is a number", is_odd=True)
+        yield TableLine("rate", "not one that is a number", is_odd=True)
     else:
         low, high, mean = facts.rate.min_dps, facts.rate.max_dps, facts.rate.mean_dps
         stuck = ": never changes" if low == high and facts.samples > 1 else ""
-        yield Line("rate", f"{low:.6g} … {high:.6g} deg/s, mean {mean:.4g} deg/s{stuck}", bool(stuck))
+        yield TableLine("rate", f"{low:.6g} … {high:.6g} deg/s, mean {mean:.4g} deg/s{stuck}", bool(stuck))
     encoder, temperature = facts.encoder, facts.temperature
     if encoder is None:
-        yield Line("encoder", "none")
+        yield TableLine("encoder", "none")
     elif encoder.smallest_step_deg is None:
-        yield Line("encoder", f"{encoder.min_deg:.6g} deg, never moves")
+        yield TableLine("encoder", f"{encoder.min_deg:.6g} deg, never moves")
     else:
         step = f"smallest step {encoder.smallest_step_deg:.4g} deg"
-        yield Line("encoder", f"{encoder.min_deg:.6g} … {encoder.max_deg:.6g} deg, {step}")
+        yield TableLine("encoder", f"{encoder.min_deg:.6g} … {encoder.max_deg:.6g} deg, {step}")
     if temperature is None:
-        yield Line("temperature", "none")
+        yield TableLine("temperature", "none")
     else:
         ends = f"{temperature.first_c:.2f} → {temperature.last_c:.2f} °C from start to end"
-        yield Line("temperature", f"{temperature.min_c:.2f} … {temperature.max_c:.2f} °C, {ends}")
+        yield TableLine("temperature", f"{temperature.min_c:.2f} … {temperature.max_c:.2f} °C, {ends}")
 
 
-def _stretches(facts: "SessionFacts") -> Iterator[Line]:
+def _stretches(facts: "SessionFacts") -> Iterator[TableLine]:
     """All in one line, then the longest in order of time."""
     stretches = facts.stretches
     if not stretches:
-        yield Line("stretches", "none: the bias cannot be told", is_odd=True)
+        yield TableLine("stretches", "none: the bias cannot be told", is_odd=True)
         return
     lengths_s = [one.end_s - one.start_s for one in stretches]
-    yield Line("stretches", f"{len(stretches)}, {sum(lengths_s):.1f} s in all, longest {max(lengths_s):.1f} s")
+    yield TableLine("stretches", f"{len(stretches)}, {sum(lengths_s):.1f} s in all, longest {max(lengths_s):.1f} s")
     shown = sorted(
         sorted(stretches, key=lambda one: one.start_s - one.end_s)[:STRETCHES_SHOWN], key=lambda o: o.start_s
     )
     for one in shown:
         bias = f"{one.mean_dps:+.4f} deg/s, scatter {one.std_dps:.4f}"
-        yield Line(f"{one.start_s:.1f} – {one.end_s:.1f} s", bias, one.std_dps > LOUD_DPS)
+        yield TableLine(f"{one.start_s:.1f} – {one.end_s:.1f} s", bias, one.std_dps > LOUD_DPS)
     if len(shown) < len(stretches):
         means = [one.mean_dps for one in stretches]
-        yield Line(f"all {len(stretches)}", f"{min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json")
+        yield TableLine(f"all {len(stretches)}", f"{min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json")
 
 
-def _noise(allan: "Allan | None") -> Iterator[Line]:
+def _noise(allan: "Allan | None") -> Iterator[TableLine]:
     if allan is None:
-        yield Line("unknown", "no stretch of 30 s without motion")
+        yield TableLine("unknown", "no stretch of 30 s without motion")
         return
     walk, floor, tau_s = allan.angle_random_walk_deg_rts, allan.bias_instability_dps, allan.bias_instability_tau_s
-    yield Line("over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
+    yield TableLine("over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
     white = "no slope of −1/2 to read it from" if walk is None else f"{walk:.4g} deg/√s"
-    yield Line("random walk", white)
+    yield TableLine("random walk", white)
     flicker = "none seen: the stretch is too short, or the noise is white"
-    yield Line("instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s")
+    yield TableLine("instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s")
 
 
 def _kept(session: "Session") -> Iterator[Group]:
     """What was kept beside the samples."""
     for name, table in session.metadata.items():
-        lines = [Line(_printable(key), _first_line(text)) for key, text in table.items()]
-        yield Group(f"kept: {_printable(name)}", lines or [Line("empty", "")])
+        lines = [TableLine(_printable(key), _first_line(text)) for key, text in table.items()]
+        yield Group(f"kept: {_printable(name)}", lines or [TableLine("empty", "")])
 
 
 def _first_line(text: str) -> str:

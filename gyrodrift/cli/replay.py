@@ -75,12 +75,12 @@ def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]
 def _speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The frames of the session in the protocol asked for, and what greets a reader."""
     from gyrodrift.session.files import load_session
-    from gyrodrift.simulation.replay import Recording, csv_frames, native_frames, native_hello, witmotion_frames
+    from gyrodrift.simulation.replay import PlayedSession, csv_frames, native_frames, native_hello, witmotion_frames
 
     if not 0.0 < arguments.lsb <= 10.0:
         raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")
     session = load_session(arguments.session)
-    recording = Recording(session, is_looping=arguments.loop)
+    recording = PlayedSession(session, is_looping=arguments.loop)
     match arguments.protocol:
         case "native":
             hello = native_hello(recording, arguments.lsb)

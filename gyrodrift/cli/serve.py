@@ -50,11 +50,11 @@ def run(arguments: argparse.Namespace) -> int:
         takers: list[Taker] = [filtering]
         if arguments.record is not None:
             from gyrodrift.recording.recorder import RecordOptions
-            from gyrodrift.recording.resilient import Recording, repair_interrupted
+            from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
             what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
             about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}
-            recording = Recording(RecordOptions(*what, about), link, log)
+            recording = ResilientRecorder(RecordOptions(*what, about), link, log)
             repair_interrupted(arguments.record, log)
             news.listener = recording.on_event
             takers = [recording, filtering]

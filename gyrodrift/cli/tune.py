@@ -76,7 +76,7 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
     from gyrodrift.progress import Progress
     from gyrodrift.tune.prepared import Prepared, identity
     from gyrodrift.tune.search.journal import Journal
-    from gyrodrift.tune.tuning import Work
+    from gyrodrift.tune.tuning import TuningRun
 
     plan = _plan(arguments)
     how = (arguments.seed, arguments.threads, arguments.cluster)
@@ -86,7 +86,7 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
     ):
         path = arguments.out.with_suffix(".progress.npz")
         journal = Journal(path, identity(plan, prepared), is_resumed=arguments.resume)
-        work = Work(
+        work = TuningRun(
             plan, prepared.costs, prepared.abouts, prepared.splits, prepared.course, journal, progress.evaluated
         )
         tuning = work.run()

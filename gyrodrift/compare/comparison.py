@@ -13,7 +13,7 @@ from gyrodrift.compare.methods.registry import BY_KEY
 from gyrodrift.compare.tuning import Progress, tuned
 from gyrodrift.evaluation.dataset import About, Source, rates_differ
 from gyrodrift.evaluation.score import Score, mean_score, score_of
-from gyrodrift.evaluation.timed_reference import Recording, folder_names, load_recording
+from gyrodrift.evaluation.timed_reference import TimedReference, folder_names, load_timed_reference
 from gyrodrift.parallel import workers
 
 CURVE_POINTS = 300
@@ -22,7 +22,7 @@ SHOWN = 24
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ComparisonRequest:
     """What is to be compared.
 
     paths, stills
@@ -68,7 +68,7 @@ class Curves:
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class ComparedSession:
     """A session with a score for every entry, in their order."""
 
     path: Path
@@ -92,7 +92,7 @@ class Comparison:
 
     entries: tuple[Entry, ...]
     missing: tuple[Method, ...]
-    sessions: tuple[Compared, ...]
+    sessions: tuple[ComparedSession, ...]
     train: tuple[str, ...]
     iterations: int
     seed: int
@@ -111,11 +111,11 @@ class Comparison:
         return {name: _means([one for one in self.sessions if one.folder == name]) for name in names}
 
 
-def _means(sessions: Sequence[Compared]) -> tuple[Score, ...]:
+def _means(sessions: Sequence[ComparedSession]) -> tuple[Score, ...]:
     return tuple(mean_score(scores) for scores in zip(*(one.scores for one in sessions), strict=True))
 
 
-def compare(asked: Asked) -> Comparison:
+def compare(asked: ComparisonRequest) -> Comparison:
     """Run every method that is installed over every session.
 
     Raises
@@ -125,7 +125,7 @@ def compare(asked: Asked) -> Comparison:
     """
     begun_s = time.monotonic()
     present = [method for method in asked.methods if method.is_installed]
-    train = [load_recording(_source(path, asked)) for path in asked.train]
+    train = [load_timed_reference(_source(path, asked)) for path in asked.train]
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
     entries = [Entry(method, method.defaults) for method in present]
     entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
@@ -142,11 +142,11 @@ def compare(asked: Asked) -> Comparison:
     )
 
 
-def _source(path: Path, asked: Asked) -> Source:
+def _source(path: Path, asked: ComparisonRequest) -> Source:
     return Source(path, path in asked.stills)
 
 
-def _run(asked: Asked, entries: Sequence[Entry]) -> list[Compared]:
+def _run(asked: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSession]:
     folders = folder_names(asked.paths)
     firsts = {folders.index(name) for name in folders}
     is_drawn = [len(folders) <= SHOWN or at in firsts for at in range(len(folders))]
@@ -172,22 +172,22 @@ class _Work:
     is_drawn: bool
 
 
-def _compared(work: _Work) -> Compared:
-    recording = load_recording(work.source)
+def _compared(work: _Work) -> ComparedSession:
+    recording = load_timed_reference(work.source)
     course = recording.course
     yaws_deg = [BY_KEY[key].run(recording.t_s, course.rate_dps, params) for key, params in work.runs]
     scores = tuple(score_of(course, yaw_deg) for yaw_deg in yaws_deg)
     curves = _curves(recording, yaws_deg) if work.is_drawn else None
-    return Compared(work.source.path, work.folder, recording.about, scores, curves)
+    return ComparedSession(work.source.path, work.folder, recording.about, scores, curves)
 
 
-def _curves(recording: Recording, yaws_deg: Sequence[Floats]) -> Curves:
+def _curves(recording: TimedReference, yaws_deg: Sequence[Floats]) -> Curves:
     at = recording.course.drawn_at(CURVE_POINTS)
     minutes = (recording.t_s[at] - recording.t_s[0]) / 60.0
     return Curves(minutes, recording.course.reference_deg[at], np.array([yaw_deg[at] for yaw_deg in yaws_deg]))
 
 
-def _notes(sessions: Sequence[Compared], train: Sequence[Recording]) -> list[str]:
+def _notes(sessions: Sequence[ComparedSession], train: Sequence[TimedReference]) -> list[str]:
     notes = [odd for one in sessions for odd in one.about.odd]
     digests = {one.about.digest for one in train}
     both = [one.about.name for one in sessions if one.about.digest in digests]

@@ -10,8 +10,8 @@ from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import BY_KEY
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.evaluation.space import params_of
-from gyrodrift.evaluation.timed_reference import Recording
-from gyrodrift.parallel import Workers, workers
+from gyrodrift.evaluation.timed_reference import TimedReference
+from gyrodrift.parallel import LocalWorkers, workers
 from gyrodrift.tune.search.methods import METHODS as SEARCHES
 from gyrodrift.tune.search.methods import spend
 from gyrodrift.tune.search.objective import Objective
@@ -21,12 +21,12 @@ SEARCH = "race"
 
 Progress = Callable[[str, int, int], None]
 
-_known: list[Recording] = []
+_known: list[TimedReference] = []
 """The training sessions, where the processes that are forked find them."""
 
 
 def tuned(
-    chosen: Sequence[Method], train: Sequence[Recording], iterations: int, seed: int, jobs: int, progress: Progress
+    chosen: Sequence[Method], train: Sequence[TimedReference], iterations: int, seed: int, jobs: int, progress: Progress
 ) -> dict[str, Params]:
     """Parameters by method, of those that have axes: the best of `iterations` evaluations, or the defaults.
 
@@ -38,7 +38,7 @@ def tuned(
 
 
 @contextmanager
-def _told(train: Sequence[Recording]) -> Iterator[None]:
+def _told(train: Sequence[TimedReference]) -> Iterator[None]:
     _known[:] = train
     try:
         yield
@@ -46,7 +46,7 @@ def _told(train: Sequence[Recording]) -> Iterator[None]:
         _known.clear()
 
 
-def _tuned(method: Method, hands: Workers, iterations: int, seed: int, progress: Progress) -> Params:
+def _tuned(method: Method, hands: LocalWorkers, iterations: int, seed: int, progress: Progress) -> Params:
     names = [axis.name for axis in method.axes]
 
     def pi(params: Floats) -> Floats:

@@ -19,8 +19,8 @@ from gyrodrift.diagnose.inference.verdict import Verdict, detectable, verdict_of
 from gyrodrift.diagnose.inference.yaw_impact import Worth, worth_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.candidates import Candidate, candidates
-from gyrodrift.diagnose.simulate.responses import Table, hints_of
-from gyrodrift.diagnose.simulate.tables import Work, gathered, passed
+from gyrodrift.diagnose.simulate.responses import ResponseTable, hints_of
+from gyrodrift.diagnose.simulate.tables import SessionTask, gathered, passed
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 
@@ -33,7 +33,7 @@ class Drawn:
     """What the report draws from: sessions and their tables in the same order, the search over causes and its end."""
 
     subjects: tuple[Subject, ...]
-    tables: tuple[Table, ...]
+    tables: tuple[ResponseTable, ...]
     attribution: Attribution
     found: Found
     withheld: tuple[str, ...]
@@ -57,7 +57,7 @@ class Diagnosis:
     drawn: Drawn = field(repr=False)
 
 
-class Asked(NamedTuple):
+class DiagnosisRequest(NamedTuple):
     """What is to be diagnosed."""
 
     paths: Sequence[Path]
@@ -68,7 +68,7 @@ class Asked(NamedTuple):
     progress: Callable[[str, int, int], None]
 
 
-def diagnose(asked: Asked) -> Diagnosis:
+def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     """Explain the gap between a rig and recordings.
 
     Raises
@@ -83,7 +83,7 @@ def diagnose(asked: Asked) -> Diagnosis:
     hints = hints_of([(subject.seen, subject) for subject in subjects])
     tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
     names = frozenset(candidate.name for candidate in tried)
-    works = [Work(path.resolve(), asked.rig, hints, names) for path in paths]
+    works = [SessionTask(path.resolve(), asked.rig, hints, names) for path in paths]
     tables = gathered(works, asked.jobs, asked.cluster, asked.progress)
     evidence = evidence_of(tables, tried)
     attribution = Attribution(evidence, lambda causes: _simulated(causes, subjects, tables))
@@ -153,8 +153,8 @@ def _testable(
     return tried, untestable
 
 
-def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[Table]) -> Floats:
-    """(sessions, F) what a whole set of causes does to the signatures."""
+def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> Floats:
+    """(sessions, F) what a whole set of causes does to the features."""
     effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes if not cause.is_strange)
     share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
     runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE

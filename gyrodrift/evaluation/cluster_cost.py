@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from gyrodrift import __version__
 from gyrodrift.arrays import Floats
-from gyrodrift.cluster import Workers
+from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
 from gyrodrift.evaluation.dataset import About, Source, load_course
@@ -126,7 +126,7 @@ class ClusterCost:
     def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], tunable: Tunable = HDR_TUNABLE) -> None:
         self._name = tunable.filter.name
         self.evaluations = 0
-        self._workers = Workers(address, "tuning")
+        self._workers = ClusterWorkers(address, "tuning")
         try:
             self.threads = self._workers.threads
             self._edges = _edges([path for path, _ in sessions], self.threads)

@@ -11,7 +11,7 @@ from gyrodrift.session.files import load_session
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class TimedReference:
     """What a method is run on and judged by.
 
     t_s
@@ -23,7 +23,7 @@ class Recording:
     about: About
 
 
-def load_recording(source: Source) -> Recording:
+def load_timed_reference(source: Source) -> TimedReference:
     """Read a session; the first sample is the first one with a reference, as in `Course`.
 
     Raises
@@ -34,7 +34,7 @@ def load_recording(source: Source) -> Recording:
     session = load_session(source.path)
     course, about = course_and_about(source, session)
     taken_s = session.t_device_s[accepted(session.t_device_s, session.rate_dps)]
-    return Recording(taken_s[-len(course.dt_s) :], course, about)
+    return TimedReference(taken_s[-len(course.dt_s) :], course, about)
 
 
 def folder_names(paths: Sequence[Path]) -> list[str]:

@@ -100,22 +100,22 @@ def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
     scale.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
 
 
-class Line(NamedTuple):
+class Polyline(NamedTuple):
     """What is drawn of a curve, shape (m,)."""
 
     x: Floats
     y: Floats
 
 
-def thinned(x: Floats, y: Floats) -> Line:
+def thinned(x: Floats, y: Floats) -> Polyline:
     """At most about `LINE_POINTS` points; of each stretch the lowest and the highest, so that peaks stay."""
     y = np.where(np.isfinite(y), y, np.nan)
     pieces = np.array_split(np.arange(len(y)), LINE_POINTS // 2)
     if len(y) <= LINE_POINTS:
-        return Line(x, y)
+        return Polyline(x, y)
     ends = {0, len(y) - 1}
     kept = np.array(sorted(ends | {int(piece[k]) for piece in pieces for k in _extremes(y[piece])}))
-    return Line(x[kept], y[kept])
+    return Polyline(x[kept], y[kept])
 
 
 def _extremes(y: Floats) -> Iterable[int]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.clocks.clock import Clock, ClockRestart, Gap
+from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols.decoder import Decoder, DeviceFacts
@@ -179,7 +179,7 @@ class Link:
     def _report_clock_events(self, clock: Clock) -> None:
         for event in clock.events:
             match event:
-                case Gap(missing, seconds):
+                case SampleGap(missing, seconds):
                     self.counters.gaps += 1
                     self.counters.missing += missing
                     self._news("gap", missing=missing, seconds=round(seconds, 6))

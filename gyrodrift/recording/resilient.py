@@ -18,7 +18,7 @@ RETRY_S = 10.0
 
 
 @dataclass(slots=True)
-class Recording:
+class ResilientRecorder:
     """Takes samples like a `Recorder`, but a failure ends up in the log and not with the caller.
 
     Raises

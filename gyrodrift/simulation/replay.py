@@ -41,7 +41,7 @@ class Spoken:
     temp_c: float | None
 
 
-class Recording:
+class PlayedSession:
     """The samples of a session, once or for ever; a second pass goes on in time where the first one ended."""
 
     def __init__(self, session: Session, *, is_looping: bool) -> None:
@@ -80,20 +80,20 @@ class Recording:
             yield Spoken(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c)
 
 
-def csv_frames(recording: Recording) -> Iterator[Frame]:
+def csv_frames(recording: PlayedSession) -> Iterator[Frame]:
     """A line a sample, with every digit."""
     for s in recording:
         yield Frame(s.at_s, csv_line(s.t_us, s.rate_dps, s.encoder_deg, s.temp_c), 1)
 
 
-def native_hello(recording: Recording, dps_per_lsb: float) -> bytes:
+def native_hello(recording: PlayedSession, dps_per_lsb: float) -> bytes:
     """The HELLO of a device that measures as the recording did, in steps of `dps_per_lsb`."""
     cpr = ENCODER_CPR if recording.session.encoder_deg is not None else 0
     rate_hz = min(65535.0, max(1.0, 1.0 / recording.period_s))
     return hello_frame(Base(sample_rate_hz=rate_hz, dps_per_lsb=dps_per_lsb, encoder_cpr=cpr))
 
 
-def native_frames(recording: Recording, dps_per_lsb: float, hello: bytes) -> Iterator[Frame]:
+def native_frames(recording: PlayedSession, dps_per_lsb: float, hello: bytes) -> Iterator[Frame]:
     """HELLO once a second and a SAMPLE each; rates that are not finite cannot be said and are left out."""
     next_hello_s = 0.0
     for s in recording:
@@ -115,7 +115,7 @@ def native_frames(recording: Recording, dps_per_lsb: float, hello: bytes) -> Ite
         yield Frame(s.at_s, sample_frame(flags, s.seq, s.t_us, raw, temp_centi_c, counts), 1)
 
 
-def witmotion_frames(recording: Recording) -> Iterator[Frame]:
+def witmotion_frames(recording: PlayedSession) -> Iterator[Frame]:
     """The frames of a WT901 a sample; rates that are not finite cannot be said and are left out."""
     for s in recording:
         if isfinite(s.rate_dps):

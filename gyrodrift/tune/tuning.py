@@ -60,7 +60,7 @@ class Costs(Protocol):
 
 
 @dataclass(slots=True)
-class Work:
+class TuningRun:
     """A tuning while it runs; an interrupt ends the search and leaves the best so far to be judged.
 
     costs, abouts, splits

@@ -14,7 +14,7 @@ from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.disk import RecordingError
 from gyrodrift.recording.recorder import RecordOptions
-from gyrodrift.recording.resilient import Recording
+from gyrodrift.recording.resilient import ResilientRecorder
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -47,7 +47,7 @@ def test_after_a_failure_it_begins_a_new_file(
     tmp_path: Path, link: Link, logged: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """When the time has come; the service notices nothing."""
-    beside = Recording(RecordOptions(tmp_path / "out"), link, structlog.get_logger())
+    beside = ResilientRecorder(RecordOptions(tmp_path / "out"), link, structlog.get_logger())
     beside.take(samples(0))
     assert beside.recorder is not None
 
@@ -78,7 +78,7 @@ def test_after_a_failure_it_begins_a_new_file(
 def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logged: list[Any]) -> None:
     """And tried again later."""
     out = tmp_path / "out"
-    beside = Recording(RecordOptions(out), link, structlog.get_logger())
+    beside = ResilientRecorder(RecordOptions(out), link, structlog.get_logger())
     out.rmdir()
     out.touch()
     beside.take(samples(0))

@@ -16,7 +16,7 @@ from gyrodrift.link.events import News
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.recorder import RecordOptions
-from gyrodrift.recording.resilient import Recording
+from gyrodrift.recording.resilient import ResilientRecorder
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -138,7 +138,7 @@ def test_recording_goes_on_when_a_full_disk_has_room_again(out: Path, link: Link
     """In a new file; as long as it is full nothing is left on it by trying."""
     with small_disk(out, "64k"):
         filler = fill(out)
-        beside = Recording(RecordOptions(out), link, structlog.get_logger())
+        beside = ResilientRecorder(RecordOptions(out), link, structlog.get_logger())
         now_s = 0.0
         for _ in range(3):
             beside.take(samples(0, 100))
@@ -163,7 +163,7 @@ def test_a_name_taken_by_another_recording_is_no_failure(
     out: Path, link: Link, logged: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two services may write into one folder."""
-    one, other = (Recording(RecordOptions(out), link, structlog.get_logger()) for _ in range(2))
+    one, other = (ResilientRecorder(RecordOptions(out), link, structlog.get_logger()) for _ in range(2))
     one.take(samples(0, 10))
     other.take(samples(10, 10))
     one.close()

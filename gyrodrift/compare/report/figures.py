@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from gyrodrift.arrays import Floats
-from gyrodrift.compare.comparison import Compared, Curves, Entry
+from gyrodrift.compare.comparison import ComparedSession, Curves, Entry
 from gyrodrift.html.numbers import factor_label
 from gyrodrift.html.svg import (
     FIVE,
@@ -63,7 +63,9 @@ def look_of(entry: Entry) -> Look:
     return Look(COLOURS[entry.method.key], "--" if entry.method.is_offline else "-")
 
 
-def session_svgs(sessions: Sequence[Compared], entries: Sequence[Entry], shown: Sequence[int], name: str) -> list[str]:
+def session_svgs(
+    sessions: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int], name: str
+) -> list[str]:
     """A panel a session that has curves, of some of the entries: yaw above, and below how far it is off."""
     with styled():
         return [

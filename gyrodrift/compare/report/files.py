@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.compare.comparison import Compared, Comparison, Entry
+from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry
 from gyrodrift.compare.methods.method import Method
 from gyrodrift.evaluation.score import Score
 from gyrodrift.files import write_whole
@@ -65,7 +65,7 @@ def _scores(entries: Sequence[Entry], scores: Sequence[Score]) -> list[dict[str,
     ]
 
 
-def _session(entries: Sequence[Entry], one: Compared) -> dict[str, Any]:
+def _session(entries: Sequence[Entry], one: ComparedSession) -> dict[str, Any]:
     return {
         "name": one.about.name,
         "folder": one.folder,

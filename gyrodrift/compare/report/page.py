@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.compare.comparison import SHOWN, Compared, Comparison, Entry
+from gyrodrift.compare.comparison import SHOWN, ComparedSession, Comparison, Entry
 from gyrodrift.compare.report.figures import look_of, session_svgs
 from gyrodrift.compare.report.files import absence, cells, e_cell
 from gyrodrift.html.html import (
@@ -111,7 +111,9 @@ def _figures(comparison: Comparison) -> list[str]:
     return [*parts, _figure("tuned", drawn, entries, with_tuned, said)] if with_tuned else parts
 
 
-def _figure(kind: str, drawn: Sequence[Compared], entries: Sequence[Entry], shown: Sequence[int], said: str) -> str:
+def _figure(
+    kind: str, drawn: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int], said: str
+) -> str:
     marks = [(*look_of(entries[at]).mark, text(entries[at].method.title)) for at in shown]
     key = legend([("ink", "key dotted", "reference"), *marks])
     caption = (
@@ -121,7 +123,7 @@ def _figure(kind: str, drawn: Sequence[Compared], entries: Sequence[Entry], show
     return figure(caption, panels(names, session_svgs(drawn, entries, shown, kind.replace(" ", "-"))))
 
 
-def _panel_name(one: Compared) -> str:
+def _panel_name(one: ComparedSession) -> str:
     name = text(one.about.name)
     return f'<b title="{name}">{name}</b>' + span(f"{text(one.folder)}, {one.about.minutes:.3g} minutes", "note")
 
@@ -133,7 +135,7 @@ def _sessions_table(comparison: Comparison) -> str:
     return table("E in degrees.", headings(["session", *_titles(comparison)]), rows, foot)
 
 
-def _session_name(one: Compared, *, several: bool) -> str:
+def _session_name(one: ComparedSession, *, several: bool) -> str:
     return text(f"{one.folder}/{one.about.name}" if several else one.about.name)
 
 

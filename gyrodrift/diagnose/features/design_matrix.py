@@ -1,7 +1,7 @@
 """What the residuals of a session are held against: the motion, temperature and time of the recording itself.
 
 The same design serves the recording and every simulation driven through its motion, so that a difference of their
-signatures is a difference of what was measured.
+features is a difference of what was measured.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import correlate1d, gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.feature import Signature
+from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
@@ -39,12 +39,12 @@ HINGES_DPS = (60.0, 120.0)
 class Column:
     """A regressor of the block residuals, what an error of it is called, and the coefficient too small to matter."""
 
-    signature: Signature
+    feature: Feature
     floor: float
 
 
 def _column(name: str, stage: str, regime: str, floor: float, says: str) -> Column:
-    return Column(Signature(name, stage, regime, says), floor)
+    return Column(Feature(name, stage, regime, says), floor)
 
 
 COLUMNS = (
@@ -119,7 +119,7 @@ NEW_SHARE = 1e-3
 """A column that is made of those before it but for less than this says nothing new."""
 
 CONSTANT = 1
-"""The bias is calibration: the first column, and no signature."""
+"""The bias is calibration: the first column, and no feature."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,9 +210,9 @@ def design_of(real: Cleaned) -> Design:
         basis=basis,
         floors=floors,
         strange={
-            column.signature.name: values
+            column.feature.name: values
             for column, values in zip(COLUMNS, columns[CONSTANT:], strict=True)
-            if column.signature.name in STRANGE_COLUMNS
+            if column.feature.name in STRANGE_COLUMNS
         },
         lag_basis=lag_basis,
         lag_floors=lag_floors,
@@ -249,15 +249,15 @@ SIXTH_ORDER = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 """Central difference over seven points: a tone of a tenth of the sample rate comes out 0.05 % too weak."""
 
 WARMING_BLOCKS = 20
-WARMING_SIGNATURES = (Signature("warming", "environment", "warm", "the bias changes when the temperature changes"),)
+WARMING_FEATURES = (Feature("warming", "environment", "warm", "the bias changes when the temperature changes"),)
 WARMING_FLOOR, LEAST_WARMING_DPS = 6e-4, 4e-3
 """A bias that wanders by itself may go along with the temperature, but its steps do not go along with each of its."""
 
 LAG_CONSTANTS = 3
-LAG_SIGNATURES = (
-    Signature("lag", "sensor", "accelerating", "the rate lags behind the encoder"),
-    Signature("lag_bend", "sensor", "accelerating", "fast changes of the rate are weakened or strengthened"),
-    Signature("lag_twist", "sensor", "accelerating", "the lag depends on how fast the rate changes"),
+LAG_FEATURES = (
+    Feature("lag", "sensor", "accelerating", "the rate lags behind the encoder"),
+    Feature("lag_bend", "sensor", "accelerating", "fast changes of the rate are weakened or strengthened"),
+    Feature("lag_twist", "sensor", "accelerating", "the lag depends on how fast the rate changes"),
 )
 LAG_FLOORS = (3e-4, 8e-6, 1e-7)
 """0.3 ms, and what belongs to it in higher orders: s, s², s³."""
@@ -266,7 +266,7 @@ LAG_FLOORS = (3e-4, 8e-6, 1e-7)
 def _lag_basis(motion: ReplayedMotion, encoder_deg: Floats) -> tuple[Floats, Floats]:
     rate_dps = smoothed_difference(encoder_deg, motion.period_s)
     derivatives = [rate_dps]
-    for _ in LAG_SIGNATURES:
+    for _ in LAG_FEATURES:
         derivatives.append(np.gradient(derivatives[-1], motion.period_s))
     columns = np.column_stack([np.ones(len(rate_dps)), rate_dps, np.abs(rate_dps), *derivatives[1:]])
     return _orthonormal(columns, np.array(LAG_FLOORS), LAG_CONSTANTS)
@@ -304,7 +304,7 @@ def _orthonormal(columns: Floats, floors: Floats, dropped: int) -> tuple[Floats,
 
 
 def _quick_basis(regressors: Floats) -> Floats:
-    kept = [0, *(number for number, c in enumerate(COLUMNS, CONSTANT) if c.signature.name not in SLOW_COLUMNS)]
+    kept = [0, *(number for number, c in enumerate(COLUMNS, CONSTANT) if c.feature.name not in SLOW_COLUMNS)]
     chosen = regressors[:, kept]
     basis, triangle = np.linalg.qr(chosen / np.maximum(np.linalg.norm(chosen, axis=0), 1e-300))
     return basis * (np.abs(np.diag(triangle)) > NEW_SHARE)

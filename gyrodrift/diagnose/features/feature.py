@@ -1,4 +1,4 @@
-"""What a signature is, and what a group of them is measured with."""
+"""What a feature is, and what a group of them is measured with."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,7 +7,7 @@ from gyrodrift.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)
-class Signature:
+class Feature:
     """A statistic with a name.
 
     stage
@@ -25,7 +25,7 @@ class Signature:
 
 
 class Measured(NamedTuple):
-    """Values of some signatures and their floors, what is too small to matter for yaw; shape (signatures,) each."""
+    """Values of some features and their floors, what is too small to matter for yaw; shape (features,) each."""
 
     values: Floats
     floors: Floats

@@ -5,7 +5,7 @@ from scipy.ndimage import median_filter
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import Design, means
-from gyrodrift.diagnose.features.feature import Measured, Signature
+from gyrodrift.diagnose.features.feature import Feature, Measured
 from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
 
 REST_POINTS = (1, 2, 4, 8, 16, 32)
@@ -29,42 +29,38 @@ LEAST_POINTS, FEW_SECONDS = 25, 20
 LEAST_POWER = 1e-6
 """Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a tone to stand out of."""
 
-SIGNATURES = (
+FEATURES = (
     *(
-        Signature(
+        Feature(
             f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape"
         )
         for points in REST_POINTS
     ),
     *(
-        Signature(
-            f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs"
-        )
+        Feature(f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs")
         for points in MOVING_POINTS
     ),
     *(
-        Signature(
-            f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs"
-        )
+        Feature(f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs")
         for points in MOVING_POINTS
     ),
-    Signature("line", "sensor", "rest", "a tone stands out of the noise at rest"),
-    Signature("noise_uneven", "sensor", "rest", "the noise comes in bursts"),
-    Signature("tails_rest", "sensor", "rest", "the noise at rest has wild values"),
-    Signature("tails_moving", "sensor", "moving", "the noise in motion has wild values"),
-    Signature("spike_share", "sensor", "always", "single samples are wild"),
-    Signature("equal_rest", "sensor", "rest", "neighbouring samples at rest are equal too often"),
-    Signature("equal_moving", "link", "moving", "neighbouring samples in motion are equal too often"),
-    Signature("equal_quick", "link", "accelerating", "samples repeat while the rate is changing"),
-    Signature("zero_share", "sensor", "slow", "the rate reads exactly zero too often"),
-    Signature("least_rate", "sensor", "slow", "small rates do not occur"),
-    Signature("rate_step", "sensor", "always", "the rate comes in coarser steps than the rig says"),
-    Signature("values", "sensor", "always", "fewer different values come than should"),
-    Signature("reach", "sensor", "fast", "the largest rates do not reach those of the encoder"),
-    Signature("angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says"),
-    Signature("angle_noise", "encoder", "moving", "the angle scatters from sample to sample"),
-    Signature("slip_count", "encoder", "always", "the angle jumps"),
-    Signature("slip_size", "encoder", "always", "the jumps of the angle are large"),
+    Feature("line", "sensor", "rest", "a tone stands out of the noise at rest"),
+    Feature("noise_uneven", "sensor", "rest", "the noise comes in bursts"),
+    Feature("tails_rest", "sensor", "rest", "the noise at rest has wild values"),
+    Feature("tails_moving", "sensor", "moving", "the noise in motion has wild values"),
+    Feature("spike_share", "sensor", "always", "single samples are wild"),
+    Feature("equal_rest", "sensor", "rest", "neighbouring samples at rest are equal too often"),
+    Feature("equal_moving", "link", "moving", "neighbouring samples in motion are equal too often"),
+    Feature("equal_quick", "link", "accelerating", "samples repeat while the rate is changing"),
+    Feature("zero_share", "sensor", "slow", "the rate reads exactly zero too often"),
+    Feature("least_rate", "sensor", "slow", "small rates do not occur"),
+    Feature("rate_step", "sensor", "always", "the rate comes in coarser steps than the rig says"),
+    Feature("values", "sensor", "always", "fewer different values come than should"),
+    Feature("reach", "sensor", "fast", "the largest rates do not reach those of the encoder"),
+    Feature("angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says"),
+    Feature("angle_noise", "encoder", "moving", "the angle scatters from sample to sample"),
+    Feature("slip_count", "encoder", "always", "the angle jumps"),
+    Feature("slip_size", "encoder", "always", "the jumps of the angle are large"),
 )
 
 FLOORS = np.array(
@@ -94,7 +90,7 @@ def white_dps(seen: Cleaned, design: Design, dps_per_lsb: float) -> float:
 
 
 def measure(seen: Cleaned, design: Design, dps_per_lsb: float, cpr: int) -> Measured:
-    """SIGNATURES of a recording or of a simulation; the rig's facts say what steps are fine."""
+    """FEATURES of a recording or of a simulation; the rig's facts say what steps are fine."""
     grain = dps_per_lsb**2 / 12.0
     rest = [_log(_spread(seen.rate_dps, design.at_rest, n, 2) * n / 6.0, grain) for n in REST_POINTS]
     slow = [_log(_spread(seen.rate_dps, design.is_slow, n, 3) * n / 20.0, grain) for n in MOVING_POINTS]

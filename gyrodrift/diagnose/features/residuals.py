@@ -5,45 +5,42 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import (
     COLUMNS,
-    LAG_SIGNATURES,
+    LAG_FEATURES,
     WARMING_BLOCKS,
-    WARMING_SIGNATURES,
+    WARMING_FEATURES,
     Design,
     means,
     smoothed,
     smoothed_difference,
 )
-from gyrodrift.diagnose.features.feature import Measured, Signature
+from gyrodrift.diagnose.features.feature import Feature, Measured
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 SLOW_MEANS = (2, 5, 10, 20, 50)
-"""Blocks; the slow signatures compare neighbouring means of so many seconds."""
+"""Blocks; the slow features compare neighbouring means of so many seconds."""
 
 WALK_MEANS = (5, 20, 60, 120)
 JUMP_MEAN = 4
 
-SIGNATURES = (
-    *(column.signature for column in COLUMNS),
-    *LAG_SIGNATURES,
-    *WARMING_SIGNATURES,
+FEATURES = (
+    *(column.feature for column in COLUMNS),
+    *LAG_FEATURES,
+    *WARMING_FEATURES,
+    *(Feature(f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s") for count in SLOW_MEANS),
+    Feature("wander_rest", "sensor", "rest", "the bias wanders while it rests"),
+    Feature("step", "sensor", "late", "the bias jumps"),
+    Feature("two_levels", "sensor", "always", "the bias sits on two levels"),
+    Feature("swing", "sensor", "always", "the bias swings with a period"),
+    Feature("ripple", "sensor", "moving", "the bias changes several times per turn"),
+    Feature("angle_ripple", "encoder", "moving", "the angle errs several times per turn"),
     *(
-        Signature(f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s")
-        for count in SLOW_MEANS
-    ),
-    Signature("wander_rest", "sensor", "rest", "the bias wanders while it rests"),
-    Signature("step", "sensor", "late", "the bias jumps"),
-    Signature("two_levels", "sensor", "always", "the bias sits on two levels"),
-    Signature("swing", "sensor", "always", "the bias swings with a period"),
-    Signature("ripple", "sensor", "moving", "the bias changes several times per turn"),
-    Signature("angle_ripple", "encoder", "moving", "the angle errs several times per turn"),
-    *(
-        Signature(f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s")
+        Feature(f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s")
         for count in WALK_MEANS
     ),
-    Signature("walk_levels", "sensor", "always", "the bias, taken by itself, sits on two levels"),
-    Signature("walk_jumps", "sensor", "always", "the bias, taken by itself, moves in jumps"),
-    Signature("scatter_moving", "sensor", "moving", "second by second the rate scatters more when it moves"),
-    Signature("scatter_accelerating", "sensor", "accelerating", "and more still when it accelerates"),
+    Feature("walk_levels", "sensor", "always", "the bias, taken by itself, sits on two levels"),
+    Feature("walk_jumps", "sensor", "always", "the bias, taken by itself, moves in jumps"),
+    Feature("scatter_moving", "sensor", "moving", "second by second the rate scatters more when it moves"),
+    Feature("scatter_accelerating", "sensor", "accelerating", "and more still when it accelerates"),
 )
 
 LOG_FLOOR = 0.25
@@ -95,7 +92,7 @@ def left_dps(seen: Cleaned, design: Design) -> Floats:
 
 
 def measure(seen: Cleaned, design: Design) -> Measured:
-    """SIGNATURES of a recording or of a simulation."""
+    """FEATURES of a recording or of a simulation."""
     residual_dps = _centred_dps(seen, design)
     static = design.basis.T @ residual_dps
     away_dps = smoothed(seen.rate_dps, design.period_s) - smoothed_difference(seen.encoder_deg, design.period_s)

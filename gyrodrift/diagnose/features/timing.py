@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.feature import Measured, Signature
+from gyrodrift.diagnose.features.feature import Feature, Measured
 from gyrodrift.diagnose.recording.recording import Recording, line
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
@@ -11,23 +11,23 @@ SCATTER_POINTS = 100
 SLOW_S = 10.0
 """Means of stamps over so long show how a clock wanders, without their scatter."""
 
-SIGNATURES = (
-    Signature("clock_ratio", "clock", "always", "the device clock runs fast or slow against the host's"),
-    Signature("stamp_scatter", "clock", "always", "device times scatter from sample to sample"),
-    Signature("stamp_tails", "clock", "always", "some device times are far off"),
-    Signature("stamp_step", "clock", "always", "the device clock jumps"),
-    Signature("stamp_wander", "clock", "always", "the device clock wanders"),
-    Signature("arrival_scatter", "link", "always", "arrivals scatter from sample to sample"),
+FEATURES = (
+    Feature("clock_ratio", "clock", "always", "the device clock runs fast or slow against the host's"),
+    Feature("stamp_scatter", "clock", "always", "device times scatter from sample to sample"),
+    Feature("stamp_tails", "clock", "always", "some device times are far off"),
+    Feature("stamp_step", "clock", "always", "the device clock jumps"),
+    Feature("stamp_wander", "clock", "always", "the device clock wanders"),
+    Feature("arrival_scatter", "link", "always", "arrivals scatter from sample to sample"),
     *(
-        Signature(f"arrival_gap_{round(100 * q)}", "link", "always", "the gaps between arrivals are spread differently")
+        Feature(f"arrival_gap_{round(100 * q)}", "link", "always", "the gaps between arrivals are spread differently")
         for q in QUANTILES
     ),
-    Signature("arrival_wander", "link", "always", "arrivals wander slowly against the samples"),
-    Signature("arrival_step", "link", "always", "arrivals are shifted at once"),
-    Signature("drop_share", "link", "always", "samples are missing"),
-    Signature("drop_runs", "link", "always", "several samples in a row are missing"),
-    Signature("repeat_share", "link", "always", "samples come twice"),
-    Signature("disorder_share", "link", "always", "samples come in the wrong order"),
+    Feature("arrival_wander", "link", "always", "arrivals wander slowly against the samples"),
+    Feature("arrival_step", "link", "always", "arrivals are shifted at once"),
+    Feature("drop_share", "link", "always", "samples are missing"),
+    Feature("drop_runs", "link", "always", "several samples in a row are missing"),
+    Feature("repeat_share", "link", "always", "samples come twice"),
+    Feature("disorder_share", "link", "always", "samples come in the wrong order"),
 )
 
 FLOORS = np.array([1e-5, 0.35, 0.01, 1.0, 1.0, 0.5] + [0.06] * len(QUANTILES) + [0.6, 0.7, 0.005, 0.3, 0.005, 0.005])
@@ -36,7 +36,7 @@ LEAST_STAMP_S, LEAST_ARRIVAL_S = 3e-5, 5e-4
 
 
 def measure(recording: Recording) -> Measured:
-    """SIGNATURES of a recording or of a simulation; what it has no times for is 0."""
+    """FEATURES of a recording or of a simulation; what it has no times for is 0."""
     period_s = recording.period_s
     device_slope_s, device_offset_s = line(recording.device_s)
     off_s = recording.device_s - device_offset_s - device_slope_s * np.arange(len(recording.device_s))

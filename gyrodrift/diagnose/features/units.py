@@ -1,4 +1,4 @@
-"""What a signature reads in units that a person knows; in the vector it is what the statistics like best."""
+"""What a feature reads in units that a person knows; in the vector it is what the statistics like best."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,17 +6,15 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_SIGNATURES, WARMING_SIGNATURES
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES, WARMING_FEATURES
 
-REGRESSIONS = frozenset(
-    one.name for one in (*(column.signature for column in COLUMNS), *LAG_SIGNATURES, *WARMING_SIGNATURES)
-)
+REGRESSIONS = frozenset(one.name for one in (*(column.feature for column in COLUMNS), *LAG_FEATURES, *WARMING_FEATURES))
 LARGEST = 50.0
 """An exponent beyond which a number is no longer read as one."""
 
 
 class Reading(NamedTuple):
-    """A unit, and how the value of a signature is taken to it; rising or falling throughout."""
+    """A unit, and how the value of a feature is taken to it; rising or falling throughout."""
 
     unit: str
     of: Callable[[Floats], Floats]
@@ -97,7 +95,7 @@ READINGS = (
 
 
 def reading_of(name: str) -> Reading:
-    """Of a signature by its name; one that is not known here is read as it is."""
+    """Of a feature by its name; one that is not known here is read as it is."""
     if name in REGRESSIONS:
         return REGRESSED
     return next((reading for starts, reading in READINGS if name.startswith(starts)), OTHERS)

@@ -1,4 +1,4 @@
-"""All signatures of a recording, in one vector."""
+"""All features of a recording, in one vector."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ from gyrodrift.diagnose.features.design_matrix import Design
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
-SIGNATURES = (*residual.SIGNATURES, *noise.SIGNATURES, *clock.SIGNATURES)
-NUMBER = {signature.name: number for number, signature in enumerate(SIGNATURES)}
+FEATURES = (*residual.FEATURES, *noise.FEATURES, *clock.FEATURES)
+NUMBER = {feature.name: number for number, feature in enumerate(FEATURES)}
 
 
-BLURRED = np.array([s.name.startswith(("lag", "noise_slow", "noise_fast")) for s in SIGNATURES])
+BLURRED = np.array([s.name.startswith(("lag", "noise_slow", "noise_fast")) for s in FEATURES])
 COARSE_FLOORS = 6.0
 """Where the angle comes in coarse steps, the motion within a second is rebuilt from the gyro itself."""
 
@@ -29,7 +29,7 @@ class Facts:
 
 
 def measure(seen: Cleaned, design: Design, facts: Facts) -> Measured:
-    """SIGNATURES of a recording, or of a simulation driven through its motion, against the recording's design."""
+    """FEATURES of a recording, or of a simulation driven through its motion, against the recording's design."""
     parts = (
         residual.measure(seen, design),
         noise.measure(seen, design, facts.dps_per_lsb, facts.encoder_cpr),

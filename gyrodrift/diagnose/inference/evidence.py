@@ -1,4 +1,4 @@
-"""The tables of all sessions in one place: how far each signature is off, and what each candidate would do to it."""
+"""The tables of all sessions in one place: how far each feature is off, and what each candidate would do to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,18 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_SIGNATURES, WARMING_SIGNATURES
-from gyrodrift.diagnose.features.vector import SIGNATURES
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES, WARMING_FEATURES
+from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.simulate.candidates import Candidate
-from gyrodrift.diagnose.simulate.responses import Table, key, simulated_key
+from gyrodrift.diagnose.simulate.responses import ResponseTable, key, simulated_key
 
 STATIC = len(COLUMNS)
-"""The first signatures: coefficients on one orthonormal basis, all in deg/s."""
+"""The first features: coefficients on one orthonormal basis, all in deg/s."""
 
 LINEAR: Mask = np.array(
     [
-        number < STATIC + len(LAG_SIGNATURES) + len(WARMING_SIGNATURES) or s.name == "clock_ratio"
-        for number, s in enumerate(SIGNATURES)
+        number < STATIC + len(LAG_FEATURES) + len(WARMING_FEATURES) or s.name == "clock_ratio"
+        for number, s in enumerate(FEATURES)
     ]
 )
 LOGARITHMS = (
@@ -26,7 +26,7 @@ LOGARITHMS = (
     *("noise", "angle_noise", "ripple", "angle_ripple", "swing", "scatter", "line"),
     *("stamp_scatter", "arrival_scatter"),
 )
-IS_LOG: Mask = np.array([s.name.startswith(LOGARITHMS) for s in SIGNATURES])
+IS_LOG: Mask = np.array([s.name.startswith(LOGARITHMS) for s in FEATURES])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ class Answer:
     """What a candidate does at each of its sizes.
 
     mean
-        (sizes, sessions, F) change of the signatures.
+        (sizes, sessions, F) change of the features.
     spread
         (sizes, F) standard deviation of that change where chance plays a part, else 0.
     """
@@ -46,7 +46,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Sessions as rows, signatures as columns.
+    """Sessions as rows, features as columns.
 
     names
         Of the sessions.
@@ -66,7 +66,7 @@ class Evidence:
 
     @property
     def z(self) -> Floats:
-        """(sessions, F) how far each signature is off before anything is added."""
+        """(sessions, F) how far each feature is off before anything is added."""
         return self.difference / self.sigma
 
     def only(self, names: Sequence[str]) -> "Evidence":
@@ -75,7 +75,7 @@ class Evidence:
         return Evidence(self.names, self.difference, self.sigma, self.nulls, kept)
 
 
-def evidence_of(tables: Sequence[Table], asked: Sequence[Candidate]) -> Evidence:
+def evidence_of(tables: Sequence[ResponseTable], asked: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and work out the answers at all sizes."""
     nulls = np.concatenate([table.nulls for table in tables])
     centre = nulls.mean(axis=0)
@@ -93,7 +93,7 @@ def evidence_of(tables: Sequence[Table], asked: Sequence[Candidate]) -> Evidence
     )
 
 
-def _answer(tables: Sequence[Table], candidate: Candidate) -> Answer:
+def _answer(tables: Sequence[ResponseTable], candidate: Candidate) -> Answer:
     if candidate.phase_deg is not None:
         return _turned(tables, candidate)
     seen = np.array([table.answers[key(candidate)] for table in tables])  # sessions, nodes, dice, F
@@ -112,8 +112,8 @@ def _random(seen: Floats, candidate: Candidate) -> Answer:
     return Answer(candidate, wide, _at_sizes(candidate, spread[:, None])[:, 0])
 
 
-def _turned(tables: Sequence[Table], candidate: Candidate) -> Answer:
-    """A sine of any phase out of those of 0 and 90 degrees: exact where signatures are linear."""
+def _turned(tables: Sequence[ResponseTable], candidate: Candidate) -> Answer:
+    """A sine of any phase out of those of 0 and 90 degrees: exact where features are linear."""
     phase = np.deg2rad(candidate.phase_deg or 0.0)
     at_0, at_90 = (
         np.array([table.answers[simulated_key(candidate, deg)][0, 0] for table in tables]) for deg in (0.0, 90.0)

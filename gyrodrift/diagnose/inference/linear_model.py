@@ -3,7 +3,7 @@
 The mean rate error of each second is a sum of known regressors, white noise and a bias that is constant or a random
 walk. Its steady Kalman filter is a whitening filter of one pole (the local level model; A. C. Harvey, Forecasting,
 Structural Time Series Models and the Kalman Filter, 1989, chapter 4), which makes generalised least squares ordinary.
-Nothing of the simulator, the signatures or their scores is used.
+Nothing of the simulator, the features or their scores is used.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Which candidates explain the differences: scored by likelihood, fitted together, judged on sessions left out.
 
-A hypothesis is a set of candidates with sizes. It predicts a mean and a spread for every signature of every session;
-the score is the logarithm of a Student density with few degrees of freedom, so that no single signature decides.
+A hypothesis is a set of candidates with sizes. It predicts a mean and a spread for every feature of every session;
+the score is the logarithm of a Student density with few degrees of freedom, so that no single feature decides.
 A candidate is never the exact form of a real effect: what it changes may be off by a share of the change, and what it
 does to one regressor leaks a little to the others. Without that allowance the remains of a large true cause would
 be explained by a crowd of small wrong ones.
@@ -17,7 +17,7 @@ from gyrodrift.diagnose.inference.evidence import IS_LOG, STATIC, Answer, Eviden
 
 FREEDOM = 4.0
 OFF, LEAK = 0.1, 0.04
-"""Shares of its own change by which a candidate may be off, in the same signature and in other regressors."""
+"""Shares of its own change by which a candidate may be off, in the same feature and in other regressors."""
 
 GAIN = 6.0
 STANDARD_ERRORS = 1.0
@@ -93,7 +93,7 @@ class Attribution:
         self.nothing = Found((), self.scores(()))
 
     def prediction(self, causes: Sequence[Cause]) -> tuple[Floats, Floats, Floats]:
-        """Change of the signatures, the variance that chance adds to it, and the allowance; (sessions, F) each."""
+        """Change of the features, the variance that chance adds to it, and the allowance; (sessions, F) each."""
         change = np.zeros_like(self.evidence.difference)
         variance, allowance = np.zeros_like(change), np.zeros_like(change)
         for cause in causes:
@@ -126,7 +126,7 @@ class Attribution:
         return now
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
-        """(sessions,) logarithm of the likelihood of each session's signatures."""
+        """(sessions,) logarithm of the likelihood of each session's features."""
         change, variance, allowance = self.prediction(causes)
         return _score(self.evidence.difference - change, self.evidence.sigma**2 + variance, allowance)
 
@@ -243,7 +243,7 @@ class Attribution:
         return all(self._told(longer.causes, cause) > GAIN for cause in added)
 
     def _told(self, causes: Sequence[Cause], one: Cause) -> float:
-        """What is gained by where a cause moves the signatures, beside one that spreads them as widely."""
+        """What is gained by where a cause moves the features, beside one that spreads them as widely."""
         change, variance, allowance = self.prediction(causes)
         without = self.prediction(_without(causes, one))[0]
         wide = self.evidence.sigma**2 + variance
@@ -303,7 +303,7 @@ def _static(change: Floats) -> Floats:
 
 
 def _score(off: Floats, variance: Floats, allowance: Floats) -> Floats:
-    """Sum over signatures of the logarithm of a Student density; an allowance is no spread, and costs nothing."""
+    """Sum over features of the logarithm of a Student density; an allowance is no spread, and costs nothing."""
     squares = np.square(off) / (FREEDOM * (variance + allowance))
     densities = -0.5 * (FREEDOM + 1.0) * np.log1p(squares) - 0.5 * np.log(variance)
     total: Floats = densities.sum(axis=-1)

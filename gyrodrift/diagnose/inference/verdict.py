@@ -10,13 +10,13 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import NUMBER, SIGNATURES
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.search import GAIN, Attribution, Cause, Found
 
 STANDS_OUT = 4.5
 LEFT_OVER = 5.0
-"""Normal deviates over all sessions at which a signature counts as off, before and after causes are added."""
+"""Normal deviates over all sessions at which a feature counts as off, before and after causes are added."""
 
 WORST_Z = 20.0
 EXPLAINED = 0.4
@@ -67,11 +67,11 @@ class NamedCause:
 
 
 @dataclass(frozen=True, slots=True)
-class Odd:
-    """A signature that is off; z over all sessions, and its share of all that is."""
+class Deviation:
+    """A feature that is off; z over all sessions, and its share of all that is."""
 
     stage: str
-    signature: str
+    feature: str
     regime: str
     says: str
     z: float
@@ -79,8 +79,8 @@ class Odd:
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
-    """Root mean square of what the signatures are off, at most 20 each, on sessions kept apart from the fit."""
+class SimToRealGap:
+    """Root mean square of what the features are off, at most 20 each, on sessions kept apart from the fit."""
 
     before: float
     after: float
@@ -96,9 +96,9 @@ class Verdict:
 
     kind: Kind
     causes: tuple[NamedCause, ...]
-    where: tuple[Odd, ...]
-    leftover: tuple[Odd, ...]
-    gap: Gap
+    where: tuple[Deviation, ...]
+    leftover: tuple[Deviation, ...]
+    gap: SimToRealGap
     after_z: Floats = field(repr=False)
 
 
@@ -116,7 +116,7 @@ def verdict_of(attribution: Attribution, found: Found) -> Verdict:
     where = _odd(before, STANDS_OUT)
     if kind is Kind.UNKNOWN and strangers:
         first = strange[0]  # what it depends on says more than what else that moves
-        where = _shared([first, *(odd for odd in where if odd.signature != first.signature)])
+        where = _shared([first, *(odd for odd in where if odd.feature != first.feature)])
     return Verdict(
         kind=kind,
         causes=causes,
@@ -151,8 +151,8 @@ def _after(attribution: Attribution, found: Found) -> Floats:
     return z
 
 
-def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause]) -> list[Odd]:
-    """What was explained by no effect, by the signature it stands for; its z is what it would be without."""
+def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause]) -> list[Deviation]:
+    """What was explained by no effect, by the feature it stands for; its z is what it would be without."""
     odd = []
     for cause in strangers:
         kept = tuple(other for other in found.causes if other is not cause)
@@ -160,35 +160,35 @@ def _strange(attribution: Attribution, found: Found, strangers: Sequence[Cause])
         evidence = attribution.evidence
         z = together((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + allowance))
         number = NUMBER[cause.name.removeprefix("?")]
-        one = SIGNATURES[number]
-        odd.append(Odd(one.stage, one.name, one.regime, one.says, float(z[number])))
+        one = FEATURES[number]
+        odd.append(Deviation(one.stage, one.name, one.regime, one.says, float(z[number])))
     return odd
 
 
-def _worst_first(odd: Sequence[Odd]) -> tuple[Odd, ...]:
-    """Each signature once."""
-    by_name: dict[str, Odd] = {}
+def _worst_first(odd: Sequence[Deviation]) -> tuple[Deviation, ...]:
+    """Each feature once."""
+    by_name: dict[str, Deviation] = {}
     for one in sorted(odd, key=lambda one: -abs(one.z)):
-        by_name.setdefault(one.signature, one)
+        by_name.setdefault(one.feature, one)
     return _shared(list(by_name.values()))
 
 
-def _shared(odd: Sequence[Odd]) -> tuple[Odd, ...]:
+def _shared(odd: Sequence[Deviation]) -> tuple[Deviation, ...]:
     """With the share that each has in all of them."""
     squares = [min(abs(one.z), WORST_Z) ** 2 for one in odd]
     total = sum(squares) or 1.0
     return tuple(replace(one, share=square / total) for one, square in zip(odd, squares, strict=True))
 
 
-def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
+def _odd(deviates: Floats, threshold: float) -> tuple[Deviation, ...]:
     order = [int(number) for number in np.argsort(-np.abs(deviates)) if abs(deviates[number]) > threshold]
     return _shared(
         [
-            Odd(
-                SIGNATURES[number].stage,
-                SIGNATURES[number].name,
-                SIGNATURES[number].regime,
-                SIGNATURES[number].says,
+            Deviation(
+                FEATURES[number].stage,
+                FEATURES[number].name,
+                FEATURES[number].regime,
+                FEATURES[number].says,
                 float(deviates[number]),
             )
             for number in order
@@ -196,7 +196,9 @@ def _odd(deviates: Floats, threshold: float) -> tuple[Odd, ...]:
     )
 
 
-def _kind(causes: Sequence[NamedCause], is_off: Mask, before: Floats, after: Floats, leftover: Sequence[Odd]) -> Kind:
+def _kind(
+    causes: Sequence[NamedCause], is_off: Mask, before: Floats, after: Floats, leftover: Sequence[Deviation]
+) -> Kind:
     if not causes:
         return Kind.UNKNOWN if is_off.any() else Kind.NONE
     explained = _explained(is_off, before, after)
@@ -346,7 +348,7 @@ def _parameters(attribution: Attribution, found: Found, cause: Cause) -> tuple[P
     return tuple(found_parameters)
 
 
-def _gap(evidence: Evidence, after_z: Floats, *, may_shrink: bool) -> Gap:
+def _gap(evidence: Evidence, after_z: Floats, *, may_shrink: bool) -> SimToRealGap:
     """Where there is no gap, chance has nothing to close."""
     before, after = _by_session(evidence.z), _by_session(after_z)
     floor = float(np.sqrt(np.square(_by_session(evidence.nulls)).mean()))
@@ -356,7 +358,7 @@ def _gap(evidence: Evidence, after_z: Floats, *, may_shrink: bool) -> Gap:
     spread = [_shrink(before[rows], after[rows], floor) for rows in drawn]
     known = [value for value in spread if value is not None]
     low, high = np.quantile(known, [0.05, 0.95]) if known and whole is not None else (None, None)
-    return Gap(
+    return SimToRealGap(
         _total(before),
         _total(after),
         floor,

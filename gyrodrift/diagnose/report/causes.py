@@ -84,7 +84,7 @@ def _second(diagnosis: Diagnosis) -> str:
         found = f": {text(second.parameter)} {size(second.value, second.unit)} ({between})"
     return paragraph(
         f"<b>A second opinion {text(second.says)}{found}.</b> It is a regression of the rate error alone, under a "
-        "bias that may walk; it uses neither the simulator nor the signatures, and knows only effects that are linear."
+        "bias that may walk; it uses neither the simulator nor the features, and knows only effects that are linear."
     )
 
 

@@ -1,4 +1,4 @@
-"""Signatures of the recordings beside those of the simulator, before and after the causes are added, for a person."""
+"""Features of the recordings beside those of the simulator, before and after the causes are added, for a person."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.diagnosis import Diagnosis, Drawn
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_SIGNATURES
-from gyrodrift.diagnose.features.feature import Signature
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES
+from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.features.units import Reading, reading_of
-from gyrodrift.diagnose.features.vector import NUMBER, SIGNATURES
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.verdict import together
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -21,7 +21,7 @@ BAND = 2.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Band:
-    """What a simulator expects of a signature, and how far chance alone may take it; shape (sessions,) each."""
+    """What a simulator expects of a feature, and how far chance alone may take it; shape (sessions,) each."""
 
     low: Floats
     middle: Floats
@@ -29,8 +29,8 @@ class Band:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Compared:
-    """A signature in the units of its reading.
+class FeatureComparison:
+    """A feature in the units of its reading.
 
     z_before, z_after
         How far it is off over all sessions, in standard deviations of chance.
@@ -40,7 +40,7 @@ class Compared:
         Under sizes fitted on the other sessions; None where no cause was found.
     """
 
-    signature: Signature
+    feature: Feature
     unit: str
     z_before: float
     z_after: float
@@ -49,21 +49,21 @@ class Compared:
     after: Band | None
 
 
-def compared_of(diagnosis: Diagnosis) -> list[Compared]:
-    """Of every signature that stands out before or after, the worst before first."""
+def compared_of(diagnosis: Diagnosis) -> list[FeatureComparison]:
+    """Of every feature that stands out before or after, the worst before first."""
     verdict, drawn = diagnosis.verdict, diagnosis.drawn
-    names = dict.fromkeys(odd.signature for odd in (*verdict.where, *verdict.leftover))
-    left = {odd.signature: odd.z for odd in verdict.leftover}
+    names = dict.fromkeys(odd.feature for odd in (*verdict.where, *verdict.leftover))
+    left = {odd.feature: odd.z for odd in verdict.leftover}
     scale, base = _scale(drawn.subjects), np.array([table.runs.mean(axis=0) for table in drawn.tables])
     change, spread = predicted(drawn)
     evidence = drawn.attribution.evidence
     z_before, z_after = together(evidence.z), together((evidence.difference - change) / spread)
 
-    def compared(name: str) -> Compared:
+    def compared(name: str) -> FeatureComparison:
         at, reading = NUMBER[name], reading_of(name)
         by, middle = scale[:, at], base[:, at]
-        return Compared(
-            signature=SIGNATURES[at],
+        return FeatureComparison(
+            feature=FEATURES[at],
             unit=reading.unit,
             z_before=float(z_before[at]),
             z_after=float(left.get(name, z_after[at])),
@@ -91,8 +91,8 @@ def predicted(drawn: Drawn) -> tuple[Floats, Floats]:
 
 def _scale(subjects: Sequence[Subject]) -> Floats:
     """(sessions, F) by which coefficients on an orthonormal basis are divided to be RMS over a session; else 1."""
-    scale = np.ones((len(subjects), len(SIGNATURES)))
-    lags = len(COLUMNS) + len(LAG_SIGNATURES)
+    scale = np.ones((len(subjects), len(FEATURES)))
+    lags = len(COLUMNS) + len(LAG_FEATURES)
     for row, subject in zip(scale, subjects, strict=True):
         row[: len(COLUMNS)] = np.sqrt(len(subject.design.basis))
         row[len(COLUMNS) : lags] = np.sqrt(len(subject.design.lag_basis))

@@ -1,4 +1,4 @@
-"""The figures of a diagnosis: signatures by session, and rate errors against all sorts of things."""
+"""The figures of a diagnosis: features by session, and rate errors against all sorts of things."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from matplotlib.ticker import FixedLocator
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.report.binned_medians import Medians, medians
-from gyrodrift.diagnose.report.compared import Band, Compared
+from gyrodrift.diagnose.report.compared import Band, FeatureComparison
 from gyrodrift.diagnose.report.regressors import Against
 from gyrodrift.diagnose.report.residual_series import Seconds
 from gyrodrift.diagnose.report.spectra import Spectra
@@ -46,13 +46,13 @@ DECADE = 10.0
 """A spectrum spans so much at least: the scatter of noise should look level."""
 
 
-def signature_svgs(compared: Sequence[Compared]) -> list[str]:
+def feature_svgs(compared: Sequence[FeatureComparison]) -> list[str]:
     """Of each a panel: the recordings as dots, and what the simulator expects as bars, session by session."""
     with styled():
-        return [_signature_svg(one, f"signature-{at}") for at, one in enumerate(compared)]
+        return [_feature_svg(one, f"signature-{at}") for at, one in enumerate(compared)]
 
 
-def _signature_svg(compared: Compared, name: str) -> str:
+def _feature_svg(compared: FeatureComparison, name: str) -> str:
     figure = canvas(WIDE_IN, 1.45, left=0.22, bottom=0.2, top=0.96, right=0.98)
     axes = figure.add_subplot()
     sessions = np.arange(1.0, len(compared.real) + 1.0)
@@ -66,7 +66,7 @@ def _signature_svg(compared: Compared, name: str) -> str:
     axes.xaxis.set_major_locator(_whole_numbers(len(sessions)))
     axes.set_xlabel("session", labelpad=1.0)
     label_steps(axes.yaxis, 4)
-    return as_svg(figure, name, "A signature by session, real and simulated")
+    return as_svg(figure, name, "A feature by session, real and simulated")
 
 
 def _whole_numbers(count: int) -> FixedLocator:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Odd
+from gyrodrift.diagnose.inference.verdict import Deviation, Kind, NamedCause
 from gyrodrift.files import write_whole
 from gyrodrift.simulation.sessions import rig_yaml
 
@@ -62,10 +62,10 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
     }
 
 
-def _odd(odd: Odd) -> dict[str, Any]:
+def _odd(odd: Deviation) -> dict[str, Any]:
     return {
         "stage": odd.stage,
-        "signature": odd.signature,
+        "signature": odd.feature,
         "regime": odd.regime,
         "z": round(odd.z, 2),
         "share": round(odd.share, 4),

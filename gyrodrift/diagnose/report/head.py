@@ -3,7 +3,7 @@
 from math import sqrt
 
 from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.inference.verdict import Gap, Kind, NamedCause
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, SimToRealGap
 from gyrodrift.diagnose.report.files import headline
 from gyrodrift.diagnose.report.text import NAMES, fitted, fixed, interval, meaning, percent, size
 from gyrodrift.html.html import header, paragraph, text, tile, tiles, warnings
@@ -132,7 +132,7 @@ def _gap_tile(diagnosis: Diagnosis) -> str:
     return tile(f"Gap, {judged}", rows)
 
 
-def _closed(gap: Gap) -> list[tuple[str, str]]:
+def _closed(gap: SimToRealGap) -> list[tuple[str, str]]:
     """How far it shrank, with the interval that nine in ten of such sets of sessions would give."""
     rows = [] if gap.shrink is None else [("closed", percent(gap.shrink))]
     if gap.shrink_low is not None and gap.shrink_high is not None:

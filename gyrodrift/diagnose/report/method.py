@@ -9,7 +9,7 @@ from gyrodrift.html.numbers import even, significant
 UNITS = {"sample_rate_hz": "Hz", "noise_dps_rthz": "deg/s/√Hz", "bias_dps": "deg/s", "host_delay_s": "s"}
 
 GAP = (
-    "The root mean square over all signatures of how many times chance each is off, at most 20 each. Without a gap it "
+    "The root mean square over all features of how many times chance each is off, at most 20 each. Without a gap it "
     "is what the simulator scores against itself. Closed is how much of what lies above that went away."
 )
 APART = "For each session in turn the causes are fitted on all others; it is judged by what they leave of it."

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from gyrodrift.diagnose.diagnosis import Diagnosis
 from gyrodrift.diagnose.report.causes import causes
-from gyrodrift.diagnose.report.features import signatures
+from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration, how_it_was_done
 from gyrodrift.diagnose.report.next_steps import detectable, onward
@@ -16,7 +16,7 @@ def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
     """The page of a diagnosis whose files stand in a folder, with the command that made it."""
     body = [
         verdict(diagnosis),
-        signatures(diagnosis),
+        features(diagnosis),
         shape(diagnosis),
         causes(diagnosis),
         detectable(diagnosis),

@@ -39,7 +39,7 @@ class Ranked:
 
 @dataclass(frozen=True, slots=True)
 class Alike:
-    """Two candidates that change the signatures of these sessions in nearly the same proportions."""
+    """Two candidates that change the features of these sessions in nearly the same proportions."""
 
     first: str
     second: str

@@ -189,12 +189,12 @@ def candidates(hints: Hints) -> list[Candidate]:
 def _strangers(hints: Hints) -> Iterator[Candidate]:
     """Of regressors the size is in multiples of what does not matter."""
     for column in COLUMNS:
-        if column.signature.name in STRANGE_COLUMNS:
+        if column.feature.name in STRANGE_COLUMNS:
             up = column.floor * _between(3.0, 3000.0)
             sizes = np.concatenate([-up[::-1], up])
-            shape = strangers.regressor(column.signature.name)
+            shape = strangers.regressor(column.feature.name)
             nodes = column.floor * np.array([-100.0, 100.0])
-            yield Candidate(f"?{column.signature.name}", "", _no_effect, "size", nodes, sizes, shape=shape)
+            yield Candidate(f"?{column.feature.name}", "", _no_effect, "size", nodes, sizes, shape=shape)
     periodic = {
         "?swing": strangers.swing(hints.swing_s),
         "?ripple": strangers.ripple(hints.ripple_order),

@@ -1,4 +1,4 @@
-"""How signatures answer to each candidate: a session's own figures, its null, and a table of simulated answers.
+"""How features answer to each candidate: a session's own figures, its null, and a table of simulated answers.
 
 Everything a session contributes is worked out by itself, in one task; what follows works on the tables alone.
 """
@@ -47,17 +47,17 @@ SPIKE_DPS, SLIP_DEG, LINE_HZ, SWING_S = 20.0, 0.5, 20.0, 100.0
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
-    """What a session says; F signatures, a row for each candidate's every node and run.
+class ResponseTable:
+    """What a session says; F features, a row for each candidate's every node and run.
 
     difference, floors
-        (F,) signatures of the recording less those of the rig driven through it; what does not matter.
+        (F,) features of the recording less those of the rig driven through it; what does not matter.
     runs
-        (runs, F) signatures of the latter, one throw of the dice each.
+        (runs, F) features of the latter, one throw of the dice each.
     nulls
         (runs, F) the same differences where the recording is the rig itself.
     answers
-        Of each candidate that was simulated: (nodes, dice, F), change of the signatures when it is added.
+        Of each candidate that was simulated: (nodes, dice, F), change of the features when it is added.
     """
 
     name: str
@@ -78,7 +78,7 @@ def simulated_key(candidate: Candidate, phase_deg: float) -> str:
     return f"{candidate.name} phase_deg {phase_deg:.4g}"
 
 
-def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate]) -> Table:
+def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate]) -> ResponseTable:
     """Simulate all that is to be known of a session; the same dice with and without an effect."""
     own = subject.measured()
     played = [subject.replayed((), seed) for seed in range(BASE_RUNS)]
@@ -90,7 +90,7 @@ def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate])
             answers[key(candidate)] = np.array(nodes)
     base = runs.mean(axis=0)
     nulls = np.array([_null(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
-    return Table(recording.name, own.values - base, own.floors, runs, nulls, answers)
+    return ResponseTable(recording.name, own.values - base, own.floors, runs, nulls, answers)
 
 
 def _answers(
@@ -103,7 +103,7 @@ def _answers(
 
 
 def _with(subject: Subject, candidate: Candidate, size: float, seed: int, played: Cleaned, without: Floats) -> Floats:
-    """Signatures with a candidate; those that it cannot touch are taken over."""
+    """Features with a candidate; those that it cannot touch are taken over."""
     if candidate.shape is not None:
         slow = residual.measure(subject.with_shape(candidate.shape, size, seed, played), subject.design).values
         return np.concatenate([slow, without[len(slow) :]])

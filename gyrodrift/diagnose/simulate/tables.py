@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from firmware_sim.rig import Rig
-from gyrodrift.cluster import Workers
+from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checks import Passed, pass_gates
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidates import Hints, candidates
-from gyrodrift.diagnose.simulate.responses import Table, table_of
+from gyrodrift.diagnose.simulate.responses import ResponseTable, table_of
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session
@@ -19,7 +19,7 @@ from gyrodrift.session.files import load_session
 Progress = Callable[[str, int, int], None]
 
 
-class Work(NamedTuple):
+class SessionTask(NamedTuple):
     """One session's part, small enough to be sent anywhere: its path has to hold there."""
 
     path: Path
@@ -39,7 +39,7 @@ def passed(path: Path) -> Passed:
     return pass_gates(recording_of(load_session(path)))
 
 
-def work_out(work: Work) -> Table:
+def work_out(work: SessionTask) -> ResponseTable:
     """Read a session and simulate all that is to be known of it."""
     recording = passed(work.path).recording
     if recording is None:
@@ -48,7 +48,7 @@ def work_out(work: Work) -> Table:
     return table_of(recording, subject_of(recording, work.rig), tried)
 
 
-def gathered(works: Sequence[Work], jobs: int, cluster: str | None, progress: Progress) -> list[Table]:
+def gathered(works: Sequence[SessionTask], jobs: int, cluster: str | None, progress: Progress) -> list[ResponseTable]:
     """The tables in the order of the sessions.
 
     Raises
@@ -66,22 +66,22 @@ def gathered(works: Sequence[Work], jobs: int, cluster: str | None, progress: Pr
         return _counted(pool.map(work_out, works), len(works), progress)
 
 
-def _on_cluster(works: Sequence[Work], address: str, progress: Progress) -> list[Table]:
-    workers = Workers(address, "a diagnosis")
+def _on_cluster(works: Sequence[SessionTask], address: str, progress: Progress) -> list[ResponseTable]:
+    workers = ClusterWorkers(address, "a diagnosis")
     try:
         progress("sessions replayed by the cluster", 0, len(works))
-        found: list[Table] = workers.results(workers.submit(work_out, works))
+        found: list[ResponseTable] = workers.results(workers.submit(work_out, works))
         progress("sessions replayed by the cluster", len(works), len(works))
     finally:
         workers.close()
     return found
 
 
-def _counted(tables: Iterable[Table], of: int, progress: Progress) -> list[Table]:
+def _counted(tables: Iterable[ResponseTable], of: int, progress: Progress) -> list[ResponseTable]:
     return list(_telling(iter(tables), of, progress))
 
 
-def _telling(tables: Iterator[Table], of: int, progress: Progress) -> Iterator[Table]:
+def _telling(tables: Iterator[ResponseTable], of: int, progress: Progress) -> Iterator[ResponseTable]:
     for number, table in enumerate(tables, 1):
         progress("sessions replayed", number, of)
         yield table

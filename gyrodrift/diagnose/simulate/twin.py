@@ -44,7 +44,7 @@ class Subject:
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
     def measured(self) -> Measured:
-        """Signatures of the recording itself."""
+        """Features of the recording itself."""
         return measure(self.seen, self.design, self.facts)
 
     def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
@@ -52,7 +52,7 @@ class Subject:
         return cleaned(self._played(effects, seed))
 
     def simulated(self, effects: tuple[Effect, ...], seed: int) -> Measured:
-        """Signatures of that."""
+        """Features of that."""
         return measure(self.replayed(effects, seed), self.design, self.facts)
 
     def simulated_times(self, effects: tuple[Effect, ...], seed: int) -> Measured:

@@ -5,7 +5,7 @@ lot. The first samples are held until there is a line; after that time runs alon
 leans towards it gently, so that it never goes back.
 """
 
-from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, Gap
+from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, SampleGap
 from gyrodrift.sample import Reading, Sample
 
 HOLD_S = 0.3
@@ -84,7 +84,7 @@ class ArrivalClock:
             return
         due = round(late_s / self.period_s)
         if arrived < BURST_SHARE * due or self._in_doubt:
-            self.events.append(Gap(due, late_s + self.period_s))
+            self.events.append(SampleGap(due, late_s + self.period_s))
             self._number += due
             self._time_s += due * self.period_s
         self._in_doubt = False

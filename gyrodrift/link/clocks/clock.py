@@ -12,7 +12,7 @@ from gyrodrift.sample import Reading, Sample
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
+class SampleGap:
     """A hole in the counter, or in time where there is no counter; T across it is the true one.
 
     `missing` samples over a step of `seconds`.
@@ -33,7 +33,7 @@ class ClockRestart:
     silent_s: float
 
 
-ClockEvent = Gap | ClockRestart
+ClockEvent = SampleGap | ClockRestart
 
 
 class Clock(Protocol):

@@ -3,7 +3,7 @@
 from collections import deque
 from statistics import median
 
-from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, Gap
+from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
 from gyrodrift.sample import Reading, Sample
 
 CLOCK_WRAP_US = 1 << 32
@@ -186,7 +186,7 @@ class DeviceClock:
             if moved > 4.0 * expected + 8.0:  # the counter jumped and time did not: nothing is missing
                 return moved
         if moved > 1:
-            self.events.append(Gap(moved - 1, step_s))
+            self.events.append(SampleGap(moved - 1, step_s))
         else:
             self._learn_period(step_s)
         return moved

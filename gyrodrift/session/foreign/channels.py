@@ -10,7 +10,7 @@ from mcap.records import Channel, Schema
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.foreign.records import DamageError, Record, message
+from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message
 from gyrodrift.session.foreign.ros import ROS_MESSAGES
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
@@ -41,14 +41,14 @@ class Messages:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
+class ForeignFile:
     """What a file holds: its channels that have messages, by id, and its metadata, by name."""
 
     channels: dict[int, Messages]
     metadata: dict[str, dict[str, str]]
 
 
-def contents_of(records: Iterable[Record]) -> Contents:
+def contents_of(records: Iterable[ForeignRecord]) -> ForeignFile:
     """Read a file once for what it declares, and count.
 
     Raises
@@ -73,7 +73,7 @@ def contents_of(records: Iterable[Record]) -> Contents:
             case Opcode.METADATA:
                 table = metadata_of(record.body)
                 metadata[table.name] = table.metadata
-    return Contents({key: _declared(key, count, channels, schemas) for key, count in counts.items()}, metadata)
+    return ForeignFile({key: _declared(key, count, channels, schemas) for key, count in counts.items()}, metadata)
 
 
 def _declared(channel_id: int, count: int, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Messages:

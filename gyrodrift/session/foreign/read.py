@@ -18,7 +18,7 @@ from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
-from gyrodrift.session.foreign.records import DamageError, Record, message, records
+from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message, records
 from gyrodrift.session.foreign.ros import cdr_decoder
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
@@ -83,7 +83,7 @@ def _column(values: Floats) -> Floats | None:
     return None if np.isnan(values).all() else values.copy()
 
 
-def _samples(place: str, found: Iterable[Record], decoders: dict[int, Decode]) -> Iterator[Sample]:
+def _samples(place: str, found: Iterable[ForeignRecord], decoders: dict[int, Decode]) -> Iterator[Sample]:
     number = 0
     for record in found:
         if record.opcode != Opcode.MESSAGE:

@@ -31,7 +31,7 @@ class DamageError(Exception):
     """Something in the file contradicts itself."""
 
 
-class Record(NamedTuple):
+class ForeignRecord(NamedTuple):
     """A record without its head; the body is shorter than it was where the file was cut off in it."""
 
     opcode: int
@@ -39,7 +39,7 @@ class Record(NamedTuple):
     is_whole: bool
 
 
-def records(file: BinaryIO) -> Iterator[Record]:
+def records(file: BinaryIO) -> Iterator[ForeignRecord]:
     """Every whole record of the data section from its beginning, those in chunks included; sums are checked."""
     size = os.fstat(file.fileno()).st_size
     file.seek(max(0, size - len(MAGIC)))
@@ -58,11 +58,11 @@ def records(file: BinaryIO) -> Iterator[Record]:
         crc = zlib.crc32(record.body, zlib.crc32(HEAD.pack(record.opcode, len(record.body)), crc))
 
 
-def _is_whole(record: Record) -> bool:
+def _is_whole(record: ForeignRecord) -> bool:
     return record.is_whole
 
 
-def _framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[Record]:
+def _framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[ForeignRecord]:
     """Records one behind the other, up to `size`; only a torn stream may end within one."""
     at = stream.tell()
     while size - at >= HEAD.size:
@@ -72,20 +72,20 @@ def _framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[Record]:
             return
         if length > RECORD_LIMIT_BYTES or (length > left and not is_torn):
             raise DamageError(f"the record at byte {at} claims to have {length} bytes, {left} are left")
-        yield Record(opcode, stream.read(min(length, left)), length <= left)
+        yield ForeignRecord(opcode, stream.read(min(length, left)), length <= left)
         at += HEAD.size + length
     if at < size and not is_torn:
         raise DamageError("it ends within a record")
 
 
-def _check_end(record: Record, crc: int) -> None:
+def _check_end(record: ForeignRecord, crc: int) -> None:
     """The end of the data may tell the checksum of all before it; 0 tells none."""
     told = int.from_bytes(record.body[:4], "little")
     if record.opcode == Opcode.DATA_END and record.is_whole and told not in (0, crc):
         raise DamageError("the checksum of its data is wrong")
 
 
-def _opened(record: Record) -> bytes:
+def _opened(record: ForeignRecord) -> bytes:
     """What is in a chunk; of one that was cut off, as much as can be had."""
     try:
         chunk: Chunk = Chunk.read(ReadDataStream(BytesIO(record.body)))

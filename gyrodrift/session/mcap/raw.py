@@ -9,7 +9,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
-from gyrodrift.session.mcap.walk import Record, Walk, channel_of
+from gyrodrift.session.mcap.walk import PlacedRecord, Walk, channel_of
 
 READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
 """A read behind its record head, up to its bytes."""
@@ -38,13 +38,13 @@ def read_raw(path: Path) -> Iterator[Read]:
             walk = Walk(file)
             for step in walk:
                 match step:
-                    case Record(opcode=Opcode.CHANNEL):
+                    case PlacedRecord(opcode=Opcode.CHANNEL):
                         found = found or channel_of(walk.body(step)).topic == READS.name
-                    case Record(opcode=Opcode.MESSAGE) if found:
+                    case PlacedRecord(opcode=Opcode.MESSAGE) if found:
                         body = walk.body(step)
                         if int.from_bytes(body[:2], "little") == READS.channel_id and len(body) >= READ_BODY.size:
                             yield _read(body)
-                    case Record(opcode=Opcode.DATA_END):
+                    case PlacedRecord(opcode=Opcode.DATA_END):
                         break
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error

@@ -23,9 +23,9 @@ from gyrodrift.session.mcap.layout import (
 from gyrodrift.session.mcap.walk import (
     ROW,
     BrokenRecordError,
-    Record,
+    PlacedRecord,
     Rows,
-    Table,
+    SampleRows,
     Walk,
     channel_of,
     metadata_of,
@@ -71,13 +71,13 @@ def _read_ours(path: Path, file: BinaryIO) -> Session | None:
     declared = _Declared()
     for step in walk:
         match step:
-            case Table(rows=rows) if declared.is_ours:
+            case SampleRows(rows=rows) if declared.is_ours:
                 columns.take(rows)
-            case Table() | Record(opcode=Opcode.CHUNK):
+            case SampleRows() | PlacedRecord(opcode=Opcode.CHUNK):
                 return None
-            case Record(opcode=Opcode.DATA_END):
+            case PlacedRecord(opcode=Opcode.DATA_END):
                 break
-            case Record():
+            case PlacedRecord():
                 try:
                     declared.take(step, walk)
                 except BrokenRecordError as error:
@@ -128,7 +128,7 @@ class _Declared:
         """Whether samples are laid out as this version writes them."""
         return self._has_schema and self._has_channel
 
-    def take(self, record: Record, walk: Walk) -> None:
+    def take(self, record: PlacedRecord, walk: Walk) -> None:
         """A record that is no table of samples."""
         match record.opcode:
             case Opcode.SCHEMA:

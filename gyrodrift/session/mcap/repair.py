@@ -19,15 +19,15 @@ from gyrodrift.session.mcap.interrupted import is_closed, lock
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
-    Record,
-    Table,
+    PlacedRecord,
+    SampleRows,
     Walk,
     channel_of,
     header_of,
     metadata_of,
     schema_of,
 )
-from gyrodrift.session.mcap.write import Contents
+from gyrodrift.session.mcap.write import FileSummary
 
 BLOCK_BYTES = 1 << 22
 MESSAGE_START = struct.Struct("<HIQ")
@@ -87,34 +87,34 @@ def _close(path: Path, file: IO[bytes]) -> Repaired:
     return Repaired(path, contents.counts.get(SAMPLES.channel_id, 0), walk.size - end, tail)
 
 
-def _contents(path: Path, walk: Walk) -> tuple[Contents, int]:
+def _contents(path: Path, walk: Walk) -> tuple[FileSummary, int]:
     """What the whole records hold, and where the data ends."""
-    contents = Contents()
+    contents = FileSummary()
     steps = iter(walk)
     _check_writer(next(steps, None), walk, path)
     for step in steps:
         match step:
-            case Table(rows=rows):
+            case SampleRows(rows=rows):
                 times = rows["log_time"]
                 contents.add_messages(SAMPLES.channel_id, len(rows), int(times.min()), int(times.max()))
-            case Record(opcode=Opcode.DATA_END):
+            case PlacedRecord(opcode=Opcode.DATA_END):
                 return contents, step.at
-            case Record():
+            case PlacedRecord():
                 _add(contents, step, walk)
     return contents, walk.end
 
 
-def _check_writer(first: Table | Record | None, walk: Walk, path: Path) -> None:
+def _check_writer(first: SampleRows | PlacedRecord | None, walk: Walk, path: Path) -> None:
     """Files of others are laid out in ways that are not known here."""
     match first:
-        case Record(opcode=Opcode.HEADER):
+        case PlacedRecord(opcode=Opcode.HEADER):
             if not header_of(walk.body(first)).library.startswith("gyrodrift"):
                 raise DataError(f"{path}: cannot be repaired: it was written by another program")
         case _:
             raise DataError(f"{path}: cannot be repaired: it ends before it says which program wrote it")
 
 
-def _add(contents: Contents, record: Record, walk: Walk) -> None:
+def _add(contents: FileSummary, record: PlacedRecord, walk: Walk) -> None:
     match record.opcode:
         case Opcode.SCHEMA:
             contents.schemas.append(schema_of(walk.body(record)))

@@ -43,7 +43,7 @@ R = TypeVar("R", bound=McapRecord)
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class SampleRows:
     """Samples that stand one behind the other, shape (n,) of `ROW`; only good until the next step of the walk."""
 
     at: int
@@ -51,7 +51,7 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class PlacedRecord:
     """Any other record: where it begins in the file, its opcode, and how many bytes follow its head."""
 
     at: int
@@ -72,7 +72,7 @@ class Walk:
         self.zeros_at = _zeros_at(file, self.size)
         self._file = file
 
-    def __iter__(self) -> Iterator[Table | Record]:
+    def __iter__(self) -> Iterator[SampleRows | PlacedRecord]:
         while True:
             start = self.end
             block = os.pread(self._file.fileno(), BLOCK_BYTES, start)
@@ -85,11 +85,11 @@ class Walk:
             if self.end == start:
                 return
 
-    def body(self, record: Record) -> bytes:
+    def body(self, record: PlacedRecord) -> bytes:
         """The bytes of a record behind its head."""
         return os.pread(self._file.fileno(), record.length, record.at + HEAD.size)
 
-    def _step(self, block: bytes, at: int) -> Table | Record | None:
+    def _step(self, block: bytes, at: int) -> SampleRows | PlacedRecord | None:
         """The next thing in the block, with `end` moved behind it; None where the block has nothing whole any more."""
         if len(block) - at < HEAD.size + 2:
             return None
@@ -102,12 +102,12 @@ class Walk:
             if not run:
                 return None
             self.end += run * ROW.itemsize
-            return Table(place, rows[:run])
+            return SampleRows(place, rows[:run])
         opcode, length = HEAD.unpack_from(block, at)
         if not opcode or not self._is_whole(place + HEAD.size + length):
             return None
         self.end += HEAD.size + length
-        return Record(place, opcode, length)
+        return PlacedRecord(place, opcode, length)
 
     def _is_whole(self, end: int) -> bool:
         """Whether a record that ends there was written to its end."""

@@ -56,7 +56,7 @@ class Stream(Protocol):
         ...
 
 
-class Contents:
+class FileSummary:
     """What a file holds, as its end has to tell: worked out while writing, or afterwards while repairing."""
 
     def __init__(self) -> None:
@@ -128,7 +128,7 @@ class McapWriter:
 
     def __init__(self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None) -> None:
         self._stream = stream
-        self._contents = Contents()
+        self._contents = FileSummary()
         self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
         self._others = bytearray()
         self._write(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")))

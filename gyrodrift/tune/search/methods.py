@@ -12,7 +12,7 @@ from gyrodrift.tune.search.objective import BudgetSpentError, Objective
 from gyrodrift.tune.search.race import BATCH, LARGEST, Team, race
 
 
-class Method(Protocol):
+class SearchMethod(Protocol):
     """A way to search."""
 
     def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -130,7 +130,7 @@ class DifferentialEvolution(_AsMeant):
             differential_evolution(costs, bounds, maxiter=10**6, rng=rng, vectorized=True, polish=False)
 
 
-METHODS: dict[str, type[Method]] = {
+METHODS: dict[str, type[SearchMethod]] = {
     "race": Race,
     "carla": PublishedCarla,
     "cma": CmaEs,
@@ -139,7 +139,7 @@ METHODS: dict[str, type[Method]] = {
 }
 
 
-def spend(method: Method, objective: Objective, seed: int) -> None:
+def spend(method: SearchMethod, objective: Objective, seed: int) -> None:
     """Let a method spend the whole budget; one that ends before is started again."""
     rng = np.random.default_rng(seed)
     try:

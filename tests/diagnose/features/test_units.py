@@ -1,15 +1,15 @@
-"""Signatures in units that a person knows."""
+"""Features in units that a person knows."""
 
 import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.units import reading_of
-from gyrodrift.diagnose.features.vector import SIGNATURES
+from gyrodrift.diagnose.features.vector import FEATURES
 
 
-@pytest.mark.parametrize("name", [signature.name for signature in SIGNATURES])
-def test_every_signature_has_a_unit_and_keeps_its_order(name: str) -> None:
+@pytest.mark.parametrize("name", [feature.name for feature in FEATURES])
+def test_every_feature_has_a_unit_and_keeps_its_order(name: str) -> None:
     """However large or small it is."""
     reading = reading_of(name)
     assert reading.unit
@@ -38,5 +38,5 @@ def test_a_reading_is_what_a_person_would_count(name: str, value: float, read: f
 
 
 def test_what_is_not_known_here_is_read_as_it_is() -> None:
-    """A new signature breaks no report."""
+    """A new feature breaks no report."""
     assert reading_of("gremlins").of(np.array([7.0]))[0] == 7.0

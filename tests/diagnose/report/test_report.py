@@ -13,9 +13,9 @@ from page_support import parsed, row, words
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
-from gyrodrift.diagnose.diagnosis import Asked, Diagnosis, diagnose
-from gyrodrift.diagnose.features.vector import SIGNATURES
-from gyrodrift.diagnose.inference.verdict import Gap, Kind, Odd
+from gyrodrift.diagnose.diagnosis import Diagnosis, DiagnosisRequest, diagnose
+from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.inference.verdict import Deviation, Kind, SimToRealGap
 from gyrodrift.session.files import load_session
 from gyrodrift.session.formats import write_session
 from gyrodrift.simulation.sessions import write_sessions
@@ -35,7 +35,7 @@ def recorded(folder: Path, sessions: int, *effects: str) -> list[Path]:
 def scaled(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
     """Of two short sessions of a gyro that reads too much, against a rig that does not; one effect withheld."""
     paths = recorded(tmp_path_factory.mktemp("scaled"), 2, "scale_factor:error_percent=1.2")
-    return diagnose(Asked(paths, load_rig(None), frozenset({"popcorn"}), 1, None, lambda *_: None))
+    return diagnose(DiagnosisRequest(paths, load_rig(None), frozenset({"popcorn"}), 1, None, lambda *_: None))
 
 
 @pytest.fixture(scope="module")
@@ -80,10 +80,10 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
 
 def test_every_sign_of_the_gap_has_a_row_and_a_chart(scaled: Diagnosis) -> None:
     """Whichever it is, before and after the cause was added."""
-    everywhere = tuple(Odd(one.stage, one.name, one.regime, one.says, 9.0, 0.01) for one in SIGNATURES)
+    everywhere = tuple(Deviation(one.stage, one.name, one.regime, one.says, 9.0, 0.01) for one in FEATURES)
     html = report_html(replace(scaled, verdict=replace(scaled.verdict, where=everywhere)), OUT)
     charts = ["".join(panel.itertext()) for panel in panels(html)]
-    for one in SIGNATURES:
+    for one in FEATURES:
         assert row(html, one.says)
         assert sum(one.says in chart and f"{one.name}:" in chart and "→" in chart for chart in charts) == 1
     assert all(any(shown in chart for chart in charts) for shown in ("temperature", "angle within the turn"))
@@ -133,7 +133,7 @@ def test_what_could_be_said_of_a_diagnosis_is_only_text(scaled: Diagnosis) -> No
 
 def test_numbers_that_there_are_not_are_dashes(scaled: Diagnosis) -> None:
     """Never nan or None."""
-    gap = Gap(nan, nan, nan, None, None, None)
+    gap = SimToRealGap(nan, nan, nan, None, None, None)
     lost = replace(scaled, verdict=replace(scaled.verdict, gap=gap, kind=Kind.UNKNOWN), detectable={})
     said = words(report_html(lost, OUT))
     assert not re.search(r"\b(nan|None|inf)\b", said)

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.clocks.clock import Gap
+from gyrodrift.link.clocks.clock import SampleGap
 from gyrodrift.sample import Reading, Sample
 
 READING = Reading(None, None, 0.0)
@@ -70,7 +70,7 @@ def test_silence_without_a_burst_is_a_gap_of_its_true_length() -> None:
     before = stamped(clock, batches(0.005, 20.0, 0.01, 0.0))[-1]
     (after,) = clock.stamp([READING], 120.0 + 3.005)
     (gap,) = clock.events
-    assert isinstance(gap, Gap)
+    assert isinstance(gap, SampleGap)
     assert gap.missing == pytest.approx(600, abs=3)
     assert after.t_device_s - before.t_device_s == pytest.approx(3.005, abs=0.02)
     assert after.seq - before.seq == gap.missing + 1

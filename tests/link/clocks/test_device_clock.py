@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import near
 
-from gyrodrift.link.clocks.clock import ClockRestart, Gap
+from gyrodrift.link.clocks.clock import ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.sample import Reading, Sample
 
@@ -59,7 +59,7 @@ def test_a_hole_is_measured_and_time_stays_true(has_counter: bool, missing: int,
     bench.read(before)
     bench.skip(missing)
     sample, *_ = bench.read(2)
-    assert bench.events() == [Gap(missing, near((missing + 1) * 0.01))]
+    assert bench.events() == [SampleGap(missing, near((missing + 1) * 0.01))]
     assert sample.t_device_s == pytest.approx((before + missing) * 0.01)
     assert sample.seq == before + missing
 
@@ -70,7 +70,7 @@ def test_a_hole_longer_than_the_counter_is_counted_by_the_clock() -> None:
     bench.read(200)
     bench.skip(120_000)
     bench.read()
-    assert bench.events() == [Gap(120_000, near(1200.01))]
+    assert bench.events() == [SampleGap(120_000, near(1200.01))]
 
 
 def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
@@ -142,7 +142,7 @@ def test_after_an_outage_a_clock_that_ran_on_keeps_its_true_time() -> None:
     bench.skip(6000)
     sample, _ = bench.read(2)
     assert sample.t_device_s == pytest.approx(65.0)
-    assert bench.events() == [Gap(6000, near(60.01))]
+    assert bench.events() == [SampleGap(6000, near(60.01))]
 
 
 @pytest.mark.parametrize("has_counter", [True, False])
