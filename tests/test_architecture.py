@@ -1,8 +1,10 @@
-"""Who may know whom: the rules that keep the rooms apart."""
+"""Who may know whom: the rooms, the arrows between them, and what each file owes its reader."""
 
 import ast
 import subprocess
 import sys
+from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -10,74 +12,116 @@ import pytest
 ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
-LOWEST = ("gyrodrift.filters.hdr", "gyrodrift.sample", "gyrodrift.errors", "gyrodrift.config.yaml")
-SHARED = {"gyrodrift.html": ("gyrodrift.html",), "gyrodrift.cluster": ("gyrodrift.cluster", "gyrodrift.errors")}
-"""What all analyses of sessions may use, and nobody else, with the little of ours that it may use itself."""
-ANALYSES = ("gyrodrift.evaluation", "gyrodrift.tune", "gyrodrift.diagnose", "gyrodrift.compare")
-MAY_USE_THE_SIMULATOR = (
-    "gyrodrift.cli.diagnose",
-    "gyrodrift.simulation.hard_cases",
-    "gyrodrift.simulation.replay",
-    "gyrodrift.cli.replay",
-    "gyrodrift.simulation.sessions",
-    "gyrodrift.cli.simulate",
-    "gyrodrift.simulation.published_set",
-)
+BASE = "arrays cluster errors files log parallel progress sample"
+"""Single files at the top of the package: they know each other and no room."""
+
+ROOMS = {
+    "filters": BASE,
+    "session": BASE,
+    "link": BASE,
+    "html": BASE,
+    "config": f"{BASE} filters",
+    "describe": f"{BASE} session",
+    "recording": f"{BASE} link session",
+    "service": f"{BASE} config filters link recording",
+    "evaluation": f"{BASE} filters session",
+    "simulation": f"{BASE} firmware_sim session",
+    "tune": f"{BASE} evaluation filters html",
+    "compare": f"{BASE} evaluation filters html tune",
+    "diagnose.recording": f"{BASE} evaluation session",
+    "diagnose.features": f"{BASE} diagnose.recording",
+    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
+    "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate evaluation firmware_sim",
+    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate firmware_sim",
+    "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.recording html",
+    "demo": BASE,
+    "firmware_sim": "",
+}
+"""Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""
 
 
 def name_of(path: Path) -> str:
     return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
-def imports_of(path: Path) -> set[str]:
+NAMES = {name_of(path): path for path in MODULES}
+
+
+@cache
+def imports_of(path: Path) -> frozenset[str]:
+    """Modules that a file imports, ours by their own names; names taken out of a module stand for the module."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: imports are absolute"
-            found |= {node.module or ""} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
+            inside = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= (inside & NAMES.keys()) or {node.module or ""}
+    return frozenset(found)
 
 
-def of(package: str, names: set[str]) -> set[str]:
+def of(package: str, names: frozenset[str] | set[str]) -> set[str]:
     return {name for name in names if name == package or name.startswith(f"{package}.")}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_arrows_point_down(path: Path) -> None:
-    """Low rooms do not know high ones, device and host do not know each other, and nothing imports the commands."""
-    name, imports = name_of(path), imports_of(path)
-    if name.startswith("firmware_sim"):
-        assert not of("gyrodrift", imports)
-    elif name not in MAY_USE_THE_SIMULATOR and not name.startswith("gyrodrift.diagnose"):
-        assert not of("firmware_sim", imports)
-    if name in LOWEST:
-        assert not of("gyrodrift", imports)
-    if not name.startswith("gyrodrift.cli") and name != "gyrodrift.__main__":
-        assert not of("gyrodrift.cli", imports)
-    for low in ("gyrodrift.link", "gyrodrift.session"):
-        if name.startswith(low):
-            assert (
-                not of("gyrodrift.service", imports)
-                | of("gyrodrift.demo", imports)
-                | of("gyrodrift.config.model", imports)
-            )
+def room_of(name: str) -> str:
+    """`diagnose.features` for a stage of the diagnosis, else the package or the single file below gyrodrift."""
+    package, *inside = name.split(".")
+    if package != "gyrodrift":
+        return package
+    if inside[:1] == ["diagnose"] and ".".join(inside[:2]) in ROOMS:
+        return ".".join(inside[:2])
+    return inside[0] if inside else "gyrodrift"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_what_analyses_share_knows_none_of_them(path: Path) -> None:
-    """Neither the page that a report stands on nor the cluster asks whose work it does."""
-    name, imports = name_of(path), imports_of(path)
-    for shared, known in SHARED.items():
-        if of(shared, {name}):
-            assert of("gyrodrift", imports) == set().union(*(of(room, imports) for room in known))
-        elif of(shared, imports):
-            assert any(of(analysis, {name}) for analysis in ANALYSES)
+def test_arrows_are_as_drawn(path: Path) -> None:
+    """A room knows those that ROOMS allows it; the commands know all, and nothing knows the commands."""
+    room = room_of(name_of(path))
+    known = {room_of(name) for name in of("gyrodrift", imports_of(path)) | of("firmware_sim", imports_of(path))}
+    if room in {"cli", "__main__", "gyrodrift"}:
+        return
+    allowed = set((BASE if room in BASE.split() else ROOMS[room]).split())
+    assert known <= allowed | {room, "gyrodrift"}
+
+
+def test_no_circle_of_files() -> None:
+    """From no file an arrow leads back to it, however long the way."""
+    arrows = {name: {other for other in imports_of(path) if other in NAMES} for name, path in NAMES.items()}
+    done: set[str] = set()
+
+    def visit(name: str, way: tuple[str, ...]) -> None:
+        assert name not in way, " → ".join((*way[way.index(name) :], name))
+        if name not in done:
+            for other in sorted(arrows[name]):
+                visit(other, (*way, name))
+            done.add(name)
+
+    for name in arrows:
+        visit(name, ())
+
+
+def test_a_class_name_has_one_meaning() -> None:
+    """No two classes of the project share a name, unless both are private to their files."""
+    places = defaultdict(list)
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(name_of(path))
+    assert not {name: where for name, where in places.items() if len(where) > 1}
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_only_one_room_knows_pyserial(path: Path) -> None:
+def test_what_judges_or_draws_does_not_simulate(path: Path) -> None:
+    """Inference and report of a diagnosis work on values: whoever plays the rig hands them in."""
+    if room_of(name_of(path)) in {"diagnose.inference", "diagnose.report"}:
+        assert not of("firmware_sim.measure", imports_of(path)) | of("gyrodrift.simulation", imports_of(path))
+        assert not of("gyrodrift.session.files", imports_of(path))
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name_of)
+def test_only_one_file_knows_pyserial(path: Path) -> None:
     """The port."""
     assert not of("serial", imports_of(path)) or name_of(path) == "gyrodrift.link.port"
 
