@@ -144,7 +144,7 @@ def test_commands_and_options_in_the_text_exist(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
-    """Tests, configs and sources that a page names by path, and targets of make; recipes and old names are no matter."""
+    """Tests, configs and sources that a page names by path, but for toys and old names, and targets of make."""
     if not page.name.startswith(("extending-", "CHANGELOG")):
         for path in re.findall(r"\b(?:tests|config|gyrodrift)/[\w./-]+\.(?:py|yaml)\b", page.read_text()):
             assert (ROOT / path).exists(), f"{path}: there is no such file"
