@@ -5,7 +5,7 @@ its bits by a test. Nothing above this file is known here.
 
 Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking applications",
 Int. J. Vehicle Information and Communication Systems 2(1/2), 2009, DOI 10.1504/IJVICS.2009.027747, in the form
-with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8 of the README).
+with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8, docs/filters.md).
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The score as text: a table for the terminal, Markdown for the README, JSON for programs."""
+"""The score as text: a table for the terminal, Markdown for docs/results.md, JSON for programs."""
 
 from dataclasses import asdict
 from typing import Any
@@ -20,7 +20,7 @@ def terminal_text(score: Score) -> str:
 
 
 def markdown(score: Score) -> str:
-    """The table of the README, the reliability table and the list of misses."""
+    """The table of docs/results.md, the reliability table and the list of misses."""
     lines = ["| | goal | result | | Wilson 95 % |", "|---|---|---|---|---|"]
     lines += [
         f"| {what} | {goal} | {result} | {cases} | {interval} |"

@@ -16,7 +16,7 @@ def test_every_effect_has_a_scene() -> None:
 
 
 def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) -> None:
-    """One of them here; the README shows them all."""
+    """One of them here; docs/rig-and-faults.md shows them all."""
     with Command("--out", tmp_path, "vibration", module="firmware_sim.gallery") as run:
         assert run.end() == 0, run.log
     assert (tmp_path / "vibration.png").read_bytes().startswith(b"\x89PNG")

@@ -1,4 +1,4 @@
-"""The picture of the README: what restlevel holds for possible in a minute and a half that begins in motion.
+"""The picture of docs/filters.md: what restlevel holds for possible in a minute and a half that begins in motion.
 
 Drawn by `python -m gyrodrift.filters.restlevel.picture --out docs/restlevel.png`; matplotlib comes with the workstation
 extra.

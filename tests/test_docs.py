@@ -1,0 +1,161 @@
+"""The pages for people: their links lead somewhere, and the commands they name are those that there are."""
+
+import argparse
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from gyrodrift.cli import COMMANDS
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = sorted([ROOT / "README.md", *DOCS.rglob("*.md")])
+SOURCES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
+EQUATIONS = 11
+"""1 to 8 are HDR, 9 PI, 10 E, 11 NE."""
+
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+CODE = re.compile(r"`([^`\n]+)`")
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+OPTION = re.compile(r"--[a-z][a-z-]*")
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def prose(page: Path) -> str:
+    """The page without its code blocks."""
+    return FENCE.sub("", page.read_text())
+
+
+def links(page: Path) -> list[str]:
+    """Targets of links and pictures that are not on the network."""
+    return [target for target in LINK.findall(CODE.sub("", prose(page))) if not re.match(r"[a-z]+:", target)]
+
+
+@cache
+def anchors(page: Path) -> frozenset[str]:
+    """What `#...` can name on a page: its headings, as GitHub spells them, and the ids it sets itself."""
+    text, found = prose(page), set[str]()
+    for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
+        shown = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+        slug = re.sub(r"[^\w\- ]", "", shown.lower()).strip().replace(" ", "-")
+        copies = sum(re.fullmatch(rf"{re.escape(slug)}(-\d+)?", known) is not None for known in found)
+        found.add(f"{slug}-{copies}" if slug in found else slug)
+    return frozenset(found | set(re.findall(r'<a id="([^"]+)">', text)))
+
+
+def shell_lines(page: Path) -> Iterator[list[str]]:
+    """The words of each command in a page's sh blocks."""
+    for language, block in FENCE.findall(page.read_text()):
+        if language == "sh":
+            for line in block.replace("\\\n", " ").splitlines():
+                words = [word for word in shlex.split(line, comments=True) if word != "&"]
+                if words:
+                    yield words
+
+
+@cache
+def parser_of(command: str) -> argparse.ArgumentParser:
+    """The parser of one of our commands; what it is given wrongly raises."""
+    parser = argparse.ArgumentParser(prog=f"gyrodrift {command}")
+    import_module(f"gyrodrift.cli.{command}").add_arguments(parser)
+    return parser
+
+
+def options_of(command: str) -> set[str]:
+    return set(OPTION.findall(parser_of(command).format_help()))
+
+
+@cache
+def options_of_module(module: str) -> frozenset[str]:
+    """What `python -m MODULE --help` lists."""
+    done = subprocess.run(
+        [sys.executable, "-m", module, "--help"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return frozenset(OPTION.findall(done.stdout))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_links_lead_somewhere(page: Path) -> None:
+    """A relative link names a file that exists, and its anchor a heading or an id of that file."""
+    for target in links(page):
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.exists(), f"{target}: there is no such file"
+        if anchor:
+            assert anchor in anchors(file), f"{target}: there is no such heading in {name_of(file)}"
+
+
+def test_every_page_is_in_the_index() -> None:
+    """docs/README.md links to every other page of docs."""
+    listed = {(DOCS / target.partition("#")[0]).resolve() for target in links(DOCS / "README.md")}
+    assert {name_of(page) for page in PAGES if page.parent != ROOT and page not in listed} == {"docs/README.md"}
+
+
+def test_every_picture_is_shown() -> None:
+    """No picture lies in docs that no page shows."""
+    shown = {(page.parent / target).resolve() for page in PAGES for target in links(page)}
+    pictures = [*DOCS.rglob("*.png"), *DOCS.rglob("*.svg")]
+    assert pictures
+    assert [name_of(picture) for picture in pictures if picture not in shown] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_commands_in_code_blocks_are_understood(page: Path) -> None:
+    """A command line of ours parses as it stands; a recipe's toy names only have to stand behind options that exist."""
+    for program, *words in shell_lines(page):
+        if Path(program).name == "gyrodrift":
+            command, *arguments = words
+            assert command in COMMANDS, f"gyrodrift {command}: there is no such command"
+            if page.name.startswith("extending-"):
+                assert set(OPTION.findall(" ".join(arguments))) <= options_of(command)
+                continue
+            try:
+                parser_of(command).parse_args(arguments)
+            except SystemExit:
+                pytest.fail(f"gyrodrift does not take: {shlex.join(words)}")
+        elif program == "python" and words[0] == "-m" and words[1].startswith(("firmware_sim", "gyrodrift")):
+            assert set(OPTION.findall(" ".join(words[2:]))) <= options_of_module(words[1])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_commands_and_options_in_the_text_exist(page: Path) -> None:
+    """`gyrodrift COMMAND --option` names a command and its options; an option alone is one of some command."""
+    known = set(OPTION.findall("--help --version")) | options_of_module("firmware_sim")
+    known |= {option for command in COMMANDS for option in options_of(command)}
+    for code in CODE.findall(prose(page)):
+        words = code.split()
+        named = set(OPTION.findall(code))
+        if words[0] == "gyrodrift" and len(words) > 1 and not words[1].startswith("-"):
+            assert words[1] in COMMANDS, f"{code}: there is no such command"
+            assert named <= options_of(words[1]), code
+        elif words[0].startswith("--"):
+            assert named <= known, f"{code}: no command has it"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
+    """Tests, configs and sources that a page names by path, but for toys and old names, and targets of make."""
+    if not page.name.startswith(("extending-", "CHANGELOG")):
+        for path in re.findall(r"\b(?:tests|config|gyrodrift)/[\w./-]+\.(?:py|yaml)\b", page.read_text()):
+            assert (ROOT / path).exists(), f"{path}: there is no such file"
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    for program, *words in shell_lines(page):
+        if program == "make":
+            assert set(words) <= targets
+
+
+def test_equations_that_the_code_cites_stand_in_the_docs() -> None:
+    """docs/filters.md has an anchor for each equation, and the code names the page that they stand on."""
+    assert {f"equation-{number}" for number in range(1, EQUATIONS + 1)} <= anchors(DOCS / "filters.md")
+    cited = [name_of(path) for path in SOURCES if re.search(r"[Ee]quation[^.\n]*of the README", path.read_text())]
+    assert cited == [], "the equations stand in docs/filters.md"
