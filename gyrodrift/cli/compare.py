@@ -66,7 +66,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
     stills = session_paths(arguments.still)
     return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.hdr, config.restlevel),
+        methods=methods(config.blocks),
         train=session_paths(arguments.train),
         stills=frozenset(stills),
         iterations=arguments.iterations,

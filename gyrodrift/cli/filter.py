@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gyrodrift.filters.registry import Filter, FilterState
+    from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.session.session import Session
 
 

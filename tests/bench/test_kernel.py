@@ -14,7 +14,7 @@ from bench_support import BENCH, show
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.reference import Course
+from gyrodrift.evaluation.reference import Reference
 
 pytestmark = pytest.mark.bench
 
@@ -29,14 +29,14 @@ ROUNDS = 7
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
-def turntable(seed: int) -> Course:
+def turntable(seed: int) -> Reference:
     """Rests of 25 s and turns of 15 s, with a bias, noise, and times in whole microseconds that scatter."""
     dice = np.random.default_rng(seed)
     t_s = (np.arange(SAMPLES) * 10_000 + dice.integers(-20, 21, SAMPLES)) * 1e-6
     true_dps = np.where(t_s % 40.0 > 25.0, 30.0 * np.sin(2.0 * np.pi * t_s / 15.0), 0.0)
     dt_s = np.diff(t_s, prepend=t_s[0])
     rate_dps = np.round((true_dps + 0.2 + dice.normal(0.0, 0.1, SAMPLES)) / 0.00763) * 0.00763
-    return Course(f"turntable-{seed}", dt_s, rate_dps, np.cumsum(true_dps * dt_s), SAMPLES / 6000.0)
+    return Reference(f"turntable-{seed}", dt_s, rate_dps, np.cumsum(true_dps * dt_s), SAMPLES / 6000.0)
 
 
 def candidates(count: int) -> Floats:
@@ -49,14 +49,14 @@ def candidates(count: int) -> Floats:
 SEARCHED = ((1e-6, 0.1), (1e-3, 30.0), (0.02, 20.0))
 
 
-def scalar(folder: Path) -> Callable[[Course, Floats], Floats]:
+def scalar(folder: Path) -> Callable[[Reference, Floats], Floats]:
     """The C loop, compiled here: sums of squares of candidates one after the other."""
     library = folder / "hdr_scalar.so"
     options = ("-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC")
     subprocess.run(["gcc", *options, "-o", library, BENCH / "hdr_scalar.c", "-lm"], check=True)
     loop = ctypes.CDLL(str(library)).hdr_squares
 
-    def squares(course: Course, params: Floats) -> Floats:
+    def squares(course: Reference, params: Floats) -> Floats:
         found = np.empty(len(params))
         arrays = [
             a.ctypes.data_as(DOUBLES) for a in (course.dt_s, course.rate_dps, course.reference_deg, params, found)
@@ -67,7 +67,7 @@ def scalar(folder: Path) -> Callable[[Course, Floats], Floats]:
     return squares
 
 
-def in_numpy(course: Course, params: Floats) -> Floats:
+def in_numpy(course: Reference, params: Floats) -> Floats:
     """A loop over samples in Python, over candidates in numpy; runs beyond the course's length do not come."""
     i_c, tau, theta, c1, c2 = params.T.copy()
     lengths = np.arange(1.0, NUMPY_SAMPLES + 1.0)[:, np.newaxis]

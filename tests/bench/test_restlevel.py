@@ -8,7 +8,7 @@ import pytest
 from bench_support import show
 
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Course, course_of
+from gyrodrift.evaluation.reference import Reference, reference_of
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.filters.hdr import HdrParams, HdrState
 from gyrodrift.filters.hdr import coefficients as hdr_coefficients
@@ -23,9 +23,9 @@ SEEDS = range(101, 106)
 SESSIONS = 2
 
 
-def course(case: int, seed: int, number: int, *, is_still: bool) -> Course:
+def course(case: int, seed: int, number: int, *, is_still: bool) -> Reference:
     """One session of a hard case as tuning sees it."""
-    return course_of(simulation(CASES[case], seed, number, is_still=is_still).whole())
+    return reference_of(simulation(CASES[case], seed, number, is_still=is_still).whole())
 
 
 def test_hard_cases_over_seeds() -> None:
