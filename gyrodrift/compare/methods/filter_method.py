@@ -2,21 +2,19 @@
 
 from dataclasses import asdict
 
-import numpy as np
-
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
 from gyrodrift.evaluation.kernels.kernel import kernel_of
-from gyrodrift.evaluation.space import axes_of
+from gyrodrift.evaluation.space import axes_of, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
 
 
 def filter_method(chosen: Filter, params: FilterParams | None = None) -> Method:
-    """A filter as a method, with these parameters or its defaults."""
+    """A filter as a method, with these parameters or its defaults; what a run does not name has its default."""
 
     def run(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-        return kernel_of(chosen).yaw(steps_s(t_s), rate_dps, np.array([params[name] for name in chosen.names]))
+        return kernel_of(chosen).yaw(steps_s(t_s), rate_dps, row_of(chosen.params(**params))[0])
 
     return Method(
         chosen.name,
