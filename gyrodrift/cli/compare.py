@@ -1,4 +1,4 @@
-"""Run both filters, and the drift reducers that people use instead, over the same sessions with an encoder.
+"""Run our filters, and the drift reducers that people use instead, over the same sessions with an encoder.
 
 For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
 error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
