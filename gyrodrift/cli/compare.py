@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare; 0 when everything is told and written."""
+    """Compare; 0 when everything is written."""
     for name in ("iterations", "jobs"):
         options.positive(f"--{name}", getattr(arguments, name))
     options.check_seed(arguments.seed)
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
     with Progress(sys.stderr) as progress:
         comparison = compare(_asked(arguments, progress))
-    _tell(arguments, comparison)
+    _write(arguments, comparison)
     return 0
 
 
@@ -76,7 +76,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
     )
 
 
-def _tell(arguments: argparse.Namespace, comparison: "Comparison") -> None:
+def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
     from gyrodrift.compare.report.files import summary, write_json
 
     if arguments.out is not None:

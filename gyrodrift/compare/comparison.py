@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
-from gyrodrift.compare.tuning import Progress, tuned
+from gyrodrift.compare.tuning import tuned
 from gyrodrift.evaluation.curves import YawCurves, yaw_curves
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
@@ -19,6 +19,7 @@ from gyrodrift.evaluation.dataset import (
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.parallel import workers
+from gyrodrift.tune.search.objective import OnProgress
 
 CURVE_POINTS = 300
 PLOTTED = 24
@@ -44,7 +45,7 @@ class ComparisonRequest:
     iterations: int = 600
     seed: int = 0
     jobs: int = 1
-    progress: Progress = lambda _what, _done, _all: None
+    progress: OnProgress = lambda _what, _done, _all: None
 
 
 @dataclass(frozen=True, slots=True)

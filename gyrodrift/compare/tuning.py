@@ -1,6 +1,6 @@
 """Every method tuned on the same sessions, by the same search with the same budget."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,19 +14,22 @@ from gyrodrift.evaluation.space import values_of
 from gyrodrift.parallel import LocalWorkers, workers
 from gyrodrift.tune.search.methods import METHODS as SEARCHES
 from gyrodrift.tune.search.methods import run_to_budget
-from gyrodrift.tune.search.objective import Objective
+from gyrodrift.tune.search.objective import Objective, OnProgress
 
 SEARCH = "race"
 """What `tune` uses where nothing is said."""
-
-Progress = Callable[[str, int, int], None]
 
 _training: list[LoadedSession] = []
 """The training sessions, where the processes that are forked find them."""
 
 
 def tuned(
-    chosen: Sequence[Method], train: Sequence[LoadedSession], iterations: int, seed: int, jobs: int, progress: Progress
+    chosen: Sequence[Method],
+    train: Sequence[LoadedSession],
+    iterations: int,
+    seed: int,
+    jobs: int,
+    progress: OnProgress,
 ) -> dict[str, Params]:
     """Parameters by method, of those that have axes: the best of `iterations` evaluations, or the defaults.
 
@@ -46,7 +49,7 @@ def _shared(train: Sequence[LoadedSession]) -> Iterator[None]:
         _training.clear()
 
 
-def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progress: Progress) -> Params:
+def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progress: OnProgress) -> Params:
     names = [axis.name for axis in method.axes]
 
     def pi(params: Floats) -> Floats:

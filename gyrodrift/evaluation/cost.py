@@ -158,8 +158,8 @@ def _written(reference: Reference, file: IO[bytes]) -> Reference:
     """The reference with nothing but the length of its arrays."""
     for values in (reference.dt_s, reference.rate_dps, reference.reference_deg):
         file.write(np.ascontiguousarray(values, dtype=np.float64).data)
-    nothing = np.broadcast_to(np.float64(0.0), len(reference.dt_s))
-    return replace(reference, dt_s=nothing, rate_dps=nothing, reference_deg=nothing)
+    absent = np.broadcast_to(np.float64(0.0), len(reference.dt_s))
+    return replace(reference, dt_s=absent, rate_dps=absent, reference_deg=absent)
 
 
 def _read_back(reference: Reference, values: Floats) -> Reference:

@@ -21,7 +21,7 @@ from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
-from gyrodrift.tune.search.objective import Objective
+from gyrodrift.tune.search.objective import Objective, OnProgress
 from gyrodrift.tune.warnings import bound_warnings, held_out_warnings, identifiability_warnings
 
 REDUCED_EVALUATIONS = 600
@@ -29,10 +29,6 @@ REDUCED_EVALUATIONS = 600
 
 PLOTTED = 12
 CURVE_POINTS = 500
-
-
-Progress = Callable[[str, int, int], None]
-"""Told what is being done, how many evaluations of how many are made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +66,7 @@ class TuningRun:
     splits: Sequence[Split]
     loaded: Callable[[int], LoadedSession]
     journal: Journal
-    progress: Progress = lambda _what, _done, _all: None
+    progress: OnProgress = lambda _what, _done, _all: None
     was_interrupted: bool = False
     _begun_s: float = field(default_factory=time.monotonic)
 

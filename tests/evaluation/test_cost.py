@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.cost import BLOCK, Cost
+from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.kernels import hdr as kernel
 from gyrodrift.evaluation.reference import Reference
+from gyrodrift.evaluation.score import Score
 
 PLAIN = (0.0, 0.0, 1.0, 0.0, 0.0)
 """Learns nothing and filters nothing: yaw is the sum of rate times step."""
@@ -135,3 +136,11 @@ def test_an_error_in_a_thread_is_raised_where_the_cost_was_asked_for(references:
     """A reference of arrays that do not fit together."""
     with Cost([replace(references[0], dt_s=np.zeros(2))]) as cost, pytest.raises(ValueError, match="one length"):
         cost.cost(candidates(3))
+
+
+def test_a_score_is_taken_out_of_the_table() -> None:
+    """By session and candidate; NE is E over the minutes."""
+    squares, absolutes, worst = np.array([[1.0, 4.0], [9.0, 16.0]]), np.array([[1.0, 2.0], [3.0, 4.0]]), np.ones((2, 2))
+    scores = Scores(squares, absolutes, worst)
+    assert scores.score(1, 0, 12.0) == Score(e_deg=3.0, ne=0.25, pi_deg2=9.0, worst_deg=1.0)
+    assert scores.pi.tolist() == [5.0, 10.0]

@@ -20,7 +20,7 @@ def test_of_many_a_share_is_kept_apart_by_the_seed() -> None:
 
 
 @pytest.mark.parametrize("count", [2, 5])
-def test_of_a_few_none_is_kept_apart(count: int) -> None:
+def test_of_a_few_none_is_held_out(count: int) -> None:
     """They are left out one by one instead."""
     assert {s.split for s in split_sources(sources(count), 1)} == {Split.TRAIN}
 

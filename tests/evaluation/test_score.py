@@ -10,7 +10,7 @@ from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 
 
-def course(count: int = 400) -> Reference:
+def reference(count: int = 400) -> Reference:
     dice = np.random.default_rng(1)
     reference_deg = np.cumsum(dice.normal(0.0, 0.1, count))
     reference_deg -= reference_deg[0]
@@ -29,7 +29,7 @@ def test_a_yaw_by_hand() -> None:
 
 def test_it_is_what_tuning_goes_by() -> None:
     """Mean squared, mean absolute and largest error as the kernel adds them up, here of plain integration."""
-    one = course()
+    one = reference()
     squares, absolutes, worst, count = sums(
         one.dt_s, one.rate_dps, one.reference_deg, np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
     )
@@ -42,7 +42,7 @@ def test_it_is_what_tuning_goes_by() -> None:
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e200])
 def test_a_yaw_that_left_the_floats_is_infinitely_far_off(value: float) -> None:
     """In every measure."""
-    one = course()
+    one = reference()
     assert score_of(one, np.full(400, value)) == Score(np.inf, np.inf, np.inf, np.inf)
 
 

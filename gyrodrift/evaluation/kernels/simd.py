@@ -84,9 +84,9 @@ def splat(_typing: Any, value: Any, count: Any) -> Any:
     kind = SimdVector(types.unliteral(value), count.literal_value)
 
     def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        nothing = ir.VectorType(values[0].type, kind.count)(ir.Undefined)
-        first = builder.insert_element(nothing, values[0], _at(0))
-        return builder.shuffle_vector(first, nothing, ir.VectorType(ir.IntType(32), kind.count)([0] * kind.count))
+        undefined = ir.VectorType(values[0].type, kind.count)(ir.Undefined)
+        first = builder.insert_element(undefined, values[0], _at(0))
+        return builder.shuffle_vector(first, undefined, ir.VectorType(ir.IntType(32), kind.count)([0] * kind.count))
 
     return kind(value, count), emit
 

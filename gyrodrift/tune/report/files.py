@@ -29,31 +29,34 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
         "filter": tuning.filter.name,
         "sample_rate_hz": float(f"{tuning.sample_rate_hz:.6g}"),
         tuning.filter.name: asdict(tuning.run.params),
-        "provenance": {
-            "command": command,
-            "version": __version__,
-            "method": tuning.method,
-            "seed": tuning.run.seed,
-            "iterations": len(tuning.run.history),
-            "pi_deg2": {
-                "train_before": _number(tuning.euler.train),
-                "train_after": _number(tuning.run.pi.train),
-                "test_before": _number(tuning.euler.test),
-                "test_after": _number(tuning.run.pi.test),
-            },
-            "test": "each session by parameters tuned on the others"
-            if tuning.cross_validation
-            else "sessions kept apart",
-            "sessions": [
-                {"name": score.session.name, "split": score.split.value, "sha256": score.session.digest}
-                for score in tuning.scores
-            ],
-            "warnings": list(tuning.warnings),
-        },
+        "provenance": _provenance(tuning, command),
     }
     lines = yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).splitlines()
     head = [HEAD, f"# {tuning.filter.rate_note}", *(_explained(tuning.filter, line) for line in lines)]
     write_whole(path, [f"{line}\n" for line in head])
+
+
+def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
+    """Where the parameters come from, and what they were worth; `serve` passes it by."""
+    return {
+        "command": command,
+        "version": __version__,
+        "method": tuning.method,
+        "seed": tuning.run.seed,
+        "iterations": len(tuning.run.history),
+        "pi_deg2": {
+            "train_before": _number(tuning.euler.train),
+            "train_after": _number(tuning.run.pi.train),
+            "test_before": _number(tuning.euler.test),
+            "test_after": _number(tuning.run.pi.test),
+        },
+        "test": "each session by parameters tuned on the others" if tuning.cross_validation else "sessions kept apart",
+        "sessions": [
+            {"name": score.session.name, "split": score.split.value, "sha256": score.session.digest}
+            for score in tuning.scores
+        ],
+        "warnings": list(tuning.warnings),
+    }
 
 
 def _explained(chosen: Filter, line: str) -> str:
