@@ -185,6 +185,6 @@ def _notes(
     both = [session.name for session in sessions if session.digest in digests]
     if both:
         yield f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on"
-    if train and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
-        counting = " and of ".join(one.method.title for one in entries if one.is_tuned and one.method.counts_samples)
+    counting = " and of ".join(one.method.title for one in entries if one.is_tuned and one.method.counts_samples)
+    if counting and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
         yield f"sample rates differ: tuned steps of {counting} count samples of one rate"

@@ -48,9 +48,7 @@ class SessionDescription:
         SHA-256 of its content.
     minutes, sample_rate_hz
         True duration by device time, and the rate by the median step.
-
-    Warnings
-    --------
+    warnings : tuple of str
         What is strange about it, a sentence each.
     """
 
