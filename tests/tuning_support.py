@@ -2,13 +2,17 @@
 
 import numpy as np
 
-from gyrodrift.evaluation.dataset import Split
-from gyrodrift.evaluation.space import AXES
-from gyrodrift.evaluation.tunables import HDR_TUNABLE
+from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.dataset import SessionDescription, Split
+from gyrodrift.evaluation.score import Score
+from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Tuning
+from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 
+AXES = axes_of(HDR)
 PARAMS = HdrParams(0.000457, 0.0384, 0.123, 1.85, 0.0)
+MINUTES = 20.0
 
 
 def run(seed: int = 1, evaluations: int = 90, pi: Pi = Pi(0.1775, 0.2838)) -> Run:  # noqa: B008 - frozen
@@ -18,28 +22,42 @@ def run(seed: int = 1, evaluations: int = 90, pi: Pi = Pi(0.1775, 0.2838)) -> Ru
     return Run(seed, costs, rng.random((evaluations, 5)), PARAMS, pi, densities)
 
 
+def of_e(e_deg: float) -> Score:
+    """A session that is always off by so much."""
+    return Score(e_deg, e_deg / MINUTES, e_deg * e_deg, e_deg)
+
+
 def score(name: str, split: Split = Split.TRAIN, e_tuned_deg: float = 0.5) -> SessionScore:
-    return SessionScore(name, split, 20.0, 56.4, e_tuned_deg, 0.75)
+    session = SessionDescription(name, "", MINUTES, 100.0)
+    return SessionScore(session, split, of_e(56.4), of_e(e_tuned_deg), of_e(0.75), curve())
 
 
-def curve(name: str, split: Split = Split.TRAIN, points: int = 400) -> Curve:
-    minutes = np.linspace(0.0, 20.0, points)
-    return Curve(name, split, minutes, 5.6 * minutes, 0.5 * np.sin(3.0 * minutes))
+def curve(points: int = 400) -> YawCurves:
+    """Errors of 112 deg by plain integration and of 0.5 deg at most by the tuned filter, after 20 minutes."""
+    minutes = np.linspace(0.0, MINUTES, points)
+    reference_deg = 90.0 * np.floor(minutes)
+    errors_deg = np.array([5.6 * minutes, 0.5 * np.sin(3.0 * minutes)])
+    return YawCurves(minutes, reference_deg, reference_deg + errors_deg)
+
+
+def curve_of(euler_deg: float, tuned_deg: float) -> YawCurves:
+    """A curve with these errors all along, beside a reference of 0."""
+    minutes = np.linspace(0.0, MINUTES, 400)
+    return YawCurves(minutes, np.zeros(400), np.repeat([[euler_deg], [tuned_deg]], 400, axis=1))
 
 
 def tuning(train: int = 2, test: int = 2) -> Tuning:
     names = [(f"walk-{n}", Split.TRAIN) for n in range(train)] + [(f"check-{n}", Split.TEST) for n in range(test)]
     return Tuning(
-        tunable=HDR_TUNABLE,
+        filter=HDR,
         method="race",
         evaluations=90,
         axes=AXES,
         run=run(pi=Pi(0.1775, 0.2838 if test else None)),
         euler=Pi(6877.0, 2008.0 if test else None),
-        few=Pi(0.1754, 0.3236 if test else None),
-        few_params=HdrParams(0.001, 0.0, 0.25, 0.0, 0.0),
+        reduced=Pi(0.1754, 0.3236 if test else None),
+        reduced_params=HdrParams(0.001, 0.0, 0.25, 0.0, 0.0),
         scores=tuple(score(*name) for name in names),
         sample_rate_hz=100.0,
         seconds=8.7,
-        curves=tuple(curve(*name) for name in names),
     )

@@ -1,4 +1,4 @@
-"""Run both filters, and the drift reducers that people use instead, over the same sessions with an encoder.
+"""Run our filters, and the drift reducers that people use instead, over the same sessions with an encoder.
 
 For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
 error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare; 0 when everything is told and written."""
+    """Compare; 0 when everything is written."""
     for name in ("iterations", "jobs"):
         options.positive(f"--{name}", getattr(arguments, name))
     options.check_seed(arguments.seed)
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
     with Progress(sys.stderr) as progress:
         comparison = compare(_asked(arguments, progress))
-    _tell(arguments, comparison)
+    _write(arguments, comparison)
     return 0
 
 
@@ -66,7 +66,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
     stills = session_paths(arguments.still)
     return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.hdr, config.restlevel),
+        methods=methods(config.blocks),
         train=session_paths(arguments.train),
         stills=frozenset(stills),
         iterations=arguments.iterations,
@@ -76,7 +76,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
     )
 
 
-def _tell(arguments: argparse.Namespace, comparison: "Comparison") -> None:
+def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
     from gyrodrift.compare.report.files import summary, write_json
 
     if arguments.out is not None:

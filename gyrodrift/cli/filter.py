@@ -1,8 +1,7 @@
 """Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
 
-Columns with hdr: t_s, rate_dps, lpf_dps, i_dps, omega_dps, omega_d_dps, yaw_deg; with restlevel: t_s, rate_dps,
-bias_dps, bias_sigma_dps, rest_probability, confidence, yaw_deg, yaw_sigma_deg. Samples whose time does not advance or
-whose rate is not finite are left out and counted. Without --config it is hdr with the published parameters.
+Samples whose time does not advance or whose rate is not finite are left out and counted. Without --config it is hdr
+with the published parameters. Columns are t_s and rate_dps, and then
 """
 
 import argparse
@@ -12,13 +11,17 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.filters.registry import FILTERS
+
 if TYPE_CHECKING:
-    from gyrodrift.filters.registry import Filter, FilterState
+    from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.session.session import Session
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    columns = [f"  with {name}: {', '.join(known.columns)}" for name, known in FILTERS.items()]
+    parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")

@@ -1,6 +1,6 @@
 """Find the filter's parameters from recorded sessions with an encoder, and write the config that serve hot-loads.
 
-Some sessions are kept apart and show what the parameters are worth; of five or fewer none is, and each is tested with
+Some sessions are held out and show what the parameters are worth; of five or fewer none is, and each is tested with
 parameters tuned on the others. An iteration is one evaluation of the cost over all training sessions. Ctrl-C ends the
 search and writes the best so far; the same command with --resume goes on.
 """
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from gyrodrift.cli import INTERRUPTED, options
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
+from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
@@ -26,9 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
-    parser.add_argument("--filter", default="hdr", choices=("hdr", "restlevel"), help="which to tune (default hdr)")
+    parser.add_argument(
+        "--filter", default=DEFAULT.name, choices=tuple(FILTERS), help=f"which to tune (default {DEFAULT.name})"
+    )
     parser.add_argument("--report", type=Path, metavar="DIR", help="folder for report.html and tune.json")
-    parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="kept apart, by hand")
+    parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="held out, by hand")
     parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of split and search (default 0)")
     parser.add_argument("--seeds", type=int, default=1, metavar="K", help="search K times, keep the best (default 1)")
@@ -74,39 +77,35 @@ def _check_place(out: Path, report: Path | None) -> None:
 
 def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
     from gyrodrift.progress import Progress
-    from gyrodrift.tune.prepared import Prepared, identity
     from gyrodrift.tune.search.journal import Journal
     from gyrodrift.tune.tuning import TuningRun
+    from gyrodrift.tune.tuning_set import TuningSet, identity
 
     plan = _plan(arguments)
     how = (arguments.seed, arguments.threads, arguments.cluster)
     with (
         Progress(sys.stderr) as progress,
-        Prepared(_sources(arguments), *how, progress, plan.tunable) as prepared,
+        TuningSet(_sources(arguments), *how, progress, plan.filter) as held,
     ):
         path = arguments.out.with_suffix(".progress.npz")
-        journal = Journal(path, identity(plan, prepared), is_resumed=arguments.resume)
-        work = TuningRun(
-            plan, prepared.costs, prepared.abouts, prepared.splits, prepared.course, journal, progress.evaluated
-        )
-        tuning = work.run()
-    if work.was_interrupted:
+        journal = Journal(path, identity(plan, held), is_resumed=arguments.resume)
+        search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
+        tuning = search.run()
+    if search.was_interrupted:
         journal.save()
     else:
         journal.discard()
-    return tuning, work.was_interrupted
+    return tuning, search.was_interrupted
 
 
 def _plan(arguments: argparse.Namespace) -> "Plan":
     from gyrodrift.evaluation.space import with_ranges
-    from gyrodrift.evaluation.tunables import TUNABLES
     from gyrodrift.tune.tuning import Plan
 
-    tunable = TUNABLES[arguments.filter]
-
+    chosen = FILTERS[arguments.filter]
     seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
-    axes = with_ranges(arguments.range, tunable.axes, tunable.filter)
-    return Plan(arguments.iterations, seeds, arguments.method, axes, tunable)
+    axes = with_ranges(arguments.range, chosen)
+    return Plan(arguments.iterations, seeds, arguments.method, axes, chosen)
 
 
 def _sources(arguments: argparse.Namespace) -> "list[Source]":

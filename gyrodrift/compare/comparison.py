@@ -1,23 +1,28 @@
 """A comparison from its paths to its result: methods tuned where that is asked for, and run over every session."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
-from gyrodrift.compare.methods.registry import BY_KEY
-from gyrodrift.compare.tuning import Progress, tuned
-from gyrodrift.evaluation.dataset import About, Source, rates_differ
+from gyrodrift.compare.methods.registry import by_key
+from gyrodrift.compare.tuning import tuned
+from gyrodrift.evaluation.curves import YawCurves, yaw_curves
+from gyrodrift.evaluation.dataset import (
+    LoadedSession,
+    SessionDescription,
+    Source,
+    folder_names,
+    load_with_reference,
+    rates_differ,
+)
 from gyrodrift.evaluation.score import Score, mean_score, score_of
-from gyrodrift.evaluation.timed_reference import TimedReference, folder_names, load_timed_reference
 from gyrodrift.parallel import workers
+from gyrodrift.tune.search.objective import OnProgress
 
 CURVE_POINTS = 300
-SHOWN = 24
+PLOTTED = 24
 """Of more sessions than this, curves are kept of the first of each folder only."""
 
 
@@ -40,7 +45,7 @@ class ComparisonRequest:
     iterations: int = 600
     seed: int = 0
     jobs: int = 1
-    progress: Progress = lambda _what, _done, _all: None
+    progress: OnProgress = lambda _what, _done, _all: None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,23 +64,13 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Curves:
-    """What is drawn of a session, thinned: minutes and reference in deg, shape (m,), yaw by entry, shape (k, m)."""
-
-    minutes: Floats
-    reference_deg: Floats
-    yaw_deg: Floats
-
-
-@dataclass(frozen=True, slots=True)
 class ComparedSession:
-    """A session with a score for every entry, in their order."""
+    """A session with a score for every entry, in their order; `curves` have a yaw for each, where it is plotted."""
 
-    path: Path
+    session: SessionDescription
     folder: str
-    about: About
     scores: tuple[Score, ...]
-    curves: Curves | None = None
+    curves: YawCurves | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +120,7 @@ def compare(asked: ComparisonRequest) -> Comparison:
     """
     begun_s = time.monotonic()
     present = [method for method in asked.methods if method.is_installed]
-    train = [load_timed_reference(_source(path, asked)) for path in asked.train]
+    train = [load_with_reference(_source(path, asked)) for path in asked.train]
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
     entries = [Entry(method, method.defaults) for method in present]
     entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
@@ -137,7 +132,7 @@ def compare(asked: ComparisonRequest) -> Comparison:
         train=tuple(f"{folder}/{path.stem}" for folder, path in zip(trained_in, asked.train, strict=True)),
         iterations=asked.iterations,
         seed=asked.seed,
-        notes=tuple(_notes(sessions, train)),
+        notes=tuple(_notes(entries, sessions, train)),
         seconds=time.monotonic() - begun_s,
     )
 
@@ -149,14 +144,14 @@ def _source(path: Path, asked: ComparisonRequest) -> Source:
 def _run(asked: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSession]:
     folders = folder_names(asked.paths)
     firsts = {folders.index(name) for name in folders}
-    is_drawn = [len(folders) <= SHOWN or at in firsts for at in range(len(folders))]
+    is_plotted = [len(folders) <= PLOTTED or at in firsts for at in range(len(folders))]
     works = [
-        _Work(_source(path, asked), folder, [(entry.method.key, entry.params) for entry in entries], drawn)
-        for path, folder, drawn in zip(asked.paths, folders, is_drawn, strict=True)
+        _Work(_source(path, asked), folder, [(entry.method.key, entry.params) for entry in entries], plotted)
+        for path, folder, plotted in zip(asked.paths, folders, is_plotted, strict=True)
     ]
     found = []
-    with workers(min(asked.jobs, len(works))) as hands:
-        for done, one in enumerate(hands.map(_compared, works), 1):
+    with workers(min(asked.jobs, len(works))) as pool:
+        for done, one in enumerate(pool.map(_compared, works), 1):
             asked.progress("sessions", done, len(works))
             found.append(one)
     return found
@@ -169,31 +164,27 @@ class _Work:
     source: Source
     folder: str
     runs: list[tuple[str, Params]]
-    is_drawn: bool
+    is_plotted: bool
 
 
 def _compared(work: _Work) -> ComparedSession:
-    recording = load_timed_reference(work.source)
-    course = recording.course
-    yaws_deg = [BY_KEY[key].run(recording.t_s, course.rate_dps, params) for key, params in work.runs]
-    scores = tuple(score_of(course, yaw_deg) for yaw_deg in yaws_deg)
-    curves = _curves(recording, yaws_deg) if work.is_drawn else None
-    return ComparedSession(work.source.path, work.folder, recording.about, scores, curves)
+    loaded, known = load_with_reference(work.source), by_key()
+    reference = loaded.reference
+    yaws_deg = [known[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
+    scores = tuple(score_of(reference, yaw_deg) for yaw_deg in yaws_deg)
+    curves = yaw_curves(loaded, yaws_deg, CURVE_POINTS) if work.is_plotted else None
+    return ComparedSession(loaded.description, work.folder, scores, curves)
 
 
-def _curves(recording: TimedReference, yaws_deg: Sequence[Floats]) -> Curves:
-    at = recording.course.drawn_at(CURVE_POINTS)
-    minutes = (recording.t_s[at] - recording.t_s[0]) / 60.0
-    return Curves(minutes, recording.course.reference_deg[at], np.array([yaw_deg[at] for yaw_deg in yaws_deg]))
-
-
-def _notes(sessions: Sequence[ComparedSession], train: Sequence[TimedReference]) -> list[str]:
-    notes = [odd for one in sessions for odd in one.about.odd]
-    digests = {one.about.digest for one in train}
-    both = [one.about.name for one in sessions if one.about.digest in digests]
+def _notes(
+    entries: Sequence[Entry], compared: Sequence[ComparedSession], train: Sequence[LoadedSession]
+) -> Iterator[str]:
+    sessions, trained_on = [one.session for one in compared], [one.description for one in train]
+    yield from (warning for session in sessions for warning in session.warnings)
+    digests = {session.digest for session in trained_on}
+    both = [session.name for session in sessions if session.digest in digests]
     if both:
-        notes.append(f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on")
-    abouts = [*(one.about for one in sessions), *(one.about for one in train)]
-    if train and rates_differ([about.sample_rate_hz for about in abouts]):
-        notes.append("sample rates differ: tuned steps of HDR and of the sign integrator count samples of one rate")
-    return notes
+        yield f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on"
+    counting = " and of ".join(one.method.title for one in entries if one.is_tuned and one.method.counts_samples)
+    if counting and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
+        yield f"sample rates differ: tuned steps of {counting} count samples of one rate"

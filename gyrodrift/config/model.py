@@ -1,7 +1,9 @@
 """The config of `serve`: YAML in, a checked and frozen value out, or every mistake at once with its line."""
 
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_type_hints
 
@@ -11,9 +13,8 @@ from pydantic.fields import FieldInfo
 
 from gyrodrift.config.yaml import Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
-from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.filters.registry import FILTERS, HDR, Filter, Params
-from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
 
@@ -24,16 +25,15 @@ class Config:
 
     filter
         Name of the filter.
-    hdr, restlevel
-        Parameters of each filter; those of one that is not named may be the defaults.
+    blocks
+        Parameters by the name of their filter, of those that the file gives.
     sample_rate_hz
         The rate the parameters were tuned at, Hz; None where the file does not say.
     """
 
-    filter: str = HDR.name
-    hdr: HdrParams = field(default_factory=HdrParams)
+    filter: str = DEFAULT.name
+    blocks: Mapping[str, FilterParams] = field(default_factory=dict)
     sample_rate_hz: float | None = None
-    restlevel: RestlevelParams = field(default_factory=RestlevelParams)
 
     @property
     def chosen(self) -> Filter:
@@ -41,9 +41,15 @@ class Config:
         return FILTERS[self.filter]
 
     @property
-    def params(self) -> Params:
+    def params(self) -> FilterParams:
         """Its parameters."""
-        return self.hdr if self.chosen is HDR else self.restlevel
+        return self.params_of(self.chosen)
+
+    def params_of(self, known: Filter) -> FilterParams:
+        """Parameters of a filter; its defaults where the file gives none."""
+        given = self.blocks.get(known.name)
+        default: FilterParams = known.params()
+        return default if given is None else given
 
     def changes_from(self, old: "Config") -> list[str]:
         """One `key: old → new` for each value that differs."""
@@ -52,10 +58,8 @@ class Config:
             ("sample_rate_hz", old.sample_rate_hz, self.sample_rate_hz),
         ]
         for name, known in FILTERS.items():
-            before, after = getattr(old, name), getattr(self, name)
-            pairs += [
-                (f"{name}.{f.name}", getattr(before, f.name), getattr(after, f.name)) for f in fields(known.params)
-            ]
+            before, after = old.params_of(known), self.params_of(known)
+            pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in known.names]
         return [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
 
 
@@ -63,31 +67,25 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def _required(params: type) -> type[_Strict]:
-    """A model with the fields and bounds of a parameter record, each of which has to be given."""
-    hints = get_type_hints(params, include_extras=True)
-    required: dict[str, Any] = {f.name: (hints[f.name], ...) for f in fields(params)}
-    return create_model(params.__name__, __base__=_Strict, **required)
+@cache
+def _block_of(known: Filter) -> type[_Strict]:
+    """A model with the fields and bounds of a filter's parameters, each of which has to be given."""
+    hints = get_type_hints(known.params, include_extras=True)
+    required: dict[str, Any] = {name: (hints[name], ...) for name in known.names}
+    return create_model(known.params.__name__, __base__=_Strict, **required)
 
 
-_BLOCKS = {name: _required(known.params) for name, known in FILTERS.items()}
-
-
-class _File(_Strict):
-    filter: Literal["hdr", "restlevel"] = "hdr"
-    hdr: _BLOCKS["hdr"] | None = None  # type: ignore[valid-type,name-defined]  # a model made at import
-    restlevel: _BLOCKS["restlevel"] | None = None  # type: ignore[valid-type,name-defined]
-    sample_rate_hz: Annotated[float, Gt(0.0), Le(1e6)] | None = None
-    provenance: dict[str, Any] | None = None
-
-
-def _naming(name: str) -> type[_File]:
-    """The model of a file that names this filter: its block has to be there."""
-    block: dict[str, Any] = {name: (_BLOCKS[name], ...)}
-    return create_model("File", __base__=_File, **block)
-
-
-_FILES = {name: _naming(name) for name in FILTERS}
+def _file_of(named: Filter) -> type[_Strict]:
+    """The model of a file that names this filter: its block has to be there, those of the others may."""
+    blocks = {name: _block_of(known) for name, known in FILTERS.items()}
+    content: dict[str, Any] = {"filter": (Literal[tuple(FILTERS)], DEFAULT.name)}
+    content |= {name: (block | None, None) for name, block in blocks.items()}
+    content |= {
+        "sample_rate_hz": (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
+        "provenance": (dict[str, Any] | None, None),
+        named.name: (blocks[named.name], ...),
+    }
+    return create_model("File", __base__=_Strict, **content)
 
 
 def load_config(path: Path) -> Config:
@@ -100,31 +98,31 @@ def load_config(path: Path) -> Config:
     """
     read = read_yaml(path)
     if read.value is None and not read.problems:
-        read.report((), f"is empty; expected a block hdr: with {_names(_BLOCKS[HDR.name])}")
+        read.report((), f"is empty; expected a block {DEFAULT.name}: with {', '.join(DEFAULT.names)}")
     elif read.value is not None and not isinstance(read.value, dict):
-        read.report((), f"holds {_said(read.value)}; expected keys such as hdr:")
+        read.report((), f"holds {_said(read.value)}; expected keys such as {DEFAULT.name}:")
     file = _check(read) if isinstance(read.value, dict) else None
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    given = {name: getattr(file, name) for name in FILTERS}
-    blocks = {name: FILTERS[name].params(**block.model_dump()) for name, block in given.items() if block is not None}
-    return Config(file.filter, sample_rate_hz=file.sample_rate_hz, **blocks)
+    content = file.model_dump()
+    blocks = {name: known.params(**content[name]) for name, known in FILTERS.items() if content[name] is not None}
+    return Config(content["filter"], blocks, content["sample_rate_hz"])
 
 
-def _check(read: YamlFile) -> _File | None:
+def _check(read: YamlFile) -> _Strict | None:
     named = read.value.get("filter")
-    model = _FILES[named if isinstance(named, str) and named in FILTERS else HDR.name]
+    model = _file_of(FILTERS[named] if isinstance(named, str) and named in FILTERS else DEFAULT)
     try:
         return model.model_validate(read.value)
     except ValidationError as error:
         for problem in error.errors(include_url=False):
             key: Key = problem["loc"]
-            read.report(key, _explain(key, problem["type"], problem["input"]))
+            read.report(key, _explain(model, key, problem["type"], problem["input"]))
         return None
 
 
-def _explain(key: Key, kind: str, given: Any) -> str:
-    model, name = (_BLOCKS[str(key[0])], key[-1]) if len(key) > 1 else (_File, key[-1])
+def _explain(file: type[_Strict], key: Key, kind: str, given: Any) -> str:
+    model, name = (_block_of(FILTERS[str(key[0])]), key[-1]) if len(key) > 1 else (file, key[-1])
     known = model.model_fields
     if kind == "extra_forbidden":
         nearest = get_close_matches(str(name), known, n=1)
@@ -137,8 +135,8 @@ def _explain(key: Key, kind: str, given: Any) -> str:
 
 
 def _expectation(name: str, info: FieldInfo) -> str:
-    if name in _BLOCKS:
-        return f"a block with {_names(_BLOCKS[name])}"
+    if name in FILTERS:
+        return f"a block with {', '.join(FILTERS[name].names)}"
     if name == "filter":
         return " or ".join(FILTERS)
     if name == "provenance":
@@ -156,10 +154,6 @@ def _expectation(name: str, info: FieldInfo) -> str:
             case Lt(lt):
                 high = f"below {lt:g}" if not low else f"to below {lt:g}"
     return f"a number {low} {high}{unit}"
-
-
-def _names(model: type[_Strict]) -> str:
-    return ", ".join(model.model_fields)
 
 
 def _bounds(info: FieldInfo) -> list[Any]:

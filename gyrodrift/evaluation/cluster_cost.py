@@ -27,10 +27,11 @@ from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
-from gyrodrift.evaluation.dataset import About, Source, load_course
-from gyrodrift.evaluation.kernels.hdr import LANES, groups
-from gyrodrift.evaluation.reference import Course
-from gyrodrift.evaluation.tunables import HDR_TUNABLE, TUNABLES, Tunable
+from gyrodrift.evaluation.dataset import SessionDescription, Source, load_with_reference
+from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
+from gyrodrift.evaluation.reference import Reference
+from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 BATCHES_PER_THREAD = 2
 """So that a thread with quick batches may take over, while the scheduler, at up to a millisecond a task, keeps up."""
@@ -44,19 +45,19 @@ ARRAY_COUNT = 3
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """Some sessions in the memory of a worker: their courses, what is known of them, and how many references they have.
+    """Some sessions in the memory of a worker: their references, what is known of them, and how many samples have one.
 
     counts
         Shape (sessions, 1).
     """
 
-    courses: tuple[Course, ...]
-    abouts: tuple[About, ...]
+    references: tuple[Reference, ...]
+    descriptions: tuple[SessionDescription, ...]
     counts: Floats
 
     def __sizeof__(self) -> int:
         """What Dask goes by when it places work and watches memory, bytes."""
-        return ARRAY_COUNT * sum(course.dt_s.nbytes for course in self.courses)
+        return ARRAY_COUNT * sum(reference.dt_s.nbytes for reference in self.references)
 
 
 def load_batch(sources: Sequence[Source], version: str) -> Batch:
@@ -74,26 +75,31 @@ def load_batch(sources: Sequence[Source], version: str) -> Batch:
             f"the worker on {socket.gethostname()} has gyrodrift {__version__}, this is {version}; "
             "install the same everywhere"
         )
-    loaded = [load_course(source) for source in sources]
-    courses = tuple(course for course, _ in loaded)
-    counts = np.array([[float(np.count_nonzero(np.isfinite(course.reference_deg)))] for course in courses])
-    return Batch(courses, tuple(about for _, about in loaded), counts)
+    references, descriptions = [], []
+    for source in sources:
+        loaded = load_with_reference(source)
+        references.append(loaded.reference)
+        descriptions.append(loaded.description)
+    counts = np.array([[float(np.count_nonzero(np.isfinite(reference.reference_deg)))] for reference in references])
+    return Batch(tuple(references), tuple(descriptions), counts)
 
 
-def abouts_of(batch: Batch) -> tuple[About, ...]:
+def descriptions_of(batch: Batch) -> tuple[SessionDescription, ...]:
     """What is known of the sessions of a batch."""
-    return batch.abouts
+    return batch.descriptions
 
 
 def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats, name: str) -> Floats:
     """Mean squares, mean absolutes and worst of candidates of a filter, shape (3, places, c), by one thread."""
-    kernel, found = TUNABLES[name].kernel, np.empty((3, len(places), len(params)))
-    for group in groups(len(params)):
-        lanes = params[group]
-        prepared = kernel.prepare(lanes)
+    kernel, found = kernel_of(FILTERS[name]), np.empty((3, len(places), len(params)))
+    for cut in groups(len(params)):
+        group = params[cut]
+        prepared = kernel.prepare(group)
         for at, place in enumerate(places.tolist()):
-            course = batch.courses[place]
-            found[:, at, group] = kernel.sums(course.dt_s, course.rate_dps, course.reference_deg, lanes, prepared)
+            reference = batch.references[place]
+            found[:, at, cut] = kernel.sums(
+                reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared
+            )
     found[:2] /= batch.counts[places]
     return found
 
@@ -107,7 +113,7 @@ class ClusterCost:
         Of the scheduler, as in `tcp://host:8786`.
     sessions
         Paths as the workers see them, at least one, and whether each is a still.
-    tunable
+    chosen
         The filter.
 
     Raises
@@ -119,12 +125,12 @@ class ClusterCost:
     GyrodriftError
         Where the cluster is lost, here or in any call.
 
-    `threads` counts those of the workers at the beginning, `evaluations` the candidates so far; `abouts` says what is
-    known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
+    `threads` counts those of the workers at the beginning, `evaluations` the candidates so far; `descriptions` says
+    what is known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
     """
 
-    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], tunable: Tunable = HDR_TUNABLE) -> None:
-        self._name = tunable.filter.name
+    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], chosen: Filter = DEFAULT) -> None:
+        self._name = chosen.name
         self.evaluations = 0
         self._workers = ClusterWorkers(address, "tuning")
         try:
@@ -133,11 +139,11 @@ class ClusterCost:
             sources = [Source(path, is_still) for path, is_still in sessions]
             cut = [sources[first:last] for first, last in pairwise(self._edges)]
             self._batches = self._workers.submit(load_batch, cut, [__version__] * len(cut))
-            found = self._workers.results(self._workers.submit(abouts_of, self._batches))
+            found = self._workers.results(self._workers.submit(descriptions_of, self._batches))
         except BaseException:
             self.close()
             raise
-        self.abouts: tuple[About, ...] = tuple(chain.from_iterable(found))
+        self.descriptions: tuple[SessionDescription, ...] = tuple(chain.from_iterable(found))
 
     def __enter__(self) -> Self:
         return self
@@ -153,26 +159,26 @@ class ClusterCost:
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
         """Scores of candidates, shape (c, parameters of the filter), over some of the sessions or all."""
-        chosen = np.arange(len(self.abouts)) if sessions is None else np.asarray(sessions, np.int64)
-        number = np.searchsorted(self._edges, chosen, side="right") - 1
+        on = np.arange(len(self.descriptions)) if sessions is None else np.asarray(sessions, np.int64)
+        number = np.searchsorted(self._edges, on, side="right") - 1
         asked = [(batch, np.flatnonzero(number == batch)) for batch in np.unique(number).tolist()]
         cuts = _cuts(len(params), ceil(self.threads / max(1, len(asked))))
         rows = [(batch, at, cut) for batch, at in asked for cut in cuts]
         tasks = self._workers.submit(
             score_batch,
             [self._batches[batch] for batch, _, _ in rows],
-            [chosen[at] - self._edges[batch] for batch, at, _ in rows],
+            [on[at] - self._edges[batch] for batch, at, _ in rows],
             [params[cut] for _, _, cut in rows],
             [self._name] * len(rows),
         )
-        found = np.empty((3, len(chosen), len(params)))
+        found = np.empty((3, len(on), len(params)))
         for (_, at, cut), scores in zip(rows, self._workers.results(tasks), strict=True):
             found[:, at, cut] = scores
         self.evaluations += len(params)
         return Scores(*found)
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
-        """Equation 9 of the README, deg², shape (c,): every session counts the same, however long."""
+        """PI, deg², shape (c,): every session counts the same, however long."""
         return self.cost(params, sessions).pi
 
 
@@ -194,5 +200,5 @@ def _file_bytes(path: Path) -> int:
 
 def _cuts(candidates: int, parts: int) -> list[slice]:
     """Candidates in that many parts or more, of whole groups and of at most a block."""
-    size = min(BLOCK, ceil(candidates / parts / LANES) * LANES)
+    size = min(BLOCK, ceil(candidates / parts / GROUP) * GROUP)
     return [slice(first, first + size) for first in range(0, candidates, size)] if candidates else []

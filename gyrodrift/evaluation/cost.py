@@ -12,9 +12,11 @@ from typing import IO, Self
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.kernels.hdr import groups
-from gyrodrift.evaluation.reference import Course
-from gyrodrift.evaluation.tunables import HDR_TUNABLE, Tunable
+from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
+from gyrodrift.evaluation.reference import Reference
+from gyrodrift.evaluation.score import Score
+from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.registry import DEFAULT
 
 FLOAT_BYTES = 8
 BLOCK = 512
@@ -28,7 +30,7 @@ class Scores:
     mean_squares
         Mean squared error, deg².
     mean_absolutes
-        Mean absolute error, deg (equation 10 of the README).
+        Mean absolute error E, deg.
     worst
         Largest absolute error, deg.
     """
@@ -39,24 +41,32 @@ class Scores:
 
     @property
     def pi(self) -> Floats:
-        """Mean over the sessions of the mean squared error, deg², shape (c,) (equation 9 of the README)."""
+        """PI, the mean over the sessions of the mean squared error, deg², shape (c,)."""
         total = np.zeros(self.mean_squares.shape[1])
         with np.errstate(over="ignore"):
             for mean_squares in self.mean_squares:  # np.mean adds up in another order where there is one candidate
                 total += mean_squares
         return total / len(self.mean_squares)
 
+    def score(self, session: int, candidate: int, minutes: float) -> Score:
+        """The score of one candidate on one session of this duration."""
+        mean_square, e_deg, worst_deg = (
+            float(table[session, candidate]) for table in (self.mean_squares, self.mean_absolutes, self.worst)
+        )
+        return Score(e_deg, e_deg / minutes, mean_square, worst_deg)
+
 
 class Cost:
-    """The cost of candidates over some courses; a context manager that ends its threads.
+    """The cost of candidates over some sessions; a context manager that ends its threads.
 
-    courses
+    References
+    ----------
         At least one; taken one after the other, so that they may be loaded while they are taken.
     threads
         None: as many as there are processors for this process. The results do not depend on it.
     memory_bytes
-        Courses beyond it are kept in a temporary file; None: half of the machine's memory.
-    tunable
+        References beyond it are kept in a temporary file; None: half of the machine's memory.
+    chosen
         The filter.
 
     `evaluations` counts the candidates so far.
@@ -64,15 +74,15 @@ class Cost:
 
     def __init__(
         self,
-        courses: Iterable[Course],
+        references: Iterable[Reference],
         threads: int | None = None,
         memory_bytes: int | None = None,
-        tunable: Tunable = HDR_TUNABLE,
+        chosen: Filter = DEFAULT,
     ) -> None:
-        self._kernel = tunable.kernel
-        self.courses = tuple(_held(courses, _half_of_memory_bytes() if memory_bytes is None else memory_bytes))
+        self._kernel = kernel_of(chosen)
+        self.references = tuple(_held(references, _half_of_memory_bytes() if memory_bytes is None else memory_bytes))
         self.evaluations = 0
-        self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.courses])
+        self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.references])
         self.threads = threads or len(os.sched_getaffinity(0))
         self._pool = ThreadPoolExecutor(self.threads, "cost")
 
@@ -89,32 +99,32 @@ class Cost:
         self._pool.shutdown(cancel_futures=True)
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, parameters of the filter), over some of the courses, or all."""
-        chosen = range(len(self.courses)) if sessions is None else sessions
-        found = np.empty((3, len(chosen), len(params)))
+        """Scores of candidates, shape (c, parameters of the filter), over some of the references, or all."""
+        on = range(len(self.references)) if sessions is None else sessions
+        found = np.empty((3, len(on), len(params)))
         for first in range(0, len(params), BLOCK):
             block = slice(first, first + BLOCK)
-            self._walk(params[block], chosen, found[:, :, block])
+            self._walk(params[block], on, found[:, :, block])
         self.evaluations += len(params)
-        counts = self._counts[list(chosen)]
+        counts = self._counts[list(on)]
         return Scores(found[0] / counts, found[1] / counts, found[2])
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
-        """Equation 9 of the README, deg², shape (c,): every session counts the same, however long."""
+        """PI, deg², shape (c,): every session counts the same, however long."""
         return self.cost(params, sessions).pi
 
-    def _walk(self, params: Floats, chosen: Sequence[int], found: Floats) -> None:
-        """Fill in squares, absolutes and worst, shape (3, chosen, c); the longest first, so that all end together."""
+    def _walk(self, params: Floats, on: Sequence[int], found: Floats) -> None:
+        """Fill in squares, absolutes and worst, shape (3, len(on), c); the longest first, so that all end together."""
         cuts = groups(len(params))
         tables = [self._kernel.prepare(params[cut]) for cut in cuts]
 
         def work(at: int, group: int) -> None:
-            course, cut = self.courses[chosen[at]], cuts[group]
+            reference, cut = self.references[on[at]], cuts[group]
             found[:, at, cut] = self._kernel.sums(
-                course.dt_s, course.rate_dps, course.reference_deg, params[cut], tables[group]
+                reference.dt_s, reference.rate_dps, reference.reference_deg, params[cut], tables[group]
             )
 
-        longest_first = sorted(range(len(chosen)), key=lambda at: -len(self.courses[chosen[at]].dt_s))
+        longest_first = sorted(range(len(on)), key=lambda at: -len(self.references[on[at]].dt_s))
         for done in [self._pool.submit(work, at, group) for at in longest_first for group in range(len(cuts))]:
             done.result()
 
@@ -123,35 +133,36 @@ def _half_of_memory_bytes() -> int:
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
 
 
-def _held(courses: Iterable[Course], limit_bytes: int) -> list[Course]:
-    """The courses; those beyond the limit with their arrays in a file without a name, which ends with them."""
-    kept: list[Course] = []
+def _held(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:
+    """The references; those beyond the limit with their arrays in a file without a name, which ends with them."""
+    kept: list[Reference] = []
     places: list[int | None] = []
     held_bytes = 0
     with tempfile.TemporaryFile() as file:
-        for course in courses:
-            held_bytes += 3 * course.dt_s.nbytes
+        for reference in references:
+            held_bytes += 3 * reference.dt_s.nbytes
             is_spilled = held_bytes > limit_bytes
             places.append(file.tell() // FLOAT_BYTES if is_spilled else None)
-            kept.append(_written(course, file) if is_spilled else course)
+            kept.append(_written(reference, file) if is_spilled else reference)
         if held_bytes <= limit_bytes:
             return kept
         file.flush()
         everything = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     return [
-        course if at is None else _read_back(course, everything[at:]) for course, at in zip(kept, places, strict=True)
+        reference if at is None else _read_back(reference, everything[at:])
+        for reference, at in zip(kept, places, strict=True)
     ]
 
 
-def _written(course: Course, file: IO[bytes]) -> Course:
-    """The course with nothing but the length of its arrays."""
-    for values in (course.dt_s, course.rate_dps, course.reference_deg):
+def _written(reference: Reference, file: IO[bytes]) -> Reference:
+    """The reference with nothing but the length of its arrays."""
+    for values in (reference.dt_s, reference.rate_dps, reference.reference_deg):
         file.write(np.ascontiguousarray(values, dtype=np.float64).data)
-    nothing = np.broadcast_to(np.float64(0.0), len(course.dt_s))
-    return replace(course, dt_s=nothing, rate_dps=nothing, reference_deg=nothing)
+    absent = np.broadcast_to(np.float64(0.0), len(reference.dt_s))
+    return replace(reference, dt_s=absent, rate_dps=absent, reference_deg=absent)
 
 
-def _read_back(course: Course, values: Floats) -> Course:
-    length = len(course.dt_s)
+def _read_back(reference: Reference, values: Floats) -> Reference:
+    length = len(reference.dt_s)
     dt_s, rate_dps, reference_deg = (values[part * length :][:length] for part in range(3))
-    return replace(course, dt_s=dt_s, rate_dps=rate_dps, reference_deg=reference_deg)
+    return replace(reference, dt_s=dt_s, rate_dps=rate_dps, reference_deg=reference_deg)

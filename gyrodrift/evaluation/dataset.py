@@ -1,4 +1,4 @@
-"""The sessions of a tuning: which there are, whether they can be used, and which are kept apart."""
+"""The sessions of an evaluation: read and checked, described, and split into training and test."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
-from gyrodrift.evaluation.reference import Course, course_of
+from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.session.files import load_session
-from gyrodrift.session.session import Session
 
-FEW = 5
-"""Up to so many sessions none is kept apart: each is tested with parameters tuned on the others."""
+CROSS_VALIDATED = 5
+"""Up to so many sessions none is held out: each is tested with parameters tuned on the others."""
 
 TEST_SHARE = 0.3
 RATE_TOLERANCE = 0.02
@@ -41,10 +41,14 @@ class Source:
 
 
 @dataclass(frozen=True, slots=True)
-class About:
+class SessionDescription:
     """What is known of a session without holding it.
 
-    odd
+    digest
+        SHA-256 of its content.
+    minutes, sample_rate_hz
+        True duration by device time, and the rate by the median step.
+    warnings : tuple of str
         What is strange about it, a sentence each.
     """
 
@@ -52,34 +56,50 @@ class About:
     digest: str
     minutes: float
     sample_rate_hz: float
-    odd: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
-def load_course(source: Source) -> tuple[Course, About]:
-    """A session as a course.
+@dataclass(frozen=True, slots=True)
+class LoadedSession:
+    """A session to be evaluated on.
+
+    t_s
+        Device times of the samples of the reference, s, shape (n,).
+    """
+
+    reference: Reference
+    description: SessionDescription
+    t_s: Floats
+
+
+def load_with_reference(source: Source) -> LoadedSession:
+    """Read a session; its first sample is the first one with a reference.
 
     Raises
     ------
     DataError
         With its path, where it cannot be read or has no reference.
     """
-    return course_and_about(source, load_session(source.path))
-
-
-def course_and_about(source: Source, session: Session) -> tuple[Course, About]:
-    """The course of a session that has been read from a source.
-
-    Raises
-    ------
-    DataError
-        With its path, where it has no reference.
-    """
+    session = load_session(source.path)
     try:
-        course = course_of(session, is_still=source.is_still)
+        t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:
         raise DataError(f"{source.path}: {str(error).removeprefix(f'{session.name}: ')}") from error
-    odd = () if source.is_still else tuple(_oddities(source, session, course))
-    return course, About(course.name, digest_of(source.path), course.minutes, course.sample_rate_hz, odd)
+    warnings = () if source.is_still else tuple(_warnings(source, reference))
+    digest = digest_of(source.path)
+    described = SessionDescription(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)
+    return LoadedSession(reference, described, t_s)
+
+
+def folder_names(paths: Sequence[Path]) -> list[str]:
+    """The folder that each session lies in, by as little of its path as tells it from the others."""
+    parents = [path.resolve().parent for path in paths]
+    different = set(parents)
+    for parts in range(1, max((len(parent.parts) for parent in parents), default=1) + 1):
+        short = {parent: "/".join(parent.parts[-parts:]) for parent in different}
+        if len(set(short.values())) == len(different):
+            break
+    return [short[parent] for parent in parents]
 
 
 def digest_of(path: Path) -> str:
@@ -88,22 +108,22 @@ def digest_of(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _oddities(source: Source, session: Session, course: Course) -> Iterator[str]:
-    missing = float(np.mean(~np.isfinite(course.reference_deg)))
+def _warnings(source: Source, reference: Reference) -> Iterator[str]:
+    missing = float(np.mean(~np.isfinite(reference.reference_deg)))
     if missing > MISSING_SHARE:
-        yield f"{session.name}: {missing:.0%} of its encoder values are no numbers; they do not count"
-    if np.nanmax(course.reference_deg) == np.nanmin(course.reference_deg):
-        if _has_moved(course):
+        yield f"{reference.name}: {missing:.0%} of its encoder values are no numbers; they do not count"
+    if np.nanmax(reference.reference_deg) == np.nanmin(reference.reference_deg):
+        if _has_moved(reference):
             raise DataError(
                 f"{source.path}: its encoder never moves while the rate says that the device does; "
                 "is the encoder connected? A still goes with --still"
             )
-        yield f"{session.name}: its encoder never moves, so it counts as a still"
+        yield f"{reference.name}: its encoder never moves, so it counts as a still"
 
 
-def _has_moved(course: Course) -> bool:
-    size = max(1, round(course.sample_rate_hz))
-    seconds = course.rate_dps[: len(course.rate_dps) // size * size].reshape(-1, size).mean(axis=1)
+def _has_moved(reference: Reference) -> bool:
+    size = max(1, round(reference.sample_rate_hz))
+    seconds = reference.rate_dps[: len(reference.rate_dps) // size * size].reshape(-1, size).mean(axis=1)
     return len(seconds) > 1 and float(np.ptp(seconds)) > MOVES_DPS
 
 
@@ -112,21 +132,21 @@ def rates_differ(rates_hz: Sequence[float]) -> bool:
     return max(rates_hz) > min(rates_hz) * (1.0 + RATE_TOLERANCE)
 
 
-def check_rates(sessions: Sequence[About]) -> list[str]:
-    """A warning where sample rates differ, for parameters that count samples: they belong to one rate."""
+def check_rates(sessions: Sequence[SessionDescription], sample_counted: str) -> list[str]:
+    """A warning where sample rates differ, with the parameters that count samples: they belong to one rate."""
     rates = [about.sample_rate_hz for about in sessions]
     if not rates_differ(rates):
         return []
     low, high = sessions[int(np.argmin(rates))], sessions[int(np.argmax(rates))]
     ends = f"from {min(rates):.4g} Hz ({low.name}) to {max(rates):.4g} Hz ({high.name})"
-    why = "i_c_dps and the attenuator count samples, so these parameters fit none of them; tune each rate by itself"
+    why = f"{sample_counted} count samples, so these parameters fit none of them; tune each rate by itself"
     return [f"sample rates differ, {ends}: {why}"]
 
 
 def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
     """Each source with what it is used for.
 
-    Where some are said to be tests, the others train. Otherwise a share drawn by the seed is kept apart, and of a few
+    Where some are said to be tests, the others train. Otherwise a share drawn by the seed is held out, and of a few
     none is.
 
     Raises
@@ -134,18 +154,18 @@ def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
     DataError
         Where none is left to train with, or one session alone.
     """
-    said = [source for source in sources if source.split is Split.TEST]
+    given = [source for source in sources if source.split is Split.TEST]
     free = [source for source in sources if source.split is None]
     if not free:
-        raise DataError("there are no sessions to tune with; all are kept apart by --test")
-    if said:
+        raise DataError("there are no sessions to tune with; all are held out by --test")
+    if given:
         return [Source(s.path, s.is_still, s.split or Split.TRAIN) for s in sources]
     if len(free) == 1:
         raise DataError(
-            f"{free[0].path}: is the only session, so none can be kept apart to show what the parameters are worth; "
+            f"{free[0].path}: is the only session, so none can be held out to show what the parameters are worth; "
             "record another one, or give one with --test"
         )
-    if len(free) <= FEW:
+    if len(free) <= CROSS_VALIDATED:
         return [Source(s.path, s.is_still, Split.TRAIN) for s in sources]
     tests = np.random.default_rng(seed).permutation(len(free))[: round(TEST_SHARE * len(free))]
     splits = [Split.TEST if number in tests else Split.TRAIN for number in range(len(free))]

@@ -1,4 +1,4 @@
-"""What tuning walks through: the samples of a session that the filter accepts, and the angle they should give."""
+"""What filters are evaluated on: the samples of a session that they accept, and the angle these should give."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ FULL_TURN_DEG = 360.0
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class Reference:
     """Accepted samples from the first one with a reference on, shape (n,), n ≥ 2.
 
     dt_s
@@ -32,11 +32,11 @@ class Course:
     reference_deg: Floats
     minutes: float
 
-    def drawn_at(self, points: int) -> NDArray[np.int64]:
+    def thinned(self, points: int) -> NDArray[np.int64]:
         """Indices of at most so many of the samples that have a reference, evenly spread, for a figure."""
         known = np.flatnonzero(np.isfinite(self.reference_deg))
-        drawn: NDArray[np.int64] = known[np.unique(np.linspace(0, len(known) - 1, points).astype(np.int64))]
-        return drawn
+        chosen: NDArray[np.int64] = known[np.unique(np.linspace(0, len(known) - 1, points).astype(np.int64))]
+        return chosen
 
     @property
     def sample_rate_hz(self) -> float:
@@ -44,8 +44,15 @@ class Course:
         return 1.0 / float(np.median(self.dt_s[1:]))
 
 
-def course_of(session: Session, *, is_still: bool = False) -> Course:
-    """The course of a session.
+def reference_of(session: Session, *, is_still: bool = False) -> Reference:
+    """The reference of a session; see `timed_reference_of`."""
+    return timed_reference_of(session, is_still=is_still)[1]
+
+
+def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Floats, Reference]:
+    """Device times in s, shape (n,), and the reference at them.
+
+    The times are no part of the reference: a tuning holds all its sessions, and needs nothing but the steps.
 
     Parameters
     ----------
@@ -60,22 +67,26 @@ def course_of(session: Session, *, is_still: bool = False) -> Course:
         Where there is no reference, or fewer than two samples that the filter takes.
     """
     kept = accepted(session.t_device_s, session.rate_dps)
-    t_s, rate_dps = session.t_device_s[kept], session.rate_dps[kept]
-    if is_still:
-        reference_deg = np.zeros(len(t_s))
-    elif session.encoder_deg is None:
-        raise DataError(
-            f"{session.name}: has no encoder, so nothing says what yaw should be; a still goes with --still"
-        )
-    else:
-        reference_deg = unwrapped(session.encoder_deg[kept])
+    reference_deg = _reference_deg(session, kept, is_still=is_still)
     known = np.flatnonzero(np.isfinite(reference_deg))
     if len(known) < 2:
         raise DataError(f"{session.name}: has {len(known)} samples with a rate and a reference; two are the least")
     first = known[0]
-    t_s, rate_dps, reference_deg = t_s[first:], rate_dps[first:], reference_deg[first:] - reference_deg[first]
+    t_s, rate_dps = session.t_device_s[kept][first:], session.rate_dps[kept][first:]
+    reference_deg = reference_deg[first:] - reference_deg[first]
     dt_s = np.diff(t_s, prepend=t_s[0])
-    return Course(session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0)
+    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0)
+
+
+def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool) -> Floats:
+    """Angle of the kept samples, deg, where it begins."""
+    if is_still:
+        return np.zeros(np.count_nonzero(kept))
+    if session.encoder_deg is None:
+        raise DataError(
+            f"{session.name}: has no encoder, so nothing says what yaw should be; a still goes with --still"
+        )
+    return unwrapped(session.encoder_deg[kept])
 
 
 def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:

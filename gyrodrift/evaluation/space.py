@@ -1,7 +1,7 @@
 """The ranges that parameters are searched in, and the unit cube in which every search method works."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from typing import get_type_hints
 
 import numpy as np
@@ -9,7 +9,7 @@ from annotated_types import Ge, Le, Lt
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import UsageError
-from gyrodrift.filters.registry import HDR, Filter
+from gyrodrift.filters.filter import Filter, FilterParams
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,25 +38,30 @@ class Axis:
         return (inside - self.low) / (self.high - self.low)
 
 
-AXES = (
-    Axis("i_c_dps", 1e-6, 0.1, is_log=True),
-    Axis("tau_s", 1e-3, 30.0, is_log=True),
-    Axis("theta_w_dps", 0.02, 20.0, is_log=True),
-    Axis("c1", 0.0, 3.0),
-    Axis("c2", 0.0, 3.0),
-)
-"""Wide enough for sensors of 0.01 to 10 deg/s of bias at 2 Hz to 10 kHz; narrower on request."""
+def axes_of(chosen: Filter) -> tuple[Axis, ...]:
+    """The axes that a filter gives."""
+    ranges = [(one.name, one.search) for one in chosen.searched]
+    return tuple(Axis(name, at.low, at.high, at.is_log) for name, at in ranges if at is not None)
 
-RESTLEVEL_AXES = (
-    Axis("window_s", 0.05, 5.0, is_log=True),
-    Axis("quiet", 1.0, 50.0, is_log=True),
-    Axis("turn_on_dps", 0.02, 20.0, is_log=True),
-    Axis("walk_dps_rts", 1e-6, 0.1, is_log=True),
-    Axis("drift_dps_s", 1e-4, 0.3, is_log=True),
-    Axis("still_start", 0.0, 0.9999),
-    Axis("rest_share", 0.001, 0.9, is_log=True),
-)
-"""Of restlevel what yaw depends on."""
+
+def row_of(params: FilterParams) -> Floats:
+    """Parameters as one candidate, shape (1, parameters)."""
+    return np.array([astuple(params)], dtype=np.float64)
+
+
+def candidates_of(chosen: Filter, axes: Sequence[Axis], found: Floats) -> Floats:
+    """Candidates with all parameters of the filter, shape (c, parameters), from values of the axes, shape (c, axes)."""
+    unsearched = chosen.params() if chosen.unsearched is None else chosen.unsearched
+    whole = np.repeat(row_of(unsearched), len(found), axis=0)
+    for number, axis in enumerate(axes):
+        whole[:, chosen.names.index(axis.name)] = found[:, number]
+    return whole
+
+
+def params_record(chosen: Filter, candidate: Floats) -> FilterParams:
+    """A candidate, shape (parameters,), as the record of its filter."""
+    record: FilterParams = chosen.params(*candidate.tolist())
+    return record
 
 
 def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
@@ -64,12 +69,12 @@ def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
     return tuple(replace(axis, is_log=False) for axis in axes)
 
 
-def params_of(axes: Sequence[Axis], cube: Floats) -> Floats:
-    """Parameter vectors, shape (c, axes), from points of the unit cube of the same shape."""
+def values_of(axes: Sequence[Axis], cube: Floats) -> Floats:
+    """Values of the axes, shape (c, axes), from points of the unit cube of the same shape."""
     return np.column_stack([axis.values(cube[:, number]) for number, axis in enumerate(axes)])
 
 
-def with_ranges(texts: Sequence[str], known: Sequence[Axis] = AXES, chosen: Filter = HDR) -> tuple[Axis, ...]:
+def with_ranges(texts: Sequence[str], chosen: Filter) -> tuple[Axis, ...]:
     """The axes of a filter with some ranges replaced: `tau_s=0.01:2`.
 
     Raises
@@ -77,7 +82,7 @@ def with_ranges(texts: Sequence[str], known: Sequence[Axis] = AXES, chosen: Filt
     UsageError
         Where a name is unknown, a range is upside down, or the filter does not take its values.
     """
-    axes = {axis.name: axis for axis in known}
+    axes = {axis.name: axis for axis in axes_of(chosen)}
     for text in texts:
         name, low, high = _parsed(text)
         if name not in axes:
@@ -97,7 +102,7 @@ def _parsed(text: str) -> tuple[str, float, float]:
         raise UsageError(f"--range {text}: expected NAME=LOW:HIGH, such as tau_s=0.01:2") from None
 
 
-def limits(name: str, chosen: Filter = HDR) -> tuple[float, float]:
+def limits(name: str, chosen: Filter) -> tuple[float, float]:
     """What a filter takes for a parameter, least and most."""
     low, high = -np.inf, np.inf
     for bound in get_type_hints(chosen.params, include_extras=True)[name].__metadata__:

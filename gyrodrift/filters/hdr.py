@@ -5,7 +5,17 @@ its bits by a test. Nothing above this file is known here.
 
 Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking applications",
 Int. J. Vehicle Information and Communication Systems 2(1/2), 2009, DOI 10.1504/IJVICS.2009.027747, in the form
-with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8, docs/filters.md).
+with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8, docs/filters.md). For a raw rate
+and T s after the sample before:
+
+    r       = r + 1 where SIGN(omega) is that of the sample before, else 1
+    W       = 1 where |omega| < theta_w, else 0                               the turn switch
+    R       = (1 + c1)/(1 + c1·r^c2)                                          the repetition attenuator
+    I       = I − SIGN(omega)·W·R·i_c                                         the integrator: less the drift
+    lpf     = (raw·T + tau·lpf)/(T + tau)                                     the low-pass
+    omega   = lpf + I
+    omega_d = omega + tau/T·(omega − omega before)                            the low-pass undone
+    yaw     = yaw + omega_d·T
 """
 
 from dataclasses import dataclass
@@ -46,7 +56,7 @@ class HdrParams:
 class HdrCoefficients:
     """What follows from the parameters alone, worked out once when they change.
 
-    `steps_dps[r]` is R(r)·i_c in deg/s, equation 5 times the increment, for a run of r equal signs.
+    `steps_dps[r]` is R(r)·i_c in deg/s, attenuator times increment, for a run of r equal signs.
     """
 
     params: HdrParams
@@ -90,7 +100,7 @@ class HdrState:
 
 
 def attenuated_step(params: HdrParams, run: int) -> float:
-    """R(r)·i_c in deg/s for a run of `run` equal signs (equation 5); 0 where r^c2 leaves the floats."""
+    """R(r)·i_c in deg/s for a run of `run` equal signs; 0 where r^c2 leaves the floats."""
     try:
         steepness: float = float(run) ** params.c2
     except OverflowError:

@@ -1,84 +1,52 @@
-"""The filters there are, by the names that a config gives them."""
+"""The filters there are, by the names that a config gives them; all else finds them here.
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+A filter of this project is one more record in `SHIPPED`. A program that uses this package calls `register`.
+"""
 
-from gyrodrift.filters import hdr
-from gyrodrift.filters.restlevel import model as restlevel
-from gyrodrift.filters.restlevel import step as restlevel_step
+from collections.abc import Mapping
+from dataclasses import fields
+from types import MappingProxyType
+
+from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
+
+SHIPPED = (HDR, RESTLEVEL)
+
+DEFAULT = HDR
+"""What runs where nothing is said."""
+
+CONFIG_KEYS = frozenset({"filter", "sample_rate_hz", "provenance", "outputs", "text"})
+"""Keys of a config that are no filter's block."""
+
+_registered: dict[str, Filter] = {}
+
+FILTERS: Mapping[str, Filter] = MappingProxyType(_registered)
+"""All of them, in the order in which they were registered."""
 
 
-class FilterState(Protocol):
-    """What every filter tells after a sample.
+def register(new: Filter) -> None:
+    """Make a filter known to config, `serve`, `filter`, `tune` and `compare`.
 
-    yaw_deg, yaw_sigma_deg
-        Yaw and its standard deviation, deg; NaN for a filter that does not know how certain it is.
-    bias_dps
-        The drift estimate, deg/s.
-    confidence
-        Probability of what the filter believes has happened; NaN likewise.
+    Raises
+    ------
+    ValueError
+        Where its name is taken or is no key of a config, or its parameters are not those of its record.
     """
-
-    yaw_deg: float
-    samples: int
-    rejected: int
-
-    @property
-    def bias_dps(self) -> float:  # noqa: D102 - above
-        ...
-
-    @property
-    def yaw_sigma_deg(self) -> float:  # noqa: D102
-        ...
-
-    @property
-    def confidence(self) -> float:  # noqa: D102
-        ...
+    if new.name in FILTERS or new.name in CONFIG_KEYS or not new.name.isidentifier():
+        raise ValueError(f"{new.name!r}: a filter needs a name of its own, of letters, digits and underscores")
+    known, named = tuple(one.name for one in new.parameters), tuple(each.name for each in fields(new.params))
+    if known != named:
+        raise ValueError(f"{new.name}: parameters describe {', '.join(known)}; its record has {', '.join(named)}")
+    if not new.searched:
+        raise ValueError(f"{new.name}: none of its parameters has a range to search")
+    _registered[new.name] = new
 
 
-@dataclass(frozen=True, slots=True)
-class Filter:
-    """One of them: three records and a step.
-
-    coefficients
-        From parameters to what is worked out once.
-    step
-        Takes coefficients, state, device time in s and rate in deg/s; False where the sample was passed by.
-    columns
-        Attributes of the state that `gyrodrift filter` writes beside time and rate.
-    counts_samples
-        Whether its parameters belong to the sample rate they were found at.
-    """
-
-    name: str
-    params: type[Any]
-    coefficients: Callable[[Any], Any]
-    state: Callable[[], Any]
-    step: Callable[[Any, Any, float, float], bool]
-    columns: tuple[str, ...]
-    counts_samples: bool = False
+def unregister(name: str) -> None:
+    """Forget a filter; whoever runs it keeps it."""
+    del _registered[name]
 
 
-HDR = Filter(
-    "hdr",
-    hdr.HdrParams,
-    hdr.coefficients,
-    hdr.HdrState,
-    hdr.step,
-    ("lpf_dps", "i_dps", "omega_dps", "omega_d_dps", "yaw_deg"),
-    counts_samples=True,
-)
-
-RESTLEVEL = Filter(
-    "restlevel",
-    restlevel.RestlevelParams,
-    restlevel_step.coefficients,
-    restlevel.RestlevelState,
-    restlevel_step.step,
-    ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg"),
-)
-
-Params = hdr.HdrParams | restlevel.RestlevelParams
-
-FILTERS: Mapping[str, Filter] = {each.name: each for each in (HDR, RESTLEVEL)}
+for _each in SHIPPED:
+    register(_each)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.errors import ConfigError
-from gyrodrift.filters.registry import HDR, Filter, FilterState
+from gyrodrift.filters.filter import Filter, FilterState
+from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.outputs.json_lines import JsonLines
@@ -43,7 +44,7 @@ class Filtering:
     def __post_init__(self) -> None:
         self._sinks = [self.output, *self.more_sinks]
         if self.watch is None:
-            self._filter, params = HDR, HDR.params()
+            self._filter, params = DEFAULT, DEFAULT.params()
         else:
             self._filter, params = self.watch.config.chosen, self.watch.config.params
         self._coefficients, self.state = self._filter.coefficients(params), self._filter.state()
@@ -119,5 +120,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint="i_c_dps and the attenuator count samples: tune at the rate of this stream",
+                hint=f"{self._filter.sample_counted} count samples: tune at the rate of this stream",
             )

@@ -5,44 +5,32 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.dataset import Split
+from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.dataset import SessionDescription, Split
+from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis
-from gyrodrift.evaluation.tunables import Tunable
-from gyrodrift.filters.registry import Params
+from gyrodrift.filters.filter import Filter, FilterParams
 
 
 @dataclass(frozen=True, slots=True)
 class SessionScore:
-    """One session under the filter: E in deg (equation 10) and NE, E over the true duration, in deg/min (11).
+    """One session under plain integration, the tuned filter, and the filter with a reduced set of parameters tuned.
 
-    euler, tuned, few
-        Plain integration; the tuned filter; the filter with few of its parameters tuned.
-    digest
-        SHA-256 of the session's content.
+    curves
+        Yaw by plain integration and by the tuned filter, in this order; None where the session is not plotted.
     """
 
-    name: str
+    session: SessionDescription
     split: Split
-    minutes: float
-    e_euler_deg: float
-    e_tuned_deg: float
-    e_few_deg: float
-    digest: str = ""
-
-    @property
-    def ne_euler(self) -> float:
-        """Of plain integration, deg/min."""
-        return self.e_euler_deg / self.minutes
-
-    @property
-    def ne_tuned(self) -> float:
-        """Of the tuned filter, deg/min."""
-        return self.e_tuned_deg / self.minutes
+    euler: Score
+    tuned: Score
+    reduced: Score
+    curves: YawCurves | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Pi:
-    """Equation 9 in deg² on the training and the test sessions; None where none were kept apart."""
+    """PI in deg² on the training and the test sessions; None where none were held out."""
 
     train: float
     test: float | None
@@ -59,20 +47,9 @@ class Run:
     seed: int
     history: Floats
     cube: Floats
-    params: Params
+    params: FilterParams
     pi: Pi
     densities: Floats | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """Yaw error of a session over time, thinned for a picture: minutes, and deg for plain integration and filter."""
-
-    name: str
-    split: Split
-    minutes: Floats
-    euler_deg: Floats
-    tuned_deg: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,35 +60,36 @@ class Tuning:
         The search whose parameters were chosen: the one that is best on the training sessions.
     others
         The searches of the other seeds.
-    tunable
-        The filter.
-    euler, few
-        PI of plain integration, and of the filter with few of its parameters tuned, the others idle.
-    left_out
-        E in deg of each session under parameters tuned on all others, by name; empty where sessions were kept apart.
+    euler, reduced
+        PI of plain integration, and of the reduced model: few parameters tuned, the others held fixed.
+    cross_validation
+        Of each session, by name, under parameters tuned on all others; empty where sessions were held out.
     warnings : tuple of str
         What should be known before believing it, a sentence each.
     """
 
-    tunable: Tunable
+    filter: Filter
     method: str
     evaluations: int
     axes: tuple[Axis, ...]
     run: Run
     euler: Pi
-    few: Pi
-    few_params: Params
+    reduced: Pi
+    reduced_params: FilterParams
     scores: tuple[SessionScore, ...]
     sample_rate_hz: float
     seconds: float
     others: tuple[Run, ...] = ()
-    curves: tuple[Curve, ...] = ()
-    left_out: dict[str, float] = field(default_factory=dict)
+    cross_validation: dict[str, Score] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+    def scores_on(self, split: Split) -> list[SessionScore]:
+        """The sessions of a split."""
+        return [score for score in self.scores if score.split is split]
 
     def mean_e_deg(self, split: Split) -> tuple[float, float]:
         """Mean E of plain integration and of the tuned filter over the sessions of a split, deg; NaN without any."""
-        chosen = [score for score in self.scores if score.split is split]
+        chosen = self.scores_on(split)
         if not chosen:
             return float("nan"), float("nan")
-        return float(np.mean([s.e_euler_deg for s in chosen])), float(np.mean([s.e_tuned_deg for s in chosen]))
+        return float(np.mean([s.euler.e_deg for s in chosen])), float(np.mean([s.tuned.e_deg for s in chosen]))

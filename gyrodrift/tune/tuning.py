@@ -1,43 +1,34 @@
-"""A tuning from its sessions to its result: search, and proof on what was kept apart."""
+"""A tuning from its sessions to its result: search, and judgement on what was held out."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass, field, replace
-from typing import NamedTuple, Protocol
+from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.cost import Scores
-from gyrodrift.evaluation.dataset import About, Split, check_rates
-from gyrodrift.evaluation.kernels.hdr import euler
-from gyrodrift.evaluation.reference import Course
-from gyrodrift.evaluation.space import Axis, params_of
-from gyrodrift.evaluation.tunables import HDR_TUNABLE, Tunable
-from gyrodrift.filters.registry import Params
-from gyrodrift.tune.result import Curve, Pi, Run, SessionScore, Tuning
+from gyrodrift.evaluation.curves import YawCurves, yaw_curves
+from gyrodrift.evaluation.dataset import LoadedSession, SessionDescription, Split, check_rates
+from gyrodrift.evaluation.integration import euler
+from gyrodrift.evaluation.kernels.kernel import kernel_of
+from gyrodrift.evaluation.score import Score
+from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
+from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
-from gyrodrift.tune.search.methods import METHODS, spend
-from gyrodrift.tune.search.objective import Objective
-from gyrodrift.tune.warnings import bound_caveats, flat_caveats, worse_caveats
+from gyrodrift.tune.search.methods import METHODS, run_to_budget
+from gyrodrift.tune.search.objective import Objective, OnProgress
+from gyrodrift.tune.warnings import bound_warnings, held_out_warnings, identifiability_warnings
 
-FEW_EVALUATIONS = 600
-"""Few parameters are found with fewer evaluations than all of them."""
+REDUCED_EVALUATIONS = 600
+"""A reduced model is found with fewer evaluations than the whole one."""
 
-CURVES = 12
+PLOTTED = 12
 CURVE_POINTS = 500
-
-
-class LeftOut(NamedTuple):
-    """A session under parameters tuned on the others: mean absolute error in deg, mean squared error in deg²."""
-
-    e_deg: float
-    mean_square: float
-
-
-Progress = Callable[[str, int, int], None]
-"""Told what is being done, how many evaluations of how many are made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +38,8 @@ class Plan:
     evaluations: int = 3000
     seeds: tuple[int, ...] = (0,)
     method: str = "race"
-    axes: tuple[Axis, ...] = HDR_TUNABLE.axes
-    tunable: Tunable = HDR_TUNABLE
+    axes: tuple[Axis, ...] = axes_of(DEFAULT)
+    filter: Filter = DEFAULT
 
 
 class Costs(Protocol):
@@ -63,19 +54,19 @@ class Costs(Protocol):
 class TuningRun:
     """A tuning while it runs; an interrupt ends the search and leaves the best so far to be judged.
 
-    costs, abouts, splits
+    costs, sessions, splits
         The sessions in one order: their costs, what is known of them, what each is used for.
-    course
-        Gives one of them to draw.
+    loaded
+        Reads one of them again, to draw it.
     """
 
     plan: Plan
     costs: Costs
-    abouts: Sequence[About]
+    sessions: Sequence[SessionDescription]
     splits: Sequence[Split]
-    course: Callable[[int], Course]
+    loaded: Callable[[int], LoadedSession]
     journal: Journal
-    progress: Progress = lambda _what, _done, _all: None
+    progress: OnProgress = lambda _what, _done, _all: None
     was_interrupted: bool = False
     _begun_s: float = field(default_factory=time.monotonic)
 
@@ -87,7 +78,7 @@ class TuningRun:
         DataError
             Where every parameter vector that was tried makes yaw leave the floats.
         """
-        train, axes, tunable = self._used_for(Split.TRAIN), self.plan.axes, self.plan.tunable
+        train, axes = self._used_for(Split.TRAIN), self.plan.axes
         runs: list[Run] = []
         for seed in self.plan.seeds:
             runs += [self._search(f"seed {seed}", seed, axes, train, self.plan.evaluations)]
@@ -96,11 +87,19 @@ class TuningRun:
         best = min(runs, key=lambda run: run.pi.train)
         if not np.isfinite(best.pi.train):
             raise DataError("every parameter vector that was tried gives an infinite cost; are the rates deg/s?")
-        some = tuple(axis for axis in axes if axis.name in tunable.few)
-        evaluations = min(FEW_EVALUATIONS, self.plan.evaluations)
-        few = best if self.was_interrupted else self._search(tunable.few_title, best.seed, some, train, evaluations)
-        left_out = {} if self._used_for(Split.TEST) or self.was_interrupted else self._leave_one_out(best.seed)
-        return self._judge(best, tuple(run for run in runs if run is not best), few, left_out)
+        reduced = self._reduced(best, train)
+        is_cross_validated = not self._used_for(Split.TEST) and not self.was_interrupted
+        cross_validation = self._cross_validated(best.seed) if is_cross_validated else {}
+        return self._judge(best, tuple(run for run in runs if run is not best), reduced, cross_validation)
+
+    def _reduced(self, best: Run, train: Sequence[int]) -> Run:
+        """The search for the reduced model; where that is the whole model, or nobody waits any more, it is the best."""
+        model = self.plan.filter.reduced_model
+        axes = tuple(axis for axis in self.plan.axes if axis.name in model.names)
+        if self.was_interrupted or axes == self.plan.axes:
+            return best
+        evaluations = min(REDUCED_EVALUATIONS, self.plan.evaluations)
+        return self._search(model.title, best.seed, axes, train, evaluations)
 
     def _used_for(self, split: Split) -> list[int]:
         return [at for at, one in enumerate(self.splits) if one is split]
@@ -108,29 +107,29 @@ class TuningRun:
     def _search(self, name: str, seed: int, axes: tuple[Axis, ...], sessions: Sequence[int], evaluations: int) -> Run:
         """One search over some sessions."""
         method = METHODS[self.plan.method]()
-        tunable, searched = self.plan.tunable, method.axes(axes)
+        chosen, searched = self.plan.filter, method.axes(axes)
 
         def note(objective: Objective) -> None:
             self.journal.note(name, objective)
             self.progress(name, objective.count, objective.evaluations)
 
         def pi(params: Floats) -> Floats:
-            return self.costs.cost(tunable.full(searched, params), sessions).pi
+            return self.costs.cost(candidates_of(chosen, searched, params), sessions).pi
 
         objective = Objective(pi, searched, evaluations, self.journal.known(name), note)
         try:
-            spend(method, objective, seed)
+            run_to_budget(method, objective, seed)
         except KeyboardInterrupt:
             if not objective.count:
                 raise
             self.was_interrupted = True
-        best = tunable.full(searched, params_of(searched, objective.cube[objective.best][np.newaxis]))
+        best = candidates_of(chosen, searched, values_of(searched, objective.cube[objective.best][np.newaxis]))
         densities = [automaton.density for automaton in method.automata()]
         return Run(
             seed=seed,
             history=objective.costs.copy(),
             cube=objective.cube.copy(),
-            params=tunable.params(best[0]),
+            params=params_record(chosen, best[0]),
             pi=self._pi_of(best)[0],
             densities=np.array(densities) if densities else None,
         )
@@ -142,90 +141,79 @@ class TuningRun:
         on_test = self.costs.cost(params, test).pi.tolist() if test else [None] * len(params)
         return [Pi(*both) for both in zip(on_train, on_test, strict=True)]
 
-    def _leave_one_out(self, seed: int) -> dict[str, LeftOut]:
-        """Each session under parameters that were tuned on all others."""
-        found: dict[str, LeftOut] = {}
-        everyone = list(range(len(self.abouts)))
-        for at, about in enumerate(self.abouts):
+    def _cross_validated(self, seed: int) -> dict[str, Score]:
+        """Leave-one-session-out: each session under parameters that were tuned on all others."""
+        found: dict[str, Score] = {}
+        everyone = list(range(len(self.sessions)))
+        for at, session in enumerate(self.sessions):
             others = [other for other in everyone if other != at]
-            run = self._search(f"without {about.name}", seed, self.plan.axes, others, self.plan.evaluations)
-            scores = self.costs.cost(_row(run.params), [at])
-            found[about.name] = LeftOut(float(scores.mean_absolutes[0, 0]), float(scores.mean_squares[0, 0]))
+            run = self._search(f"without {session.name}", seed, self.plan.axes, others, self.plan.evaluations)
+            found[session.name] = self.costs.cost(row_of(run.params), [at]).score(0, 0, session.minutes)
             if self.was_interrupted:
                 return {}
         return found
 
-    def _judge(self, best: Run, others: tuple[Run, ...], few: Run, left_out: dict[str, LeftOut]) -> Tuning:
-        nothing = np.array([self.plan.tunable.nothing])
-        rows = np.vstack([nothing, _row(best.params), _row(few.params)])
-        scores = self._scores(self.costs.cost(rows))
-        euler_pi = self._pi_of(nothing)[0]
-        if left_out:
-            left_out_pi = float(np.mean([one.mean_square for one in left_out.values()]))
-            best = replace(best, pi=replace(best.pi, test=left_out_pi))
+    def _judge(self, best: Run, others: tuple[Run, ...], reduced: Run, cross_validation: dict[str, Score]) -> Tuning:
+        baseline = row_of(self.plan.filter.baseline)
+        scores = self._scores(self.costs.cost(np.vstack([baseline, row_of(best.params), row_of(reduced.params)])))
+        euler_pi = self._pi_of(baseline)[0]
+        if cross_validation:
+            held_out_pi = float(np.mean([one.pi_deg2 for one in cross_validation.values()]))
+            best = replace(best, pi=replace(best.pi, test=held_out_pi))
             euler_pi = replace(euler_pi, test=euler_pi.train)
         axes = METHODS[self.plan.method]().axes(self.plan.axes)
-        caveats = tuple(self._caveats(axes, best, euler_pi))
+        warnings = tuple(self._warnings(axes, best, euler_pi))
         return Tuning(
-            tunable=self.plan.tunable,
+            filter=self.plan.filter,
             method=self.plan.method,
             evaluations=self.plan.evaluations,
             axes=axes,
             run=best,
             euler=euler_pi,
-            few=few.pi,
-            few_params=few.params,
-            scores=scores,
-            sample_rate_hz=float(np.median([about.sample_rate_hz for about in self.abouts])),
+            reduced=reduced.pi,
+            reduced_params=reduced.params,
+            scores=self._with_curves(scores, best.params),
+            sample_rate_hz=float(np.median([session.sample_rate_hz for session in self.sessions])),
             seconds=time.monotonic() - self._begun_s,
             others=others,
-            curves=self._curves(scores, best.params),
-            left_out={name: one.e_deg for name, one in left_out.items()},
-            warnings=caveats,
+            cross_validation=cross_validation,
+            warnings=warnings,
         )
 
-    def _scores(self, scores: Scores) -> tuple[SessionScore, ...]:
-        return tuple(
-            SessionScore(about.name, split, about.minutes, euler_deg, tuned_deg, few_deg, about.digest)
-            for about, split, (euler_deg, tuned_deg, few_deg) in zip(
-                self.abouts, self.splits, scores.mean_absolutes.tolist(), strict=True
-            )
-        )
+    def _scores(self, scores: Scores) -> list[SessionScore]:
+        """By session, of candidates in the order of `SessionScore`."""
+        found = []
+        for at, (session, split) in enumerate(zip(self.sessions, self.splits, strict=True)):
+            euler_score, tuned, reduced = (scores.score(at, candidate, session.minutes) for candidate in range(3))
+            found.append(SessionScore(session, split, euler_score, tuned, reduced))
+        return found
 
-    def _caveats(self, axes: Sequence[Axis], best: Run, euler: Pi) -> Iterator[str]:
+    def _warnings(self, axes: Sequence[Axis], best: Run, euler_pi: Pi) -> Iterator[str]:
         """What to know before believing it, in sentences."""
-        train = self._used_for(Split.TRAIN)
-        yield from (odd for about in self.abouts for odd in about.odd)
-        if self.plan.tunable.filter.counts_samples:
-            yield from check_rates(self.abouts)
+        train, chosen = self._used_for(Split.TRAIN), self.plan.filter
+        yield from (warning for session in self.sessions for warning in session.warnings)
+        if chosen.counts_samples:
+            yield from check_rates(self.sessions, chosen.sample_counted)
         if self.was_interrupted:
             yield "it was interrupted: these are the best parameters so far; go on with --resume"
-        yield from bound_caveats(self.plan.tunable, axes, best.params)
-        yield from flat_caveats(
-            self.plan.tunable, self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi
+        yield from bound_warnings(chosen, axes, best.params)
+        yield from identifiability_warnings(
+            chosen, self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi
         )
-        yield from worse_caveats(best.pi, euler)
+        yield from held_out_warnings(best.pi, euler_pi)
 
-    def _curves(self, scores: Sequence[SessionScore], params: Params) -> tuple[Curve, ...]:
-        """Yaw errors over time of the sessions that are drawn, the worst of each split."""
-        chosen: list[int] = []
+    def _with_curves(self, scores: Sequence[SessionScore], params: FilterParams) -> tuple[SessionScore, ...]:
+        """The worst sessions of each split with their yaw over time."""
+        plotted: set[int] = set()
         for split in Split:
-            worst = sorted(self._used_for(split), key=lambda at: -scores[at].e_tuned_deg)
-            chosen += sorted(worst[:CURVES])
-        return tuple(_curve(self.plan.tunable, self.course(at), self.splits[at], params) for at in chosen)
+            plotted |= set(sorted(self._used_for(split), key=lambda at: -scores[at].tuned.e_deg)[:PLOTTED])
+        return tuple(
+            replace(score, curves=_curves(self.plan.filter, self.loaded(at), params)) if at in plotted else score
+            for at, score in enumerate(scores)
+        )
 
 
-def _row(params: Params) -> Floats:
-    return np.array([astuple(params)])
-
-
-def _curve(tunable: Tunable, course: Course, split: Split, params: Params) -> Curve:
-    at = course.drawn_at(CURVE_POINTS)
-    reference_deg = course.reference_deg[at]
-    return Curve(
-        name=course.name,
-        split=split,
-        minutes=np.cumsum(course.dt_s)[at] / 60.0,
-        euler_deg=euler(course.dt_s, course.rate_dps)[at] - reference_deg,
-        tuned_deg=tunable.kernel.yaw(course.dt_s, course.rate_dps, _row(params)[0])[at] - reference_deg,
-    )
+def _curves(chosen: Filter, loaded: LoadedSession, params: FilterParams) -> YawCurves:
+    reference = loaded.reference
+    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0])
+    return yaw_curves(loaded, [euler(reference.dt_s, reference.rate_dps), tuned_deg], CURVE_POINTS)

@@ -1,24 +1,22 @@
-"""What should be known before a tuning is believed: parameters at a bound or undecided, and a test that goes badly."""
+"""What to know before a tuning is believed: parameters at a bound or non-identifiable, and a test that goes badly."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple
 from math import sqrt
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.space import Axis, limits
-from gyrodrift.evaluation.tunables import Tunable
-from gyrodrift.filters.registry import Params
+from gyrodrift.evaluation.space import Axis, limits, row_of
+from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.tune.result import Pi
 
 AT_BOUND = 0.01
 """A parameter this near to an end of its range, in shares of it, would perhaps go on."""
 
-FLAT = 0.02
-FLAT_SHARE = 0.5
+SAME_COST = 0.02
+SAME_SHARE = 0.5
 SCAN_POINTS = 41
-"""A parameter is not decided where PI stays within FLAT of its least over FLAT_SHARE of the range."""
+"""A parameter is non-identifiable where PI stays within SAME_COST of its least over SAME_SHARE of the range."""
 
 WORSE = 2.0
 """A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
@@ -32,7 +30,7 @@ def bound_of(axis: Axis, value: float) -> str:
     return "upper" if at >= 1.0 - AT_BOUND else ""
 
 
-def bound_caveats(tunable: Tunable, axes: Sequence[Axis], params: Params) -> Iterator[str]:
+def bound_warnings(chosen: Filter, axes: Sequence[Axis], params: FilterParams) -> Iterator[str]:
     """Parameters at an end of their range."""
     for axis in axes:
         end = bound_of(axis, getattr(params, axis.name))
@@ -40,14 +38,14 @@ def bound_caveats(tunable: Tunable, axes: Sequence[Axis], params: Params) -> Ite
             value = axis.low if end == "lower" else axis.high
             advice = (
                 ", which is where the filter's own ends"
-                if value in limits(axis.name, tunable.filter)
+                if value in limits(axis.name, chosen)
                 else "; widen it with --range"
             )
             yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
 
 
-def flat_caveats(
-    tunable: Tunable, axes: Sequence[Axis], params: Params, pi: Callable[[Floats], Floats]
+def identifiability_warnings(
+    chosen: Filter, axes: Sequence[Axis], params: FilterParams, pi: Callable[[Floats], Floats]
 ) -> Iterator[str]:
     """Parameters that the training sessions leave open, by a walk along each axis.
 
@@ -62,19 +60,19 @@ def flat_caveats(
     """
     for axis in axes:
         values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
-        rows = np.repeat(np.array([astuple(params)]), SCAN_POINTS, axis=0)
-        rows[:, tunable.names.index(axis.name)] = values
+        rows = np.repeat(row_of(params), SCAN_POINTS, axis=0)
+        rows[:, chosen.names.index(axis.name)] = values
         costs = pi(rows)
-        is_flat = costs <= (1.0 + FLAT) * costs.min()
-        if is_flat.mean() > FLAT_SHARE:
-            low, high = values[is_flat][[0, -1]]
+        is_same = costs <= (1.0 + SAME_COST) * costs.min()
+        if is_same.mean() > SAME_SHARE:
+            low, high = values[is_same][[0, -1]]
             yield (
                 f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
-                f"{FLAT:.0%} of its least; {tunable.meanings[axis.name].takes}"
+                f"{SAME_COST:.0%} of its least; {chosen.parameter(axis.name).decided_by}"
             )
 
 
-def worse_caveats(pi: Pi, euler: Pi) -> Iterator[str]:
+def held_out_warnings(pi: Pi, euler: Pi) -> Iterator[str]:
     """A test that is worse than plain integration, or much worse than the training.
 
     Squares, in the units of E: sessions of the test may simply drift more, so that plain integration is beside.

@@ -12,9 +12,9 @@ from bench_support import cpu_s, show
 from cluster_support import Cluster, candidates, cluster, recorded
 
 from gyrodrift import __version__
-from gyrodrift.evaluation.cluster_cost import ClusterCost, abouts_of, load_batch, score_batch
+from gyrodrift.evaluation.cluster_cost import ClusterCost, descriptions_of, load_batch, score_batch
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.dataset import Source, load_course
+from gyrodrift.evaluation.dataset import Source, load_with_reference
 
 pytestmark = pytest.mark.bench
 distributed = pytest.importorskip(
@@ -64,7 +64,7 @@ def workers(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 
 def here(sessions: Sessions, threads: int) -> Cost:
-    return Cost((load_course(Source(path, is_still))[0] for path, is_still in sessions), threads)
+    return Cost((load_with_reference(Source(path, is_still)).reference for path, is_still in sessions), threads)
 
 
 def test_many_short_sessions(workers: Cluster, short: Sessions) -> None:
@@ -127,7 +127,7 @@ def test_a_task_more(workers: Cluster, short: Sessions) -> None:
         with ClusterCost(workers.address, short[:1] * batches) as there:
             there._edges = list(range(batches + 1))
             there._batches = there._workers.submit(load_batch, *_singly(short, batches))
-            there._workers.results(there._workers.submit(abouts_of, there._batches))
+            there._workers.results(there._workers.submit(descriptions_of, there._batches))
             before = cpu_s(workers.scheduler.pid), time.process_time()
             spent_s = seconds(lambda: there.pi(params))
             after = cpu_s(workers.scheduler.pid), time.process_time()

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.arrays import Floats
-from gyrodrift.compare.methods.registry import BY_KEY
+from gyrodrift.compare.methods.registry import by_key
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
 
@@ -20,6 +20,7 @@ NOISE_DPS = 0.05
 RESOLUTION_DPS = 0.061
 STILL = (0.0, 10.0, 0.0, 0.0)
 
+BY_KEY = by_key()
 METHODS = ("euler", "start", "kalman", "hdr", "restlevel", "xio", "vqf")
 
 Dice = np.random.Generator

@@ -14,7 +14,7 @@ from bench_support import BENCH, show
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.reference import Course
+from gyrodrift.evaluation.reference import Reference
 
 pytestmark = pytest.mark.bench
 
@@ -29,14 +29,14 @@ ROUNDS = 7
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
-def turntable(seed: int) -> Course:
+def turntable(seed: int) -> Reference:
     """Rests of 25 s and turns of 15 s, with a bias, noise, and times in whole microseconds that scatter."""
     dice = np.random.default_rng(seed)
     t_s = (np.arange(SAMPLES) * 10_000 + dice.integers(-20, 21, SAMPLES)) * 1e-6
     true_dps = np.where(t_s % 40.0 > 25.0, 30.0 * np.sin(2.0 * np.pi * t_s / 15.0), 0.0)
     dt_s = np.diff(t_s, prepend=t_s[0])
     rate_dps = np.round((true_dps + 0.2 + dice.normal(0.0, 0.1, SAMPLES)) / 0.00763) * 0.00763
-    return Course(f"turntable-{seed}", dt_s, rate_dps, np.cumsum(true_dps * dt_s), SAMPLES / 6000.0)
+    return Reference(f"turntable-{seed}", dt_s, rate_dps, np.cumsum(true_dps * dt_s), SAMPLES / 6000.0)
 
 
 def candidates(count: int) -> Floats:
@@ -49,40 +49,41 @@ def candidates(count: int) -> Floats:
 SEARCHED = ((1e-6, 0.1), (1e-3, 30.0), (0.02, 20.0))
 
 
-def scalar(folder: Path) -> Callable[[Course, Floats], Floats]:
+def scalar(folder: Path) -> Callable[[Reference, Floats], Floats]:
     """The C loop, compiled here: sums of squares of candidates one after the other."""
     library = folder / "hdr_scalar.so"
     options = ("-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC")
     subprocess.run(["gcc", *options, "-o", library, BENCH / "hdr_scalar.c", "-lm"], check=True)
     loop = ctypes.CDLL(str(library)).hdr_squares
 
-    def squares(course: Course, params: Floats) -> Floats:
+    def squares(reference: Reference, params: Floats) -> Floats:
         found = np.empty(len(params))
         arrays = [
-            a.ctypes.data_as(DOUBLES) for a in (course.dt_s, course.rate_dps, course.reference_deg, params, found)
+            a.ctypes.data_as(DOUBLES)
+            for a in (reference.dt_s, reference.rate_dps, reference.reference_deg, params, found)
         ]
-        loop(ctypes.c_size_t(len(course.dt_s)), *arrays[:3], ctypes.c_size_t(len(params)), *arrays[3:])
+        loop(ctypes.c_size_t(len(reference.dt_s)), *arrays[:3], ctypes.c_size_t(len(params)), *arrays[3:])
         return found
 
     return squares
 
 
-def in_numpy(course: Course, params: Floats) -> Floats:
-    """A loop over samples in Python, over candidates in numpy; runs beyond the course's length do not come."""
+def in_numpy(reference: Reference, params: Floats) -> Floats:
+    """A loop over samples in Python, over candidates in numpy; runs beyond the reference's length do not come."""
     i_c, tau, theta, c1, c2 = params.T.copy()
     lengths = np.arange(1.0, NUMPY_SAMPLES + 1.0)[:, np.newaxis]
     steps = np.vstack([i_c * 0.0, (1.0 + c1) / (1.0 + c1 * lengths**c2) * i_c])
-    lpf = omega = np.full(len(params), course.rate_dps[0])
+    lpf = omega = np.full(len(params), reference.rate_dps[0])
     i, yaw, squares, run, sign_before = (np.zeros(len(params)) for _ in range(5))
     lanes, run = np.arange(len(params)), run.astype(np.int64)
     for n in range(1, NUMPY_SAMPLES):
-        t_s, before, sign = course.dt_s[n], omega, np.sign(omega)
+        t_s, before, sign = reference.dt_s[n], omega, np.sign(omega)
         run = np.where(sign == sign_before, run + 1, 1)
         i = i - sign * steps[run, lanes] * (np.abs(before) < theta)
-        lpf = (course.rate_dps[n] * t_s + tau * lpf) / (t_s + tau)
+        lpf = (reference.rate_dps[n] * t_s + tau * lpf) / (t_s + tau)
         omega, sign_before = lpf + i, sign
         yaw = yaw + (omega + tau / t_s * (omega - before)) * t_s
-        squares += (yaw - course.reference_deg[n]) ** 2
+        squares += (yaw - reference.reference_deg[n]) ** 2
     return squares
 
 
@@ -95,19 +96,19 @@ def ns(work: Callable[[], object], steps: int) -> float:
 
 def test_nanoseconds_per_sample_and_candidate(tmp_path: Path) -> None:
     """Medians of interleaved rounds; the C loop gives the same bits."""
-    courses, params, loop = [turntable(seed) for seed in range(SESSIONS)], candidates(CANDIDATES), scalar(tmp_path)
+    references, params, loop = [turntable(seed) for seed in range(SESSIONS)], candidates(CANDIDATES), scalar(tmp_path)
     few, many = params[:SCALAR_CANDIDATES].copy(), candidates(NUMPY_CANDIDATES)
     total = SESSIONS * SAMPLES
-    with Cost(courses, threads=1) as one, Cost(courses) as every:
-        squares = np.array([loop(course, few) for course in courses]) / SAMPLES
+    with Cost(references, threads=1) as one, Cost(references) as every:
+        squares = np.array([loop(reference, few) for reference in references]) / SAMPLES
         np.testing.assert_array_equal(one.cost(few).mean_squares, squares)
         np.testing.assert_array_equal(every.pi(params[:1]), one.pi(params[:1]))
         rivals: dict[str, tuple[Callable[[], object], int]] = {
             "one core": (lambda: one.pi(params), total * CANDIDATES),
             f"all {every.threads} cores": (lambda: every.pi(params), total * CANDIDATES),
             "a single candidate, all cores": (lambda: every.pi(params[:1]), total),
-            "scalar C, one core": (lambda: loop(courses[0], few), SAMPLES * SCALAR_CANDIDATES),
-            "numpy over 1024 candidates": (lambda: in_numpy(courses[0], many), NUMPY_SAMPLES * NUMPY_CANDIDATES),
+            "scalar C, one core": (lambda: loop(references[0], few), SAMPLES * SCALAR_CANDIDATES),
+            "numpy over 1024 candidates": (lambda: in_numpy(references[0], many), NUMPY_SAMPLES * NUMPY_CANDIDATES),
         }
         times: dict[str, list[float]] = {name: [] for name in rivals}
         for _ in range(ROUNDS):

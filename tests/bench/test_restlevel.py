@@ -8,7 +8,7 @@ import pytest
 from bench_support import show
 
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Course, course_of
+from gyrodrift.evaluation.reference import Reference, reference_of
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.filters.hdr import HdrParams, HdrState
 from gyrodrift.filters.hdr import coefficients as hdr_coefficients
@@ -23,9 +23,9 @@ SEEDS = range(101, 106)
 SESSIONS = 2
 
 
-def course(case: int, seed: int, number: int, *, is_still: bool) -> Course:
+def reference(case: int, seed: int, number: int, *, is_still: bool) -> Reference:
     """One session of a hard case as tuning sees it."""
-    return course_of(simulation(CASES[case], seed, number, is_still=is_still).whole())
+    return reference_of(simulation(CASES[case], seed, number, is_still=is_still).whole())
 
 
 def test_hard_cases_over_seeds() -> None:
@@ -46,7 +46,7 @@ def judged(case: int, seed: int, *, is_still: bool) -> tuple[float, float]:
     """Mean E in deg, and the share of time within two sigma."""
     found = []
     for number in range(SESSIONS):
-        one = course(case, seed, number, is_still=is_still)
+        one = reference(case, seed, number, is_still=is_still)
         yaw_deg, sigma_deg, _ = walk(one.dt_s, one.rate_dps, RestlevelParams())
         known = np.isfinite(one.reference_deg)
         off_deg = np.abs(yaw_deg - one.reference_deg)[known]
@@ -65,7 +65,7 @@ def seconds(times_s: list[float], rates_dps: list[float], stepping: Any, c: Any,
 
 def test_a_step_beside_one_of_hdr() -> None:
     """In plain Python, on a turntable at 100 Hz."""
-    one = course(0, 101, 0, is_still=True)
+    one = reference(0, 101, 0, is_still=True)
     times_s, rates = np.cumsum(one.dt_s).tolist(), one.rate_dps.tolist()
     hdr_s = seconds(times_s, rates, hdr_step, hdr_coefficients(HdrParams()), HdrState())
     own_s = seconds(times_s, rates, step, coefficients(RestlevelParams()), RestlevelState())

@@ -11,12 +11,15 @@ from support import Recordings
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.dataset import Source, load_course
-from gyrodrift.evaluation.space import AXES
+from gyrodrift.evaluation.dataset import Source, load_with_reference
+from gyrodrift.evaluation.space import axes_of
+from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.simulation.published_set import read_rows, write_twins
 from gyrodrift.simulation.sessions import write_sessions
-from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
+
+AXES = axes_of(HDR)
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(7200)]
 
@@ -42,13 +45,13 @@ def compare(name: str, paths: list[Path]) -> None:
     """Every method with every seed; the default is at least as good as all others in the median."""
     medians: dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]] = {}
     rows = []
-    with Cost(load_course(Source(path))[0] for path in paths) as cost:
+    with Cost(load_with_reference(Source(path)).reference for path in paths) as cost:
         for method_name, kind in METHODS.items():
             found = []
             for seed in range(SEEDS):
                 method = kind()
                 objective = Objective(cost.pi, method.axes(AXES), EVALUATIONS)
-                spend(method, objective, seed)
+                run_to_budget(method, objective, seed)
                 best = np.minimum.accumulate(objective.costs)
                 found.append([best[mark - 1] for mark in MARKS])
                 sys.stderr.write(f"\r{name} {method_name} {seed + 1}/{SEEDS} ")

@@ -14,11 +14,14 @@ from support import Recordings
 from firmware_sim.rig import load_rig
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.dataset import Source, load_course
-from gyrodrift.evaluation.space import AXES, params_of
+from gyrodrift.evaluation.dataset import Source, load_with_reference
+from gyrodrift.evaluation.space import axes_of, values_of
+from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.simulation.published_set import read_rows, write_twins
-from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
+
+AXES = axes_of(HDR)
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(3600)]
 
@@ -30,14 +33,14 @@ ROUNDS = 3
 
 def race(cost: Cost, seed: int) -> None:
     """The default of tune."""
-    spend(METHODS["race"](), Objective(cost.pi, AXES, EVALUATIONS), seed)
+    run_to_budget(METHODS["race"](), Objective(cost.pi, AXES, EVALUATIONS), seed)
 
 
 def evolution(cost: Cost, seed: int, *, is_vectorized: bool) -> None:
     """As its manual calls it, one candidate at a time, or a generation at a time."""
 
     def squares(cube: Floats) -> Floats:
-        found: Floats = cost.pi(params_of(AXES, np.atleast_2d(cube.T)))
+        found: Floats = cost.pi(values_of(AXES, np.atleast_2d(cube.T)))
         return found if is_vectorized else found[0]
 
     generations = EVALUATIONS // POPULATION - 1
@@ -56,8 +59,8 @@ def seconds(work: Callable[[], None]) -> float:
 def test_a_whole_search_beside_differential_evolution(tmp_path: Path, recordings: Recordings) -> None:
     """All sixteen sessions, one after the other in each round; medians and ratios to the default."""
     twins = write_twins(read_rows(recordings.data / "seed_tables.csv"), load_rig(None), tmp_path, seed=1)
-    with Cost(load_course(Source(twin.path))[0] for twin in twins) as cost:
-        cost.pi(params_of(AXES, np.full((16, len(AXES)), 0.5)))  # compiled once, for all
+    with Cost(load_with_reference(Source(twin.path)).reference for twin in twins) as cost:
+        cost.pi(values_of(AXES, np.full((16, len(AXES)), 0.5)))  # compiled once, for all
         works = {
             "race": lambda seed: race(cost, seed),
             "scipy, a generation at a time": lambda seed: evolution(cost, seed, is_vectorized=True),

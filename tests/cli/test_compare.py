@@ -15,7 +15,7 @@ from gyrodrift.session.files import load_session
 from gyrodrift.session.formats import write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.methods.registry import METHODS
+from gyrodrift.compare.methods.registry import methods
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def of(rows: list[dict[str, Any]], key: str, *, tuned: bool = False) -> dict[str
 
 
 def installed() -> list[str]:
-    return [method.key for method in METHODS if method.is_installed]
+    return [method.key for method in methods() if method.is_installed]
 
 
 def test_the_numbers_of_plain_integration_are_those_of_its_definition(tables: Path, told: Path) -> None:

@@ -12,8 +12,8 @@ import pytest
 from support import Command, Recordings
 
 from gyrodrift.cli import main
-from gyrodrift.filters.registry import RESTLEVEL
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
 HDR = "hdr: {{i_c_dps: {i_c}, tau_s: {tau}, theta_w_dps: {theta_w}, c1: {c1}, c2: {c2}}}\n"
 SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"

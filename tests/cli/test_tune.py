@@ -242,7 +242,7 @@ def spoilt(folder: Path, what: str) -> list[str]:
         ("no encoder", "bad.csv: has no encoder, so nothing says what yaw should be; a still goes with --still"),
         ("no number", "bad.csv: has 0 samples with a rate and a reference"),
         ("dead encoder", "bad.csv: its encoder never moves while the rate says that the device does"),
-        ("only one", "good.csv: is the only session, so none can be kept apart"),
+        ("only one", "good.csv: is the only session, so none can be held out"),
         ("huge", "every parameter vector that was tried gives an infinite cost"),
     ],
 )
@@ -315,5 +315,7 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     assert "odd: 2% of its encoder values are no numbers; they do not count" in said
     assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
     assert "i_c_dps sits at the upper end of its range, 1e-06; widen it with --range" in said
-    assert load_config(tmp_path / "c.yaml").hdr.i_c_dps <= 1e-6
+    params = load_config(tmp_path / "c.yaml").params
+    assert isinstance(params, HdrParams)
+    assert params.i_c_dps <= 1e-6
     assert "is not decided by these sessions" in said

@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.method import Method
-from gyrodrift.compare.methods.registry import BY_KEY, METHODS, methods
+from gyrodrift.compare.methods.registry import by_key, methods
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 
 Floats = NDArray[np.float64]
 
 RATE_HZ = 100.0
 BIAS_DPS = 0.4
-STREAMS = [method.key for method in METHODS if not method.is_offline]
+BY_KEY = by_key()
+STREAMS = [method.key for method in BY_KEY.values() if not method.is_offline]
 LEARNERS = ["start", "sign", "kalman", "xio", "vqf", "vqf_offline"]
 
 
@@ -108,7 +109,7 @@ def test_hdr_is_the_filter_itself() -> None:
     for at_s, at_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
         step(known, state, at_s, at_dps)
         expected.append(state.yaw_deg)
-    (hdr,) = (one for one in methods(params) if one.key == "hdr")
+    (hdr,) = (one for one in methods({"hdr": params}) if one.key == "hdr")
     assert hdr.run(t_s, rate_dps, hdr.defaults).tolist() == expected
 
 

@@ -4,10 +4,11 @@ import pytest
 from support import Recordings
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
-from gyrodrift.compare.methods.registry import BY_KEY
-from gyrodrift.evaluation.dataset import Source
+from gyrodrift.compare.methods.registry import by_key
+from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.evaluation.score import score_of
-from gyrodrift.evaluation.timed_reference import load_timed_reference
+
+BY_KEY = by_key()
 
 E_DEG = {
     "broad_01": {"euler": 48.6, "start": 1.77, "xio": 7.47, "vqf": 2.64, "hdr": 48.2, "restlevel": 1.82},
@@ -25,6 +26,6 @@ def test_mean_error_of_every_method(name: str, key: str, recordings: Recordings)
     """Within what the printed digits say."""
     if not BY_KEY[key].is_installed:
         pytest.skip(f"{BY_KEY[key].title} needs the package {BY_KEY[key].package}")
-    one = load_timed_reference(Source(recordings.data / f"{name}.csv"))
-    yaw_deg = BY_KEY[key].run(one.t_s, one.course.rate_dps, BY_KEY[key].defaults)
-    assert score_of(one.course, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)
+    one = load_with_reference(Source(recordings.data / f"{name}.csv"))
+    yaw_deg = BY_KEY[key].run(one.t_s, one.reference.rate_dps, BY_KEY[key].defaults)
+    assert score_of(one.reference, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)

@@ -12,7 +12,7 @@ from gyrodrift.config.model import Config, load_config
 from gyrodrift.errors import ConfigError
 from gyrodrift.files import shipped_config
 from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.filters.registry import RESTLEVEL
+from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
@@ -31,7 +31,7 @@ def test_a_good_file_is_taken_with_exponents_and_integers(tmp_path: Path) -> Non
     """Numbers are what a person means by them."""
     path = tmp_path / "c.yaml"
     path.write_text("filter: hdr\nsample_rate_hz: 100\nprovenance: {by: hand, seeds: [1, 2]}\n" + GOOD)
-    assert load_config(path) == Config("hdr", HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25), 100.0)
+    assert load_config(path) == Config("hdr", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)}, 100.0)
 
 
 def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
@@ -39,10 +39,10 @@ def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
     path = tmp_path / "c.yaml"
     path.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams(window_s=0.5)))}\n{GOOD}")
     config = load_config(path)
-    assert config.chosen is RESTLEVEL
+    assert config.chosen is FILTERS["restlevel"]
     assert config.params == RestlevelParams(window_s=0.5)
-    assert config.hdr == HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)
-    assert config.changes_from(Config("hdr", config.hdr)) == [
+    assert config.params_of(FILTERS["hdr"]) == HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)
+    assert config.changes_from(Config("hdr", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)})) == [
         "filter: hdr → restlevel",
         "restlevel.window_s: 0.3 → 0.5",
     ]
@@ -144,7 +144,7 @@ def test_any_bytes_are_a_config_or_a_config_error(tmp_path_factory: pytest.TempP
 
 def test_changes_are_told_key_by_key() -> None:
     """Old and new."""
-    old = Config("hdr", HdrParams(tau_s=1.0), 100.0)
-    new = Config("hdr", HdrParams(tau_s=2.0), None)
+    old = Config("hdr", {"hdr": HdrParams(tau_s=1.0)}, 100.0)
+    new = Config("hdr", {"hdr": HdrParams(tau_s=2.0)}, None)
     assert new.changes_from(old) == ["sample_rate_hz: 100.0 → None", "hdr.tau_s: 1.0 → 2.0"]
     assert new.changes_from(new) == []

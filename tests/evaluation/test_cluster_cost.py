@@ -15,7 +15,7 @@ from gyrodrift.errors import DataError, GyrodriftError, UsageError
 from gyrodrift.evaluation import cluster_cost as room
 from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
 from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
-from gyrodrift.evaluation.dataset import Source, load_course
+from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.session.files import load_session
 from gyrodrift.session.formats import write_session
 
@@ -44,7 +44,7 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Sessions:
 @pytest.fixture
 def local(sessions: Sessions) -> Iterator[Cost]:
     """The same sessions in this process."""
-    with Cost(load_course(Source(path, is_still))[0] for path, is_still in sessions) as cost:
+    with Cost(load_with_reference(Source(path, is_still)).reference for path, is_still in sessions) as cost:
         yield cost
 
 
@@ -97,7 +97,9 @@ def test_no_candidates_and_no_sessions_cost_nothing(shared: Cluster, sessions: S
 def test_what_is_known_of_sessions_is_what_is_known_here(shared: Cluster, sessions: Sessions) -> None:
     """Name, content, duration, rate, and what is odd."""
     with ClusterCost(shared.address, sessions) as cost:
-        assert cost.abouts == tuple(load_course(Source(path, is_still))[1] for path, is_still in sessions)
+        assert cost.descriptions == tuple(
+            load_with_reference(Source(path, is_still)).description for path, is_still in sessions
+        )
 
 
 def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
@@ -151,7 +153,7 @@ def test_a_session_that_cannot_be_read_is_said_as_here(
     if damage == "no session":
         path.write_bytes(b"no session\n")
     with pytest.raises(DataError) as here:
-        load_course(Source(path))
+        load_with_reference(Source(path))
     bad = [*sessions[:4], (path, False), *sessions[4:], (tmp_path / "never.mcap", False)]
     with pytest.raises(DataError) as there:
         ClusterCost(shared.address, bad)

@@ -1,4 +1,4 @@
-"""Many candidates over many courses: the same figures by any number of threads, in memory and from a file."""
+"""Many candidates over many references: the same figures by any number of threads, in memory and from a file."""
 
 import math
 import os
@@ -10,21 +10,22 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.cost import BLOCK, Cost
+from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.kernels import hdr as kernel
-from gyrodrift.evaluation.reference import Course
+from gyrodrift.evaluation.reference import Reference
+from gyrodrift.evaluation.score import Score
 
 PLAIN = (0.0, 0.0, 1.0, 0.0, 0.0)
 """Learns nothing and filters nothing: yaw is the sum of rate times step."""
 
 
-def course(name: str, samples: int) -> Course:
+def reference(name: str, samples: int) -> Reference:
     """A noisy rest with a reference at most samples."""
     dice = np.random.default_rng(samples)
     dt_s = np.r_[0.0, dice.uniform(0.009, 0.011, samples - 1)]
     reference_deg = np.where(dice.random(samples) < 0.2, nan, 0.0)
     reference_deg[0] = 0.0
-    return Course(name, dt_s, dice.normal(0.1, 0.2, samples), reference_deg, float(np.sum(dt_s)) / 60.0)
+    return Reference(name, dt_s, dice.normal(0.1, 0.2, samples), reference_deg, float(np.sum(dt_s)) / 60.0)
 
 
 def candidates(count: int) -> Floats:
@@ -33,16 +34,16 @@ def candidates(count: int) -> Floats:
 
 
 @pytest.fixture
-def courses() -> list[Course]:
-    return [course("short", 300), course("long", 2000), course("middle", 900)]
+def references() -> list[Reference]:
+    return [reference("short", 300), reference("long", 2000), reference("middle", 900)]
 
 
-def test_scores_are_the_kernels_sums_by_the_number_of_references(courses: list[Course]) -> None:
+def test_scores_are_the_kernels_sums_by_the_number_of_references(references: list[Reference]) -> None:
     """Sessions stay in their order."""
     params = candidates(11)
-    with Cost(courses) as cost:
+    with Cost(references) as cost:
         scores = cost.cost(params)
-    for at, one in enumerate(courses):
+    for at, one in enumerate(references):
         squares, absolutes, worst, count = kernel.sums(one.dt_s, one.rate_dps, one.reference_deg, params)
         np.testing.assert_array_equal(scores.mean_squares[at], squares / count)
         np.testing.assert_array_equal(scores.mean_absolutes[at], absolutes / count)
@@ -51,7 +52,7 @@ def test_scores_are_the_kernels_sums_by_the_number_of_references(courses: list[C
 
 def test_the_figures_of_a_course_that_is_worked_out_by_hand() -> None:
     """1 deg/s for three seconds beside a reference of zero, one of them unknown."""
-    plain = Course("hand", np.array([0.0, 1.0, 1.0, 1.0]), np.ones(4), np.array([0.0, 0.0, nan, 0.0]), 0.05)
+    plain = Reference("hand", np.array([0.0, 1.0, 1.0, 1.0]), np.ones(4), np.array([0.0, 0.0, nan, 0.0]), 0.05)
     with Cost([plain, replace(plain, reference_deg=np.array([0.0, 1.0, 2.0, 3.0]))]) as cost:
         scores = cost.cost(np.array([PLAIN]))
     assert scores.mean_squares.tolist() == [[10.0 / 3.0], [0.0]]
@@ -61,10 +62,10 @@ def test_the_figures_of_a_course_that_is_worked_out_by_hand() -> None:
 
 
 @pytest.mark.parametrize("threads", [2, 5])
-def test_the_number_of_threads_changes_no_bit(courses: list[Course], threads: int) -> None:
+def test_the_number_of_threads_changes_no_bit(references: list[Reference], threads: int) -> None:
     """Nor does it which candidates are asked for together."""
     params = candidates(BLOCK + 37)
-    with Cost(courses, threads=1) as one, Cost(courses, threads=threads) as several:
+    with Cost(references, threads=1) as one, Cost(references, threads=threads) as several:
         wanted = one.pi(params)
         np.testing.assert_array_equal(several.pi(params), wanted)
         np.testing.assert_array_equal(several.pi(params[::-1])[::-1], wanted)
@@ -74,33 +75,33 @@ def test_the_number_of_threads_changes_no_bit(courses: list[Course], threads: in
 def test_one_candidate_costs_what_it_costs_among_others_over_many_sessions() -> None:
     """The order in which sessions are added up is theirs."""
     params = candidates(16)
-    with Cost([course("short", 40 + samples) for samples in range(23)]) as cost:
+    with Cost([reference("short", 40 + samples) for samples in range(23)]) as cost:
         np.testing.assert_array_equal([cost.pi(row[np.newaxis])[0] for row in params], cost.pi(params))
 
 
-def test_courses_beyond_the_memory_are_read_from_a_file_with_the_same_bits(courses: list[Course]) -> None:
+def test_courses_beyond_the_memory_are_read_from_a_file_with_the_same_bits(references: list[Reference]) -> None:
     """The arrays belong to a mapping, not to memory, and may not be written to."""
     params = candidates(9)
-    with Cost(courses) as in_memory, Cost(courses, memory_bytes=1000) as in_file:
-        for ours, given in zip(in_file.courses, courses, strict=True):
+    with Cost(references) as in_memory, Cost(references, memory_bytes=1000) as in_file:
+        for ours, given in zip(in_file.references, references, strict=True):
             for name in ("dt_s", "rate_dps", "reference_deg"):
                 np.testing.assert_array_equal(getattr(ours, name), getattr(given, name))
                 assert not getattr(ours, name).flags.writeable
-        assert in_memory.courses == tuple(courses)
+        assert in_memory.references == tuple(references)
         np.testing.assert_array_equal(in_file.pi(params), in_memory.pi(params))
 
 
-def test_the_file_has_no_name(courses: list[Course], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_file_has_no_name(references: list[Reference], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A killed run leaves nothing behind."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    with Cost(courses, memory_bytes=0):
+    with Cost(references, memory_bytes=0):
         assert not list(tmp_path.iterdir())
         assert str(tmp_path) in Path("/proc/self/maps").read_text()
 
 
-def test_evaluations_count_candidates(courses: list[Course]) -> None:
+def test_evaluations_count_candidates(references: list[Reference]) -> None:
     """Not sessions, and not calls."""
-    with Cost(courses) as cost:
+    with Cost(references) as cost:
         cost.cost(candidates(10))
         cost.pi(candidates(3))
         cost.pi(np.empty((0, 5)))
@@ -108,9 +109,9 @@ def test_evaluations_count_candidates(courses: list[Course]) -> None:
 
 
 def test_a_candidate_that_leaves_the_floats_costs_inf() -> None:
-    """On one course of two; the other figures stand."""
-    wild = Course("wild", np.array([0.0, 1.0, 1e10]), np.array([0.0, 1.0, 1e300]), np.zeros(3), 1.0)
-    with Cost([wild, course("short", 50)]) as cost:
+    """On one reference of two; the other figures stand."""
+    wild = Reference("wild", np.array([0.0, 1.0, 1e10]), np.array([0.0, 1.0, 1e300]), np.zeros(3), 1.0)
+    with Cost([wild, reference("short", 50)]) as cost:
         scores = cost.cost(np.array([PLAIN, PLAIN]))
     assert scores.pi.tolist() == [inf, inf]
     assert math.isfinite(scores.mean_squares[1, 0])
@@ -118,20 +119,28 @@ def test_a_candidate_that_leaves_the_floats_costs_inf() -> None:
 
 def test_a_mean_beyond_the_floats_is_inf() -> None:
     """Each session's is not, and nothing warns."""
-    far = Course("far", np.array([0.0, 1.0]), np.array([0.0, 1.3e154]), np.zeros(2), 1.0)
+    far = Reference("far", np.array([0.0, 1.0]), np.array([0.0, 1.3e154]), np.zeros(2), 1.0)
     with Cost([far] * 3) as cost:
         scores = cost.cost(np.array([PLAIN]))
     assert np.isfinite(scores.mean_squares).all()
     assert scores.pi.tolist() == [inf]
 
 
-def test_there_are_as_many_threads_as_processors(courses: list[Course]) -> None:
+def test_there_are_as_many_threads_as_processors(references: list[Reference]) -> None:
     """Those that this process may use."""
-    with Cost(courses) as cost:
+    with Cost(references) as cost:
         assert cost.threads == len(os.sched_getaffinity(0))
 
 
-def test_an_error_in_a_thread_is_raised_where_the_cost_was_asked_for(courses: list[Course]) -> None:
-    """A course of arrays that do not fit together."""
-    with Cost([replace(courses[0], dt_s=np.zeros(2))]) as cost, pytest.raises(ValueError, match="one length"):
+def test_an_error_in_a_thread_is_raised_where_the_cost_was_asked_for(references: list[Reference]) -> None:
+    """A reference of arrays that do not fit together."""
+    with Cost([replace(references[0], dt_s=np.zeros(2))]) as cost, pytest.raises(ValueError, match="one length"):
         cost.cost(candidates(3))
+
+
+def test_a_score_is_taken_out_of_the_table() -> None:
+    """By session and candidate; NE is E over the minutes."""
+    squares, absolutes, worst = np.array([[1.0, 4.0], [9.0, 16.0]]), np.array([[1.0, 2.0], [3.0, 4.0]]), np.ones((2, 2))
+    scores = Scores(squares, absolutes, worst)
+    assert scores.score(1, 0, 12.0) == Score(e_deg=3.0, ne=0.25, pi_deg2=9.0, worst_deg=1.0)
+    assert scores.pi.tolist() == [5.0, 10.0]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.errors import DataError
-from gyrodrift.evaluation.dataset import About, Source, Split, check_rates, split_sources
+from gyrodrift.evaluation.dataset import SessionDescription, Source, Split, check_rates, split_sources
 
 
 def sources(count: int, tests: int = 0) -> list[Source]:
@@ -20,7 +20,7 @@ def test_of_many_a_share_is_kept_apart_by_the_seed() -> None:
 
 
 @pytest.mark.parametrize("count", [2, 5])
-def test_of_a_few_none_is_kept_apart(count: int) -> None:
+def test_of_a_few_none_is_held_out(count: int) -> None:
     """They are left out one by one instead."""
     assert {s.split for s in split_sources(sources(count), 1)} == {Split.TRAIN}
 
@@ -40,8 +40,9 @@ def test_none_to_train_with_is_told(count: int, tests: int) -> None:
 def test_rates_may_differ_by_a_crystal_and_no_more() -> None:
     """Two percent."""
 
-    def abouts(*rates_hz: float) -> list[About]:
-        return [About(f"at {rate_hz:g}", "", 1.0, rate_hz) for rate_hz in rates_hz]
+    def sessions(*rates_hz: float) -> list[SessionDescription]:
+        return [SessionDescription(f"at {rate_hz:g}", "", 1.0, rate_hz) for rate_hz in rates_hz]
 
-    assert check_rates(abouts(100.0, 101.0, 99.5)) == []
-    assert "from 50 Hz (at 50) to 100 Hz (at 100)" in check_rates(abouts(100.0, 50.0, 100.0))[0]
+    assert check_rates(sessions(100.0, 101.0, 99.5), "steps") == []
+    (said,) = check_rates(sessions(100.0, 50.0, 100.0), "steps")
+    assert said.startswith("sample rates differ, from 50 Hz (at 50) to 100 Hz (at 100): steps count samples")

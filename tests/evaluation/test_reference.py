@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.kernels.hdr import yaw
-from gyrodrift.evaluation.reference import accepted, course_of, unwrapped
+from gyrodrift.evaluation.reference import accepted, reference_of, unwrapped
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.session.session import Session
 
@@ -39,51 +39,51 @@ def test_a_sample_is_accepted_where_the_filter_takes_it(stream: list[tuple[float
 @settings(deadline=None)  # the compiler has its turn in the first example
 @given(st.lists(st.tuples(times, rates), max_size=50))
 def test_the_steps_of_time_have_the_bits_that_the_filter_sees(stream: list[tuple[float, float]]) -> None:
-    """Walking the course ends at the yaw of the filter on the session."""
+    """Walking the reference ends at the yaw of the filter on the session."""
     good = [(0.125, 1.0), (0.25, 1.0), *stream]
     t_s, rate_dps = (np.array(column) for column in zip(*good, strict=True))
-    course = course_of(Session("walk", t_s, rate_dps), is_still=True)
+    reference = reference_of(Session("walk", t_s, rate_dps), is_still=True)
     p = HdrParams()
     c, state = coefficients(p), HdrState()
     for t, rate in good:
         step(c, state, t, rate)
     params = np.array([p.i_c_dps, p.tau_s, p.theta_w_dps, p.c1, p.c2])
-    assert yaw(course.dt_s, course.rate_dps, params)[-1] == state.yaw_deg
-    assert len(course.dt_s) == state.samples
+    assert yaw(reference.dt_s, reference.rate_dps, params)[-1] == state.yaw_deg
+    assert len(reference.dt_s) == state.samples
 
 
 def test_a_course_starts_at_the_first_sample_with_a_reference() -> None:
     """There both angles are zero; what comes before is left out, and what is missing later stays missing."""
-    course = course_of(session([0.0, 1.0, 2.0, 4.0, 5.0], [nan, 10.0, 11.0, nan, 13.5]))
-    assert course.dt_s.tolist() == [0.0, 1.0, 2.0, 1.0]
-    np.testing.assert_array_equal(course.reference_deg, [0.0, 1.0, nan, 3.5])
-    assert (course.name, course.minutes, course.sample_rate_hz) == ("walk", 4.0 / 60.0, 1.0)
+    reference = reference_of(session([0.0, 1.0, 2.0, 4.0, 5.0], [nan, 10.0, 11.0, nan, 13.5]))
+    assert reference.dt_s.tolist() == [0.0, 1.0, 2.0, 1.0]
+    np.testing.assert_array_equal(reference.reference_deg, [0.0, 1.0, nan, 3.5])
+    assert (reference.name, reference.minutes, reference.sample_rate_hz) == ("walk", 4.0 / 60.0, 1.0)
 
 
 def test_the_reference_of_a_rejected_sample_goes_with_it() -> None:
     """A time that went back, and a rate that is none."""
-    course = course_of(session([0.0, 1.0, 0.5, 2.0, 3.0], [0.0, 1.0, 9.0, 9.0, 3.0], [1.0, 1.0, 1.0, nan, 1.0]))
-    assert course.dt_s.tolist() == [0.0, 1.0, 2.0]
-    assert course.reference_deg.tolist() == [0.0, 1.0, 3.0]
+    reference = reference_of(session([0.0, 1.0, 0.5, 2.0, 3.0], [0.0, 1.0, 9.0, 9.0, 3.0], [1.0, 1.0, 1.0, nan, 1.0]))
+    assert reference.dt_s.tolist() == [0.0, 1.0, 2.0]
+    assert reference.reference_deg.tolist() == [0.0, 1.0, 3.0]
 
 
 def test_the_reference_of_a_still_is_zero() -> None:
     """Whatever an encoder says."""
-    assert course_of(session([0.0, 1.0, 2.0], None), is_still=True).reference_deg.tolist() == [0.0] * 3
-    assert course_of(session([0.0, 1.0], [5.0, 8.0]), is_still=True).reference_deg.tolist() == [0.0] * 2
+    assert reference_of(session([0.0, 1.0, 2.0], None), is_still=True).reference_deg.tolist() == [0.0] * 3
+    assert reference_of(session([0.0, 1.0], [5.0, 8.0]), is_still=True).reference_deg.tolist() == [0.0] * 2
 
 
 def test_a_session_without_an_encoder_is_refused_by_name() -> None:
     """The message says what to do with a still."""
     with pytest.raises(DataError, match=r"walk: has no encoder.*--still"):
-        course_of(session([0.0, 1.0], None))
+        reference_of(session([0.0, 1.0], None))
 
 
 @pytest.mark.parametrize("encoder_deg", [[nan, nan], [nan, 3.0], [5.0, nan]])
 def test_fewer_than_two_references_are_refused(encoder_deg: list[float]) -> None:
     """One angle is no path."""
     with pytest.raises(DataError, match="two are the least"):
-        course_of(session([0.0, 1.0], encoder_deg))
+        reference_of(session([0.0, 1.0], encoder_deg))
 
 
 @given(st.lists(st.floats(-170.0, 170.0), min_size=1, max_size=60), st.sampled_from([0.0, -180.0]), st.booleans())

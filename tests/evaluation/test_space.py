@@ -6,8 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.errors import UsageError
-from gyrodrift.evaluation.space import AXES, Axis, limits, linear, params_of, with_ranges
+from gyrodrift.evaluation.space import Axis, axes_of, limits, linear, values_of, with_ranges
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.filters.hdr_filter import HDR
+
+AXES = axes_of(HDR)
 
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
@@ -29,13 +32,13 @@ def test_half_way_is_the_geometric_mean_where_factors_count() -> None:
 
 def test_a_corner_of_the_cube_is_a_filter() -> None:
     """With every range at its lower end."""
-    assert params_of(AXES, np.zeros((2, 5))).tolist() == [[axis.low for axis in AXES]] * 2
-    HdrParams(*params_of(AXES, np.ones((1, 5)))[0].tolist())
+    assert values_of(AXES, np.zeros((2, 5))).tolist() == [[axis.low for axis in AXES]] * 2
+    HdrParams(*values_of(AXES, np.ones((1, 5)))[0].tolist())
 
 
 def test_a_range_is_replaced_by_name() -> None:
     """The others stay."""
-    axes = with_ranges(["tau_s=0.5:2", "c1=0:1"])
+    axes = with_ranges(["tau_s=0.5:2", "c1=0:1"], HDR)
     assert [(axis.low, axis.high) for axis in axes[1::2]] == [(0.5, 2.0), (0.0, 1.0)]
     assert axes[0] == AXES[0]
 
@@ -56,11 +59,11 @@ def test_a_range_is_replaced_by_name() -> None:
 def test_a_range_that_makes_no_sense_is_told(text: str, message: str) -> None:
     """With the option as it was given."""
     with pytest.raises(UsageError, match=message) as caught:
-        with_ranges([text])
+        with_ranges([text], HDR)
     assert text in str(caught.value)
 
 
 def test_the_filters_own_limits_are_known() -> None:
     """As its parameters are annotated."""
-    assert limits("c2") == (0.0, 10.0)
-    assert limits("theta_w_dps") == (0.0, 2000.0)
+    assert limits("c2", HDR) == (0.0, 10.0)
+    assert limits("theta_w_dps", HDR) == (0.0, 2000.0)

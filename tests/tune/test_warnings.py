@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.space import AXES
-from gyrodrift.evaluation.tunables import HDR_TUNABLE
+from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.tune.result import Pi
-from gyrodrift.tune.warnings import bound_caveats, bound_of, flat_caveats, worse_caveats
+from gyrodrift.tune.warnings import bound_of, bound_warnings, held_out_warnings, identifiability_warnings
+
+AXES = axes_of(HDR)
 
 INSIDE = HdrParams(i_c_dps=1e-3, tau_s=0.1, theta_w_dps=0.5, c1=1.0, c2=1.0)
 
@@ -42,18 +44,18 @@ def test_a_value_at_an_end_of_its_range_is_told() -> None:
 
 def test_a_parameter_at_a_bound_is_told_with_what_to_do() -> None:
     """Wider by --range, unless the filter itself ends there."""
-    said = list(bound_caveats(HDR_TUNABLE, AXES, replace(INSIDE, i_c_dps=0.1, c2=0.0)))
+    said = list(bound_warnings(HDR, AXES, replace(INSIDE, i_c_dps=0.1, c2=0.0)))
     assert said == [
         "i_c_dps sits at the upper end of its range, 0.1; widen it with --range",
         "c2 sits at the lower end of its range, 0, which is where the filter's own ends",
     ]
-    assert not list(bound_caveats(HDR_TUNABLE, AXES, INSIDE))
+    assert not list(bound_warnings(HDR, AXES, INSIDE))
 
 
 def test_a_parameter_that_changes_nothing_is_told() -> None:
     """With the range in which it does not, and what would decide it."""
-    assert not list(flat_caveats(HDR_TUNABLE, AXES, INSIDE, bowl(0, 1, 2, 3, 4)))
-    (said,) = flat_caveats(HDR_TUNABLE, AXES, INSIDE, bowl(0, 1, 3, 4))
+    assert not list(identifiability_warnings(HDR, AXES, INSIDE, bowl(0, 1, 2, 3, 4)))
+    (said,) = identifiability_warnings(HDR, AXES, INSIDE, bowl(0, 1, 3, 4))
     assert said.startswith("theta_w_dps is not decided by these sessions: from 0.02 to 20 the cost is within 2% of its")
     assert said.endswith("it takes motion at all rates, slow turns too")
 
@@ -75,6 +77,6 @@ def test_a_parameter_that_changes_nothing_is_told() -> None:
 )
 def test_a_test_that_goes_badly_is_told(tuned: Pi, plain: Pi, words: str) -> None:
     """Unless its sessions simply drift more."""
-    said = list(worse_caveats(tuned, plain))
+    said = list(held_out_warnings(tuned, plain))
     assert len(said) == bool(words)
     assert words in "".join(said)

@@ -1,4 +1,4 @@
-"""What a drift reducer is here: one record, so that another one joins by one entry in `methods.py`."""
+"""What a drift reducer is here: one record, so that another one joins by one entry in `registry.py`."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -33,6 +33,10 @@ class Method:
         It sees a session's future: no device can do what it does.
     about
         Where the defaults come from, and what a package cannot do. A sentence or two.
+    counts_samples
+        Its tuned parameters belong to the sample rate they were found at.
+    colour, dash
+        How it is drawn: a role of the page's style sheet, and `-` or `--`.
     """
 
     key: str
@@ -43,6 +47,9 @@ class Method:
     package: str = ""
     is_offline: bool = False
     about: str = ""
+    counts_samples: bool = False
+    colour: str = "ink"
+    dash: str = "-"
 
     @property
     def is_installed(self) -> bool:

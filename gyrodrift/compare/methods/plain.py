@@ -4,11 +4,11 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
-from gyrodrift.evaluation.kernels.hdr import euler
+from gyrodrift.evaluation.integration import euler
 
 
 def steps_s(t_s: Floats) -> Floats:
-    """Distance of each sample from the one before, s, shape (n,); 0 for the first, with the bits of `Course.dt_s`."""
+    """Distance of each sample from the one before, s, shape (n,); 0 for the first; the bits of `Reference.dt_s`."""
     return np.diff(t_s, prepend=t_s[0])
 
 

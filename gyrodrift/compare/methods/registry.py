@@ -1,22 +1,17 @@
-"""All methods that are compared, in the order in which they are told."""
+"""All methods that are compared, in the order in which they are listed: plain ones, our filters, other people's."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
 
+from gyrodrift.compare.methods.filter_method import filter_method
 from gyrodrift.compare.methods.fusion import run_fusion
-from gyrodrift.compare.methods.hdr import run_hdr
 from gyrodrift.compare.methods.kalman import run_kalman
 from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.methods.plain import run_euler, run_start_calibration
-from gyrodrift.compare.methods.restlevel import run_restlevel
 from gyrodrift.compare.methods.sign import run_sign
 from gyrodrift.compare.methods.vqf import run_vqf, run_vqf_offline
-from gyrodrift.evaluation.space import AXES, RESTLEVEL_AXES, Axis
-from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.filters.restlevel.model import RestlevelParams
-
-HDR = "hdr"
-RESTLEVEL = "restlevel"
+from gyrodrift.evaluation.space import Axis
+from gyrodrift.filters.filter import FilterParams
+from gyrodrift.filters.registry import FILTERS
 
 VQF_DEFAULTS = {
     "restThGyr": 2.0,
@@ -39,14 +34,15 @@ VQF_AXES = (
     Axis("biasSigmaRest", 1e-4, 1.0, is_log=True),
 )
 
-METHODS = (
-    Method("euler", "Euler", run_euler, about="The rate as it is, added up."),
+PLAIN = (
+    Method("euler", "Euler", run_euler, about="The rate as it is, added up.", colour="plain"),
     Method(
         "start",
         "start calibration",
         run_start_calibration,
         {"calibration_s": 3.0},
         about="The mean of the first three seconds is taken off; nothing is learnt later, and nothing is tuned.",
+        colour="quiet",
     ),
     Method(
         "sign",
@@ -55,6 +51,8 @@ METHODS = (
         {"step_dps": 0.0006, "theta_dps": 2.0},
         (Axis("step_dps", 1e-6, 0.1, is_log=True), Axis("theta_dps", 0.02, 20.0, is_log=True)),
         about="No defaults are published for it: the step is HDR's, the threshold the one that VQF calls rest.",
+        counts_samples=True,
+        colour="two",
     ),
     Method(
         "kalman",
@@ -70,23 +68,11 @@ METHODS = (
         ),
         about="No defaults are published for it: noise and walk are those of a usual MEMS part, rest takes as long as "
         "VQF's, and the largest bias is what x-io Fusion takes for one.",
+        colour="three",
     ),
-    Method(
-        HDR,
-        "HDR",
-        run_hdr,
-        asdict(HdrParams()),
-        AXES,
-        about="The published parameters where no --config is given.",
-    ),
-    Method(
-        RESTLEVEL,
-        "restlevel",
-        run_restlevel,
-        asdict(RestlevelParams()),
-        RESTLEVEL_AXES,
-        about="Its defaults where no --config is given.",
-    ),
+)
+
+PEERS = (
     Method(
         "xio",
         "x-io Fusion",
@@ -95,6 +81,7 @@ METHODS = (
         (Axis("stationary_threshold", 0.02, 20.0, is_log=True), Axis("stationary_period", 0.05, 20.0, is_log=True)),
         package="imufusion",
         about="Threshold (deg/s) and period (s) are all that its package lets be changed: how fast it learns is fixed.",
+        colour="four",
     ),
     Method(
         "vqf",
@@ -104,6 +91,7 @@ METHODS = (
         VQF_AXES,
         package="vqf",
         about="It is told that the device lies level; what it learns from tilting is not there to be had.",
+        colour="five",
     ),
     Method(
         "vqf_offline",
@@ -114,13 +102,18 @@ METHODS = (
         package="vqf",
         is_offline=True,
         about="It walks through a session forwards and backwards: a bound for filters that stream, not one of them.",
+        colour="five",
+        dash="--",
     ),
 )
 
-BY_KEY: Mapping[str, Method] = {method.key: method for method in METHODS}
+
+def methods(params: Mapping[str, FilterParams] | None = None) -> tuple[Method, ...]:
+    """All of them, our filters with these parameters by their names, or else their defaults."""
+    given = params or {}
+    return (*PLAIN, *(filter_method(known, given.get(name)) for name, known in FILTERS.items()), *PEERS)
 
 
-def methods(hdr: HdrParams | None = None, restlevel: RestlevelParams | None = None) -> tuple[Method, ...]:
-    """All of them, the project's own with these parameters."""
-    given = {HDR: asdict(hdr or HdrParams()), RESTLEVEL: asdict(restlevel or RestlevelParams())}
-    return tuple(replace(method, defaults=given.get(method.key, method.defaults)) for method in METHODS)
+def by_key() -> dict[str, Method]:
+    """All of them by their names in files."""
+    return {method.key: method for method in methods()}

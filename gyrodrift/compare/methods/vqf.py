@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
-from gyrodrift.evaluation.kernels.hdr import euler
+from gyrodrift.evaluation.integration import euler
 
 GRAVITY_MSS = 9.81
 """Of a device that lies level. Without an accelerometer VQF detects no rest."""

@@ -8,20 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from gyrodrift.arrays import Floats
-from gyrodrift.compare.comparison import ComparedSession, Curves, Entry
+from gyrodrift.compare.comparison import ComparedSession, Entry
+from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.html.numbers import factor_label
 from gyrodrift.html.svg import (
-    FIVE,
-    FOUR,
     INK,
-    PLAIN,
     QUIET,
     ROLES,
-    SIX,
     STEPS,
-    THREE,
-    TUNED,
-    TWO,
     as_svg,
     canvas,
     label_steps,
@@ -29,17 +23,7 @@ from gyrodrift.html.svg import (
     thinned,
 )
 
-COLOURS = {
-    "euler": PLAIN,
-    "start": QUIET,
-    "sign": TWO,
-    "kalman": THREE,
-    "hdr": SIX,
-    "restlevel": TUNED,
-    "xio": FOUR,
-    "vqf": FIVE,
-    "vqf_offline": FIVE,
-}
+COLOURS = {role: colour for colour, role in ROLES.items()}
 
 LINEAR_DEG = 1.0
 """Errors within a degree are drawn to scale, larger ones by factors: some methods are off by turns."""
@@ -59,8 +43,8 @@ class Look:
 
 
 def look_of(entry: Entry) -> Look:
-    """By method; offline ones are dashed."""
-    return Look(COLOURS[entry.method.key], "--" if entry.method.is_offline else "-")
+    """As its method says."""
+    return Look(COLOURS[entry.method.colour], entry.method.dash)
 
 
 def session_svgs(
@@ -68,27 +52,26 @@ def session_svgs(
 ) -> list[str]:
     """A panel a session that has curves, of some of the entries: yaw above, and below how far it is off."""
     with styled():
+        looks = [(at, look_of(entries[at])) for at in shown]
         return [
-            _session_svg(
-                one.curves, [(look_of(entries[at]), one.curves.yaw_deg[at]) for at in shown], f"{name}-{number}"
-            )
+            _session_svg(one.curves, looks, f"{name}-{number}")
             for number, one in enumerate(sessions)
             if one.curves is not None
         ]
 
 
-def _session_svg(curves: Curves, lines: Sequence[tuple[Look, Floats]], name: str) -> str:
+def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Look]], name: str) -> str:
     figure = canvas(3.1, 2.7, left=0.22, bottom=0.13, top=0.97, right=0.97)
     above, below = figure.subplots(2, 1, sharex=True)
     below.axhline(0.0, color=QUIET, linewidth=0.6)
-    for look, yaw_deg in lines:
-        above.plot(*thinned(curves.minutes, yaw_deg), color=look.colour, linestyle=look.dash, linewidth=1.0)
-        error_deg = yaw_deg - curves.reference_deg
-        below.plot(*thinned(curves.minutes, error_deg), color=look.colour, linestyle=look.dash, linewidth=1.0)
+    errors_deg = curves.errors_deg
+    for at, look in lines:
+        for panel, line in ((above, curves.yaw_deg[at]), (below, errors_deg[at])):
+            panel.plot(*thinned(curves.minutes, line), color=look.colour, linestyle=look.dash, linewidth=1.0)
     above.plot(*thinned(curves.minutes, curves.reference_deg), color=INK, linestyle=":", linewidth=1.2)
     label_steps(above.yaxis, 4)
     above.set_ylabel("yaw, deg")
-    _scale_errors(below, [yaw_deg - curves.reference_deg for _, yaw_deg in lines])
+    _scale_errors(below, [errors_deg[at] for at, _ in lines])
     below.set_ylabel("error, deg")
     figure.align_ylabels([above, below])
     below.xaxis.set_major_locator(MaxNLocator(6, steps=STEPS))

@@ -67,11 +67,11 @@ def _scores(entries: Sequence[Entry], scores: Sequence[Score]) -> list[dict[str,
 
 def _session(entries: Sequence[Entry], one: ComparedSession) -> dict[str, Any]:
     return {
-        "name": one.about.name,
+        "name": one.session.name,
         "folder": one.folder,
-        "sha256": one.about.digest,
-        "minutes": one.about.minutes,
-        "sample_rate_hz": one.about.sample_rate_hz,
+        "sha256": one.session.digest,
+        "minutes": one.session.minutes,
+        "sample_rate_hz": one.session.sample_rate_hz,
         "methods": _scores(entries, one.scores),
     }
 

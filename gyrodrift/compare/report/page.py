@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.compare.comparison import SHOWN, ComparedSession, Comparison, Entry
+from gyrodrift.compare.comparison import PLOTTED, ComparedSession, Comparison, Entry
 from gyrodrift.compare.report.figures import look_of, session_svgs
 from gyrodrift.compare.report.files import absence, cells, e_cell
 from gyrodrift.html.html import (
@@ -101,31 +101,31 @@ def _titles(comparison: Comparison) -> list[str]:
 
 
 def _figures(comparison: Comparison) -> list[str]:
-    drawn = [one for one in comparison.sessions if one.curves is not None]
+    plotted = [one for one in comparison.sessions if one.curves is not None]
     of = len(comparison.sessions)
-    said = f" Of {of} sessions, more than {SHOWN}, the first of each folder." if len(drawn) < of else ""
+    said = f" Of {of} sessions, more than {PLOTTED}, the first of each folder." if len(plotted) < of else ""
     entries = comparison.entries
     defaults = [at for at, entry in enumerate(entries) if not entry.is_tuned]
     with_tuned = [at for at, entry in enumerate(entries) if entry.is_tuned]
-    parts = [_figure("with defaults", drawn, entries, defaults, said)]
-    return [*parts, _figure("tuned", drawn, entries, with_tuned, said)] if with_tuned else parts
+    parts = [_figure("with defaults", plotted, entries, defaults, said)]
+    return [*parts, _figure("tuned", plotted, entries, with_tuned, said)] if with_tuned else parts
 
 
 def _figure(
-    kind: str, drawn: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int], said: str
+    kind: str, plotted: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int], said: str
 ) -> str:
     marks = [(*look_of(entries[at]).mark, text(entries[at].method.title)) for at in shown]
     key = legend([("ink", "key dotted", "reference"), *marks])
     caption = (
         f"<b>Methods {kind}.</b> {key}<br/>Errors within a degree are to scale, larger ones by factors of ten.{said}"
     )
-    names = [_panel_name(one) for one in drawn]
-    return figure(caption, panels(names, session_svgs(drawn, entries, shown, kind.replace(" ", "-"))))
+    names = [_panel_name(one) for one in plotted]
+    return figure(caption, panels(names, session_svgs(plotted, entries, shown, kind.replace(" ", "-"))))
 
 
 def _panel_name(one: ComparedSession) -> str:
-    name = text(one.about.name)
-    return f'<b title="{name}">{name}</b>' + span(f"{text(one.folder)}, {one.about.minutes:.3g} minutes", "note")
+    name = text(one.session.name)
+    return f'<b title="{name}">{name}</b>' + span(f"{text(one.folder)}, {one.session.minutes:.3g} minutes", "note")
 
 
 def _sessions_table(comparison: Comparison) -> str:
@@ -136,7 +136,7 @@ def _sessions_table(comparison: Comparison) -> str:
 
 
 def _session_name(one: ComparedSession, *, several: bool) -> str:
-    return text(f"{one.folder}/{one.about.name}" if several else one.about.name)
+    return text(f"{one.folder}/{one.session.name}" if several else one.session.name)
 
 
 def _entries(entries: Sequence[Entry]) -> str:

@@ -10,10 +10,11 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.evaluation.cost import Cost
-from gyrodrift.evaluation.reference import Course, course_of
-from gyrodrift.evaluation.space import AXES, params_of
+from gyrodrift.evaluation.reference import Reference, reference_of
+from gyrodrift.evaluation.space import axes_of, values_of
+from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.session.session import Session
-from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
 
 EVALUATIONS = 300
@@ -35,9 +36,9 @@ class Worth:
 
 def worth_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> Worth:
     """Tune on simulated and real sessions, and score on real ones kept apart."""
-    real = [course_of(_as_session(subject.seen.recording)) for subject in subjects]
-    before = [course_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
-    after = [course_of(subject.session(effects, seed)) for seed, subject in enumerate(subjects)]
+    real = [reference_of(_as_session(subject.seen.recording)) for subject in subjects]
+    before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
+    after = [reference_of(subject.session(effects, seed)) for seed, subject in enumerate(subjects)]
     number = range(len(subjects))
     tuned_on = [at for at in number if at % KEPT_APART != KEPT_APART - 1 or len(subjects) == 1]
     scored_on = [at for at in number if at not in tuned_on] or tuned_on
@@ -56,9 +57,10 @@ def _as_session(recording: Recording) -> Session:
     )
 
 
-def _tuned(courses: Sequence[Course]) -> Floats:
+def _tuned(courses: Sequence[Reference]) -> Floats:
     """(1, 5) parameters."""
     with Cost(courses) as cost:
-        objective = Objective(cost.pi, AXES, EVALUATIONS)
-        spend(METHODS["race"](), objective, 0)
-        return params_of(AXES, objective.cube[objective.best][np.newaxis])
+        axes = axes_of(DEFAULT)
+        objective = Objective(cost.pi, axes, EVALUATIONS)
+        run_to_budget(METHODS["race"](), objective, 0)
+        return values_of(axes, objective.cube[objective.best][np.newaxis])

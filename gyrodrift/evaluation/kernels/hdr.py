@@ -6,22 +6,20 @@ import numpy as np
 from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
 
-LANES = 8
-"""Candidates that walk through the samples side by side: two vectors of AVX2, one of AVX-512, four of NEON."""
-
-REACH = 1 << 14
-"""Runs of equal signs up to this length remember their step; longer ones work it out at every sample."""
+TABLE_SIZE = 1 << 14
+"""Runs of equal signs up to this length find their step in a table; longer ones work it out at every sample."""
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> tuple[Floats, Floats, Floats, int]:
-    """Yaw errors of many candidates over one course, summed over the samples that have a reference.
+    """Yaw errors of many candidates over one session, summed over the samples that have a reference.
 
     Parameters
     ----------
     dt_s, rate_dps, reference_deg
-        As in `Course`, shape (n,), n ≥ 1: s, deg/s and deg.
+        As in `Reference`, shape (n,), n ≥ 1: s, deg/s and deg.
     params
         Candidates, shape (c, 5): i_c_dps, tau_s, theta_w_dps, c1, c2.
 
@@ -39,30 +37,25 @@ def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) 
         Where the arrays do not belong together.
     """
     found = np.empty((3, len(params)))
-    for group in groups(len(params)):
-        lanes = params[group]
-        found[:, group] = group_sums(dt_s, rate_dps, reference_deg, lanes, unknown_steps(len(lanes)))
+    for cut in groups(len(params)):
+        group = params[cut]
+        found[:, cut] = group_sums(dt_s, rate_dps, reference_deg, group, unknown_steps(len(group)))
     return found[0], found[1], found[2], int(np.count_nonzero(np.isfinite(reference_deg)))
-
-
-def groups(candidates: int) -> list[slice]:
-    """How candidates are cut into groups for `group_sums`."""
-    return [slice(first, min(first + LANES, candidates)) for first in range(0, candidates, LANES)]
 
 
 def unknown_steps(candidates: int) -> Floats:
     """An empty table of the steps R(r)·i_c in deg/s of one group; the kernel fills in what it comes to need.
 
-    It may be kept for the same candidates on other courses. Threads may share it: they write the same values.
+    It may be kept for the same candidates on other sessions. Threads may share it: they write the same values.
     """
-    return np.zeros((_width(candidates), REACH))
+    return np.zeros((_width(candidates), TABLE_SIZE))
 
 
 def group_sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats) -> Floats:
-    """`sums` of one group, 1 to `LANES` candidates with their table: squares, absolutes and worst, shape (3, c)."""
-    idle = _width(len(params)) - len(params)
-    lanes = np.concatenate([params, np.repeat(params[-1:], idle, axis=0)])
-    return _walked(dt_s, rate_dps, reference_deg, lanes, steps_dps, np.empty((0, 1)))[:, : len(params)]
+    """`sums` of one group, 1 to `GROUP` candidates with their table: squares, absolutes and worst, shape (3, c)."""
+    unused = _width(len(params)) - len(params)
+    group = np.concatenate([params, np.repeat(params[-1:], unused, axis=0)])
+    return _walked(dt_s, rate_dps, reference_deg, group, steps_dps, np.empty((0, 1)))[:, : len(params)]
 
 
 def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
@@ -72,17 +65,9 @@ def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
     return path[:, 0]
 
 
-def euler(dt_s: Floats, rate_dps: Floats) -> Floats:
-    """Yaw of the plain sum of rate times step, deg, shape (n,)."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        turned_deg = rate_dps * dt_s
-        turned_deg[0] = 0.0
-        return np.cumsum(turned_deg)
-
-
 def _width(candidates: int) -> int:
-    """A single candidate has nothing to gain from lanes."""
-    return 1 if candidates == 1 else LANES
+    """A single candidate has nothing to gain from SIMD."""
+    return 1 if candidates == 1 else GROUP
 
 
 def _walked(
@@ -90,7 +75,7 @@ def _walked(
 ) -> Floats:
     if not len(dt_s) == len(rate_dps) == len(reference_deg) > 0 or params.shape[1] != 5:
         shapes = [array.shape for array in (dt_s, rate_dps, reference_deg, params)]
-        raise ValueError(f"a course is three arrays of one length, and candidates have five columns: {shapes}")
+        raise ValueError(f"a session is three arrays of one length, and candidates have five columns: {shapes}")
     walk = _walk_of_one if len(params) == 1 else _walk_of_many
     columns = np.array(params.T, dtype=np.float64, order="C")
     columns[2, columns[0] == 0.0] = 0.0  # an increment of 0 learns nothing, and needs no steps
@@ -119,18 +104,18 @@ def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
 
 @njit(nogil=True, cache=True, error_model="numpy")
 def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Floats) -> None:
-    """Work out the steps that are 0, and remember those within reach."""
+    """Work out the steps that are 0, and remember those within the table."""
     for k in range(len(wanted_dps)):
         if wanted_dps[k] == 0.0:
             wanted_dps[k] = attenuated_step(params[0, k], params[3, k], params[4, k], float(runs[k]))
-            if runs[k] < REACH - 1:
+            if runs[k] < TABLE_SIZE - 1:
                 steps_dps[k, runs[k]] = wanted_dps[k]
 
 
 def _compiled(count: int) -> Any:
     """The walk of `count` candidates.
 
-    `params` has the shape (5, count), `steps_dps` (count, REACH); its last column stays 0, which stands for a step
+    `params` has the shape (5, count), `steps_dps` (count, TABLE_SIZE); its last column stays 0, which stands for a step
     that is not known. `path_deg`, shape (n, count), receives yaw; with (0, count) it is not wanted.
     """
 
@@ -138,7 +123,7 @@ def _compiled(count: int) -> Any:
         dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats, path_deg: Floats
     ) -> Floats:
         zero, one = splat(0.0, count), splat(1.0, count)
-        none, once, last = splat(0, count), splat(1, count), splat(REACH - 1, count)
+        none, once, last = splat(0, count), splat(1, count), splat(TABLE_SIZE - 1, count)
         tau, theta = load(params[1], count), load(params[2], count)
         runs, wanted = np.zeros(count, np.int64), np.zeros(count)
         lpf = omega = splat(rate_dps[0], count)
@@ -181,4 +166,6 @@ def _compiled(count: int) -> Any:
 
 
 _walk_of_one = _compiled(1)
-_walk_of_many = _compiled(LANES)
+_walk_of_many = _compiled(GROUP)
+
+KERNEL = Kernel(lambda group: unknown_steps(len(group)), group_sums, yaw)

@@ -7,6 +7,7 @@ from numba import njit
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled
+from gyrodrift.evaluation.kernels.kernel import Kernel
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
@@ -14,7 +15,7 @@ _advance: Any = compiled(advance)
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:
-    """Sums over the samples with a reference, as those of `kernel.group_sums`; `params` as in RestlevelParams."""
+    """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
     found = np.empty((3, len(params)))
     for number, row in enumerate(params.tolist()):
         _add_up(_coefficients(row), array_of(RestlevelState()), dt_s, rate_dps, reference_deg, found[:, number])
@@ -60,3 +61,10 @@ def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, found: Floats) -> No
         found[0, n] = s[0].yaw_deg
         found[1, n] = s[0].yaw_sigma_deg
         found[2, n] = s[0].bias_dps
+
+
+KERNEL = Kernel(
+    lambda _group: None,
+    lambda dt_s, rate_dps, reference_deg, group, _: sums(dt_s, rate_dps, reference_deg, group),
+    yaw,
+)

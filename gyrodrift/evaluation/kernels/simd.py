@@ -23,46 +23,46 @@ ELEMENTS: dict[Any, Any] = {types.float64: ir.DoubleType(), types.int64: ir.IntT
 _operation: Callable[[Callable[..., Any]], Callable[..., Any]] = intrinsic(prefer_literal=True)
 
 
-class Lanes(types.Type):
+class SimdVector(types.Type):
     """The type of `count` values of one element: float64, int64 or boolean."""
 
     def __init__(self, element: Any, count: int) -> None:
         self.element, self.count = element, count
-        super().__init__(name=f"Lanes({element}, {count})")
+        super().__init__(name=f"SimdVector({element}, {count})")
 
-    def of(self, element: Any) -> "Lanes":
+    def of(self, element: Any) -> "SimdVector":
         """As many values of another element."""
-        return Lanes(element, self.count)
+        return SimdVector(element, self.count)
 
 
-@register_model(Lanes)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, models_known: Any, lanes: Lanes) -> None:
-        vector = ir.VectorType(ELEMENTS[lanes.element], lanes.count)
-        super().__init__(models_known, lanes, vector)
+@register_model(SimdVector)
+class _SimdModel(models.PrimitiveModel):
+    def __init__(self, models_known: Any, kind: SimdVector) -> None:
+        vector = ir.VectorType(ELEMENTS[kind.element], kind.count)
+        super().__init__(models_known, kind, vector)
 
 
 def _offer(operation: Any, floats: str, integers: str) -> None:
-    """Teach the compiler an arithmetic operation between lanes of one type, by the names of LLVM's instructions."""
+    """Teach the compiler an arithmetic operation between vectors of one type, by the names of LLVM's instructions."""
 
     @type_callable(operation)
     def typer(_context: Any) -> Callable[[Any, Any], Any]:
-        return lambda a, b: a if isinstance(a, Lanes) and a == b else None
+        return lambda a, b: a if isinstance(a, SimdVector) and a == b else None
 
-    @lower_builtin(operation, Lanes, Lanes)
+    @lower_builtin(operation, SimdVector, SimdVector)
     def emit(_context: Any, builder: Any, signature: Any, values: Any) -> Any:
         name = floats if signature.return_type.element == types.float64 else integers
         return getattr(builder, name)(*values)
 
 
 def _offer_comparison(operation: Any, symbol: str) -> None:
-    """Teach the compiler a comparison between lanes; with NaN it is false."""
+    """Teach the compiler a comparison between vectors; with NaN it is false."""
 
     @type_callable(operation)
     def typer(_context: Any) -> Callable[[Any, Any], Any]:
-        return lambda a, b: a.of(types.boolean) if isinstance(a, Lanes) and a == b else None
+        return lambda a, b: a.of(types.boolean) if isinstance(a, SimdVector) and a == b else None
 
-    @lower_builtin(operation, Lanes, Lanes)
+    @lower_builtin(operation, SimdVector, SimdVector)
     def emit(_context: Any, builder: Any, signature: Any, values: Any) -> Any:
         is_float = signature.args[0].element == types.float64
         return (builder.fcmp_ordered if is_float else builder.icmp_signed)(symbol, *values)
@@ -81,55 +81,55 @@ _offer_comparison(operator.eq, "==")
 @_operation
 def splat(_typing: Any, value: Any, count: Any) -> Any:
     """The same number in every lane; `count` has to be a constant."""
-    lanes = Lanes(types.unliteral(value), count.literal_value)
+    kind = SimdVector(types.unliteral(value), count.literal_value)
 
     def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        nothing = ir.VectorType(values[0].type, lanes.count)(ir.Undefined)
-        first = builder.insert_element(nothing, values[0], _at(0))
-        return builder.shuffle_vector(first, nothing, ir.VectorType(ir.IntType(32), lanes.count)([0] * lanes.count))
+        undefined = ir.VectorType(values[0].type, kind.count)(ir.Undefined)
+        first = builder.insert_element(undefined, values[0], _at(0))
+        return builder.shuffle_vector(first, undefined, ir.VectorType(ir.IntType(32), kind.count)([0] * kind.count))
 
-    return lanes(value, count), emit
+    return kind(value, count), emit
 
 
 @_operation
 def load(_typing: Any, row: Any, count: Any) -> Any:
-    """Lanes from the first values of an array that is contiguous."""
-    lanes = Lanes(row.dtype, count.literal_value)
+    """A vector from the first values of an array that is contiguous."""
+    kind = SimdVector(row.dtype, count.literal_value)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         place = _data(context, builder, row, values[0])
-        return builder.load(builder.bitcast(place, context.get_value_type(lanes).as_pointer()), align=8)
+        return builder.load(builder.bitcast(place, context.get_value_type(kind).as_pointer()), align=8)
 
-    return lanes(row, count), emit
+    return kind(row, count), emit
 
 
 @_operation
-def store(_typing: Any, row: Any, lanes: Any) -> Any:
-    """Lanes into the first places of an array that is contiguous."""
+def store(_typing: Any, row: Any, kind: Any) -> Any:
+    """A vector into the first places of an array that is contiguous."""
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         place = _data(context, builder, row, values[0])
         builder.store(values[1], builder.bitcast(place, values[1].type.as_pointer()), align=8)
         return context.get_dummy_value()
 
-    return types.void(row, lanes), emit
+    return types.void(row, kind), emit
 
 
 @_operation
 def look_up(_typing: Any, table: Any, columns: Any) -> Any:
     """In row k of a contiguous table the value of lane k's column, which has to be there."""
-    lanes = columns.of(table.dtype)
+    kind = columns.of(table.dtype)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         width = cgutils.unpack_tuple(builder, context.make_array(table)(context, builder, values[0]).shape)[1]
-        row, found = _data(context, builder, table, values[0]), context.get_value_type(lanes)(ir.Undefined)
-        for k in range(lanes.count):
+        row, found = _data(context, builder, table, values[0]), context.get_value_type(kind)(ir.Undefined)
+        for k in range(kind.count):
             place = builder.gep(row, [builder.extract_element(values[1], _at(k))])
             found = builder.insert_element(found, builder.load(place), _at(k))
             row = builder.gep(row, [width])
         return found
 
-    return lanes(table, columns), emit
+    return kind(table, columns), emit
 
 
 @_operation
@@ -153,14 +153,14 @@ def with_sign(_typing: Any, a: Any, b: Any) -> Any:
 @_operation
 def signs(_typing: Any, a: Any) -> Any:
     """−1, 0 or 1, the sign of floats, as int64; 0 for NaN."""
-    lanes = a.of(types.int64)
+    kind = a.of(types.int64)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        zeros, whole = values[0].type([0.0] * a.count), context.get_value_type(lanes)
+        zeros, whole = values[0].type([0.0] * a.count), context.get_value_type(kind)
         below, above = (builder.fcmp_ordered(symbol, values[0], zeros) for symbol in "<>")
         return builder.sub(builder.sext(below, whole), builder.sext(above, whole))
 
-    return lanes(a), emit
+    return kind(a), emit
 
 
 @_operation

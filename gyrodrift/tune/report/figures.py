@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.numbers import factor_label
 from gyrodrift.html.svg import (
@@ -24,7 +26,7 @@ from gyrodrift.html.svg import (
     styled,
     thinned,
 )
-from gyrodrift.tune.result import Curve, Run, Tuning
+from gyrodrift.tune.result import Run, Tuning
 
 DOTS = 4000
 """A search has no more dots than this: some 100 bytes each."""
@@ -59,7 +61,7 @@ def _draw_costs(axes: Axes, tuning: Tuning) -> None:
     axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
     for other in tuning.others:
         axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
-    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.few.train, TWO, ":")):
+    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.reduced.train, TWO, ":")):
         axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
     marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
     axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
@@ -89,14 +91,14 @@ def _drawable(costs: Floats) -> Floats:
 def highest_drawn(tuning: Tuning) -> float:
     """The top of the figure of the search: nine in ten evaluations lie below, and so does plain integration."""
     known = _drawable(tuning.run.history)
-    high = [tuning.euler.train, tuning.few.train]
+    high = [tuning.euler.train, tuning.reduced.train]
     high += [float(np.percentile(known[np.isfinite(known)], 90))] if np.isfinite(known).any() else []
     finite = [value for value in high if np.isfinite(value) and value > 0.0]
     return 2.0 * max(finite, default=1.0)
 
 
 def _limit_costs(axes: Axes, tuning: Tuning) -> None:
-    levels = _drawable(np.concatenate([tuning.run.history, [tuning.euler.train, tuning.few.train]]))
+    levels = _drawable(np.concatenate([tuning.run.history, [tuning.euler.train, tuning.reduced.train]]))
     lowest = float(np.nanmin(levels)) if np.isfinite(levels).any() else 0.1
     highest = highest_drawn(tuning)
     axes.set_ylim(lowest / 1.6, max(highest, 10.0 * lowest))
@@ -156,25 +158,29 @@ class Heights:
     zoom_deg: float | None
 
 
-def heights(curves: Sequence[Curve]) -> Heights:
-    """Scales that hold these curves."""
-    everything = np.concatenate([[0.0], *(part for one in curves for part in (one.euler_deg, one.tuned_deg))])
+def heights(curves: Sequence[YawCurves]) -> Heights:
+    """Scales that hold these curves, the tuned filter's last."""
+    everything = np.concatenate([[0.0], *(one.errors_deg.ravel() for one in curves)])
     known = everything[np.isfinite(everything)]
     low, high = float(known.min()), float(known.max())
     margin = 0.05 * (high - low) or 1.0
-    largest = [float(np.abs(one.tuned_deg[np.isfinite(one.tuned_deg)]).max(initial=0.0)) for one in curves]
+    largest = [_largest_deg(one.errors_deg[-1]) for one in curves]
     zoom_deg = min(max(largest, default=0.0), ZOOM_TYPICAL * float(np.median(largest or [0.0])))
     is_worth_it = 0.0 < zoom_deg < WORTH_A_ZOOM * max(abs(low), abs(high))
     return Heights((low - margin, high + margin), 1.1 * zoom_deg if is_worth_it else None)
 
 
-def drift_svgs(curves: Sequence[Curve], scales: Heights) -> list[str]:
+def _largest_deg(errors_deg: Floats) -> float:
+    return float(np.abs(errors_deg[np.isfinite(errors_deg)]).max(initial=0.0))
+
+
+def drift_svgs(curves: Sequence[YawCurves], split: Split, scales: Heights) -> list[str]:
     """Yaw error over time, a panel a session: all of it above, and below the same enlarged for the tuned filter."""
     with styled():
-        return [_drift_svg(curve, scales, f"drift-{curve.split.value}-{at}") for at, curve in enumerate(curves)]
+        return [_drift_svg(curve, scales, f"drift-{split.value}-{at}") for at, curve in enumerate(curves)]
 
 
-def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
+def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
     figure = canvas(3.1, 2.1 if scales.zoom_deg else 1.5, left=0.15, bottom=0.16, top=0.97, right=0.97)
     ratios = (5, 4) if scales.zoom_deg else (1,)
     grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)
@@ -192,8 +198,8 @@ def _drift_svg(curve: Curve, scales: Heights, name: str) -> str:
     return as_svg(figure, name, "Yaw error over time, plain integration and tuned filter")
 
 
-def _draw_errors(panel: Axes, curve: Curve) -> None:
+def _draw_errors(panel: Axes, curve: YawCurves) -> None:
     panel.axhline(0.0, color=QUIET, linewidth=0.6)
-    panel.plot(*thinned(curve.minutes, curve.euler_deg), color=PLAIN, linewidth=1.1)
-    panel.plot(*thinned(curve.minutes, curve.tuned_deg), color=TUNED, linewidth=1.1)
+    for error_deg, colour in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
+        panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
     label_steps(panel.yaxis, 4)

@@ -16,9 +16,9 @@ METHODS = {
 }
 
 COST = (
-    "PI (equation 9): the squared yaw error, averaged over each session and then over the sessions, so that each "
-    "counts the same however long; deg². E (equation 10): the absolute yaw error, averaged over a session; deg. "
-    "NE (equation 11): E divided by the session's true duration; deg/min. Yaw and reference are unwrapped and "
+    "PI: the squared yaw error, averaged over each session and then over the sessions, so that each counts the same "
+    "however long; deg². E: the absolute yaw error, averaged over a session; deg. NE: E divided by the session's true "
+    "duration; deg/min. These are the measures of Borenstein and Ojeda, 2009. Yaw and reference are unwrapped and "
     "start at 0."
 )
 

@@ -10,7 +10,7 @@ from gyrodrift.html.numbers import degrees, mean, significant
 from gyrodrift.tune.report.method import how_it_was_done
 from gyrodrift.tune.report.parameters import parameter, parameters
 from gyrodrift.tune.report.search import search
-from gyrodrift.tune.report.sessions import by_session, over_time, scores_of
+from gyrodrift.tune.report.sessions import by_session, over_time
 from gyrodrift.tune.result import SessionScore, Tuning
 
 
@@ -41,12 +41,13 @@ def _verdict(tuning: Tuning) -> str:
 
 def judged(tuning: Tuning) -> tuple[float, float, str]:
     """Mean E of plain integration and of the tuned filter, deg, on the most honest sessions there are, and on which."""
-    if scores_of(tuning, Split.TEST):
+    if tuning.scores_on(Split.TEST):
         return *tuning.mean_e_deg(Split.TEST), "on sessions that the tuning never saw"
-    left_out = [score for score in tuning.scores if score.name in tuning.left_out]
-    if left_out:
-        plain_deg = mean([score.e_euler_deg for score in left_out])
-        return plain_deg, mean([tuning.left_out[score.name] for score in left_out]), "on sessions left out in turn"
+    held_out = [score for score in tuning.scores if score.session.name in tuning.cross_validation]
+    if held_out:
+        plain_deg = mean([score.euler.e_deg for score in held_out])
+        tuned_deg = mean([tuning.cross_validation[score.session.name].e_deg for score in held_out])
+        return plain_deg, tuned_deg, "on sessions held out in turn"
     return *tuning.mean_e_deg(Split.TRAIN), "on the sessions it was tuned on"
 
 
@@ -59,16 +60,18 @@ def _headline(plain_deg: float, tuned_deg: float, where: str) -> str:
 def _in_words(tuning: Tuning) -> str:
     """The verdict as sentences."""
     said = ["Yaw error is how far the angle is off the reference, on average over a session (E)."]
-    test, train = scores_of(tuning, Split.TEST), scores_of(tuning, Split.TRAIN)
+    test, train = tuning.scores_on(Split.TEST), tuning.scores_on(Split.TRAIN)
     if test:
         said += [f"On {_sessions(test, 'test')}, which the search never saw, {_fall(*tuning.mean_e_deg(Split.TEST))}."]
     else:
-        said += ["No sessions were kept apart for a test, so what follows flatters the filter."]
+        said += ["No sessions were held out for a test, so what follows flatters the filter."]
     if train:
         said += [f"On {_sessions(train, 'training')} {_fall(*tuning.mean_e_deg(Split.TRAIN))}."]
-    if not test and tuning.left_out:
-        plain_deg, left_deg, _ = judged(tuning)
-        said += [f"With each session left out of the tuning in turn {_fall(plain_deg, left_deg)}: believe this one."]
+    if not test and tuning.cross_validation:
+        plain_deg, held_out_deg, _ = judged(tuning)
+        said += [
+            f"With each session held out of the tuning in turn {_fall(plain_deg, held_out_deg)}: believe this one."
+        ]
     return " ".join(said)
 
 
@@ -94,7 +97,7 @@ def _times(factor: float) -> str:
 
 
 def _tile(tuning: Tuning, split: Split) -> str:
-    scores = scores_of(tuning, split)
+    scores = tuning.scores_on(split)
     if not scores:
         return ""
     plain_deg, tuned_deg = tuning.mean_e_deg(split)
@@ -102,7 +105,10 @@ def _tile(tuning: Tuning, split: Split) -> str:
     rows = [
         ("tuned filter", degrees(tuned_deg)),
         ("plain integration", degrees(plain_deg)),
-        (f"filter with {tuning.tunable.few_title} tuned", degrees(mean([score.e_few_deg for score in scores]))),
+        (
+            f"filter with {tuning.filter.reduced_model.title} tuned",
+            degrees(mean([score.reduced.e_deg for score in scores])),
+        ),
     ]
     return tile(f"{kind}: mean E of {len(scores)} session{'s' * (len(scores) > 1)}", rows)
 
@@ -121,7 +127,7 @@ def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
 
 
 def _where_it_holds(tuning: Tuning) -> str:
-    if tuning.tunable.filter.counts_samples:
+    if tuning.filter.counts_samples:
         rate = f"{tuning.sample_rate_hz:.4g} Hz"
         return (
             f"Steps count samples, so these numbers hold for this sensor at about {rate}; at another rate, tune again."

@@ -28,18 +28,18 @@ def parameters(tuning: Tuning) -> str:
             " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "
             "ends there, as c1 and c2 do at 0."
         )
-    return section("Parameters", table(caption, head, rows, words=2), _few_note(tuning))
+    return section("Parameters", table(caption, head, rows, words=2), _reduced_note(tuning))
 
 
 def _row(tuning: Tuning, axis: Axis) -> list[str]:
-    known = tuning.tunable.meanings[axis.name]
+    known = tuning.filter.parameter(axis.name)
     unit = f" {span(known.unit, 'note')}" if known.unit else ""
     values = [found(run, axis) for run in (tuning.run, *tuning.others)]
     spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.others else []
     searched = f"{significant(axis.low, 4)} – {significant(axis.high, 4)}"
     bound = bound_of(axis, values[0])
     mark = span(f"at the {bound} bound", "mark") if bound else ""
-    meaning = f'<div class="meaning">{known.words}</div>'
+    meaning = f'<div class="meaning">{known.effect}</div>'
     chosen = f"<b>{parameter(tuning, axis)}</b>"
     return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, meaning]
 
@@ -55,10 +55,11 @@ def _track(axis: Axis, values: Numbers) -> str:
     )
 
 
-def _few_note(tuning: Tuning) -> str:
-    values = ", ".join(f"{name} {significant(getattr(tuning.few_params, name), 4)}" for name in tuning.tunable.few)
+def _reduced_note(tuning: Tuning) -> str:
+    model = tuning.filter.reduced_model
+    values = ", ".join(f"{name} {significant(getattr(tuning.reduced_params, name), 4)}" for name in model.names)
     return paragraph(
-        f"The filter with {tuning.tunable.few_title} tuned, the others idle: {values}. Where it does about as well on "
-        "the test sessions, the other parameters earn nothing.",
+        f"The reduced model, with {model.title} tuned and the others held fixed: {values}. Where it does about as well "
+        "on the test sessions, the other parameters earn nothing.",
         "note",
     )

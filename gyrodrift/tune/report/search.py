@@ -38,13 +38,13 @@ def _search_legend(tuning: Tuning) -> str:
     marks += [("tuned", "key thin", "other seeds")] if tuning.others else []
     marks += [
         ("plain", "key dashed", "plain integration"),
-        ("two", "key dotted", f"filter with {tuning.tunable.few_title} tuned"),
+        ("two", "key dotted", f"filter with {tuning.filter.reduced_model.title} tuned"),
     ]
     return legend(marks)
 
 
 def _density_name(tuning: Tuning, axis: Axis) -> str:
-    known = tuning.tunable.meanings[axis.name]
+    known = tuning.filter.parameter(axis.name)
     unit = f", {known.unit}" if known.unit else ""
     return f"<b>{text(axis.name)}{unit}</b>" + span(f"found: {parameter(tuning, axis)}", "note")
 
@@ -63,7 +63,7 @@ def _density_words(tuning: Tuning) -> str:
 def _pi_table(tuning: Tuning) -> str:
     rows = [
         ("plain integration", tuning.euler),
-        (f"filter with {tuning.tunable.few_title} tuned", tuning.few),
+        (f"filter with {tuning.filter.reduced_model.title} tuned", tuning.reduced),
         ("tuned filter", tuning.run.pi),
     ]
     has_test = any(pi.test is not None for _, pi in rows)

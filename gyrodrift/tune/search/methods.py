@@ -1,4 +1,4 @@
-"""The search methods, each as one class that asks an `Objective` until the budget is spent."""
+"""The search methods, each as one class that asks an `Objective` until its evaluations are made."""
 
 import warnings
 from typing import Protocol
@@ -94,7 +94,7 @@ class RandomSearch(_AsMeant):
 
 
 class CmaEs(_AsMeant):
-    """CMA-ES by the `cma` package, from the middle of the cube, and its restarts with growing populations (IPOP)."""
+    """CMA-ES by the `cma` package, from the centre of the cube, and its restarts with growing populations (IPOP)."""
 
     SIGMA = 0.3
 
@@ -139,8 +139,8 @@ METHODS: dict[str, type[SearchMethod]] = {
 }
 
 
-def spend(method: SearchMethod, objective: Objective, seed: int) -> None:
-    """Let a method spend the whole budget; one that ends before is started again."""
+def run_to_budget(method: SearchMethod, objective: Objective, seed: int) -> None:
+    """Let a method search until all evaluations are made; one that ends before is started again."""
     rng = np.random.default_rng(seed)
     try:
         while objective.left:

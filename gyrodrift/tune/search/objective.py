@@ -1,11 +1,14 @@
-"""What every search method asks: the cost at points of the unit cube, counted, remembered, and never over budget."""
+"""What every search method asks: the cost at points of the unit cube, counted, cached, and never over budget."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.space import Axis, params_of
+from gyrodrift.evaluation.space import Axis, values_of
+
+OnProgress = Callable[[str, int, int], None]
+"""Called with what is being done, and how many evaluations of how many are made."""
 
 
 class BudgetSpentError(Exception):
@@ -13,21 +16,21 @@ class BudgetSpentError(Exception):
 
 
 class Objective:
-    """Counts and remembers evaluations.
+    """Counts evaluations and keeps them.
 
-    An earlier run with the same seed asks the same points in the same order: what it told is told again without
-    being worked out anew, and so any method can be resumed.
+    An earlier run with the same seed asks the same points in the same order: known costs are taken from a cache
+    and not worked out anew, and so any method can be resumed.
 
     Parameters
     ----------
     pi
-        From parameter vectors, shape (c, 5), to costs in deg², shape (c,).
+        From values of the axes, shape (c, axes), to costs in deg², shape (c,).
     axes
         What the unit cube stands for.
     evaluations
         How many there are in all.
     known
-        Points, shape (k, 5), and costs, shape (k,), of an earlier run.
+        Points, shape (k, axes), and costs, shape (k,), of an earlier run.
     on_batch
         Called after each batch.
     """
@@ -86,17 +89,17 @@ class Objective:
         if len(inside):
             start, end = self.count, self.count + len(inside)
             self._cube[start:end] = inside
-            self._costs[start:end] = self._told(start, end)
+            self._costs[start:end] = self._costs_of(start, end)
             self.count = end
             self._on_batch(self)
         if len(inside) < len(cube):
             raise BudgetSpentError
         return self._costs[start:end].copy()
 
-    def _told(self, start: int, end: int) -> Floats:
+    def _costs_of(self, start: int, end: int) -> Floats:
         points, costs = self._known
         if end <= len(costs) and np.array_equal(points[start:end], self._cube[start:end]):
             return costs[start:end]
         self._known = (points[:start], costs[:start])  # from here on this run is another one
-        found = self._pi(params_of(self.axes, self._cube[start:end]))
+        found = self._pi(values_of(self.axes, self._cube[start:end]))
         return np.where(np.isfinite(found), found, np.inf)

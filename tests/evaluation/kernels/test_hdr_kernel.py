@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from support import Recordings
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.integration import euler
 from gyrodrift.evaluation.kernels import hdr as kernel
 from gyrodrift.filters.hdr import ATTENUATOR_TABLE, HdrParams, HdrState, attenuated_step, coefficients, step
 
@@ -18,7 +19,7 @@ HIGH = (10.0, 1000.0, 2000.0, 1000.0, 10.0)
 """Bounds of `HdrParams`; theta_w has none above 0."""
 
 Walk = tuple[Floats, Floats, Floats]
-"""dt_s, rate_dps and reference_deg of a course."""
+"""dt_s, rate_dps and reference_deg of a session."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -49,10 +50,10 @@ def summed(path: list[float], reference_deg: Floats) -> tuple[float, float, floa
     return (inf, inf, inf, len(errors)) if isnan(squares) else (squares, absolutes, worst, len(errors))
 
 
-def assert_twins(course: Walk, params: Floats) -> None:
+def assert_twins(walked: Walk, params: Floats) -> None:
     """Every bit of yaw and of the sums."""
-    dt_s, rate_dps, reference_deg = course
-    *found, count = kernel.sums(*course, params)
+    dt_s, rate_dps, reference_deg = walked
+    *found, count = kernel.sums(*walked, params)
     for k, candidate in enumerate(params):
         path = stepped(dt_s, rate_dps, candidate)
         np.testing.assert_array_equal(kernel.yaw(dt_s, rate_dps, candidate), path)
@@ -103,13 +104,13 @@ vectors = st.tuples(*(st.one_of(st.floats(low, high), st.just(low)) for low, hig
 )
 def test_extremes_give_the_bits_of_the_filter(samples: list[tuple[float, float, float]], params: list[Floats]) -> None:
     """Steps and rates that leave the floats included: inf where the filter has inf or NaN, and no warning."""
-    course = np.array([(0.0, 0.25, 0.0), *samples]).T.copy()
-    assert_twins((course[0], course[1], course[2]), np.array(params))
+    walked = np.array([(0.0, 0.25, 0.0), *samples]).T.copy()
+    assert_twins((walked[0], walked[1], walked[2]), np.array(params))
 
 
 def test_runs_beyond_the_filters_table_and_beyond_the_kernels_reach_take_exact_steps() -> None:
     """A slow turn inside the turn switch, longer than what either remembers."""
-    samples = kernel.REACH + 300
+    samples = kernel.TABLE_SIZE + 300
     assert samples > ATTENUATOR_TABLE
     dt_s = np.full(samples, 0.01)
     dt_s[0] = 0.0
@@ -132,7 +133,7 @@ def test_a_step_is_0_where_the_power_overflows() -> None:
 
 
 def test_grouping_and_a_used_table_change_no_bit() -> None:
-    """Alone, in another order, and with steps that an earlier course left behind."""
+    """Alone, in another order, and with steps that an earlier session left behind."""
     dice = np.random.default_rng(5)
     first, second, params = walk(dice), walk(dice), candidates(dice, 8)
     together = np.array(kernel.sums(*second, params)[:3])
@@ -182,21 +183,21 @@ def test_no_candidates_have_no_sums() -> None:
 
 
 def test_nothing_that_was_given_is_changed() -> None:
-    """Candidates, also those in columns of something larger, and courses stay as they were."""
+    """Candidates, also those in columns of something larger, and sessions stay as they were."""
     dice = np.random.default_rng(1)
-    course, params = walk(dice, 2200), candidates(dice, 24)[::2]
+    walked, params = walk(dice, 2200), candidates(dice, 24)[::2]
     params[0, 0] = 0.0
-    before = [array.copy() for array in (*course, params)]
-    kernel.sums(*course, params)
-    kernel.euler(*course[:2])
-    for now, then in zip((*course, params), before, strict=True):
+    before = [array.copy() for array in (*walked, params)]
+    kernel.sums(*walked, params)
+    euler(*walked[:2])
+    for now, then in zip((*walked, params), before, strict=True):
         np.testing.assert_array_equal(now, then)
 
 
 def test_euler_adds_up_rates_times_steps() -> None:
     """From the second sample on."""
-    assert kernel.euler(np.array([0.0, 0.5, 2.0]), np.array([9.0, 1.0, -2.0])).tolist() == [0.0, 0.5, -3.5]
-    assert kernel.euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
+    assert euler(np.array([0.0, 0.5, 2.0]), np.array([9.0, 1.0, -2.0])).tolist() == [0.0, 0.5, -3.5]
+    assert euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
 
 
 @pytest.mark.parametrize("case", ["gaps", "other_parameters", "steady", "turns", "variable_dt", "zeros"])

@@ -5,12 +5,15 @@ from math import inf
 
 import numpy as np
 import pytest
-from tuning_support import curve, run
+from tuning_support import curve, curve_of, run
 
-from gyrodrift.evaluation.space import AXES
+from gyrodrift.evaluation.space import axes_of
+from gyrodrift.filters.hdr_filter import HDR
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.tune.report import figures
+
+AXES = axes_of(HDR)
 
 
 def test_the_best_so_far_falls_to_the_least() -> None:
@@ -30,7 +33,7 @@ def test_where_the_search_looked_has_the_mean_one() -> None:
 
 def test_errors_are_enlarged_only_where_that_shows_more() -> None:
     """A tuned filter as bad as plain integration needs one scale; a single bad session does not spoil it."""
-    good, bad = curve("good"), replace(curve("bad"), tuned_deg=curve("bad").euler_deg)
+    good, bad = curve(), curve_of(112.0, 112.0)
     assert figures.heights([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
     assert figures.heights([bad]).zoom_deg is None
     assert figures.heights([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)

@@ -7,14 +7,18 @@ from math import inf, nan
 import numpy as np
 import pytest
 from page_support import parsed, row, words
-from tuning_support import curve, run, score, tuning
+from tuning_support import curve, curve_of, of_e, run, score, tuning
 
-from gyrodrift.evaluation.space import AXES, linear
+from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.space import axes_of, linear
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.tune.result import Pi, Tuning
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.tune.report.page import judged, report_html
+
+AXES = axes_of(HDR)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -50,19 +54,19 @@ def test_without_test_sessions_it_says_so() -> None:
     """And shows no columns, table or figure of them."""
     html = report_html(tuning(train=1, test=0))
     assert "on the sessions it was tuned on" in words(html)
-    assert "No sessions were kept apart" in words(html)
+    assert "No sessions were held out" in words(html)
     assert "Figure 9" not in words(html)
     assert "Table 3" not in words(html)
     assert row(html, "tuned filter") == ["tuned filter", "0.1775"]
 
 
-def test_sessions_left_out_in_turn_are_the_verdict_without_others() -> None:
+def test_sessions_held_out_in_turn_are_the_verdict_without_others() -> None:
     """They were not seen by their own tuning."""
-    left = replace(tuning(test=0), left_out={"walk-0": 1.5, "walk-1": 2.5})
-    assert judged(left) == (56.4, 2.0, "on sessions left out in turn")
+    left = replace(tuning(test=0), cross_validation={"walk-0": of_e(1.5), "walk-1": of_e(2.5)})
+    assert judged(left) == (56.4, 2.0, "on sessions held out in turn")
     html = report_html(left)
-    assert "Yaw error falls from 56.4° to 2.00° on sessions left out in turn" in words(html)
-    assert "Left out in turn." in words(html)
+    assert "Yaw error falls from 56.4° to 2.00° on sessions held out in turn" in words(html)
+    assert "Leave-one-session-out cross-validation." in words(html)
     assert ["walk-1", "56.4", "0.500", "2.50"] in [
         ["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")
     ]
@@ -104,7 +108,7 @@ NAMES = [
 @pytest.mark.parametrize("name", NAMES)
 def test_any_name_is_only_text(name: str) -> None:
     """Marks of HTML, letters that the figures' font has not, characters that no page may hold."""
-    odd = replace(tuning(test=0), scores=(score(name),), curves=(curve(name),), left_out={name: 1.0}, method=name)
+    odd = replace(tuning(test=0), scores=(score(name),), cross_validation={name: of_e(1.0)}, method=name)
     html = report_html(odd, name)
     html.encode()
     assert re.sub("[\x00\x1b\udc80\ufffe]", "\ufffd", name) in "".join(parsed(html).itertext())
@@ -115,11 +119,18 @@ def numbers_of(svg: str) -> str:
     return "".join(re.findall(r' d="([^"]*)"', svg))
 
 
+def with_curves(usual: Tuning, curves: YawCurves | None) -> Tuning:
+    """Plotted for the first session alone, or for none."""
+    first, *others = usual.scores
+    return replace(usual, scores=(replace(first, curves=curves), *(replace(one, curves=None) for one in others)))
+
+
 def odd_tunings() -> dict[str, Tuning]:
     """Whatever a search may end as."""
     usual = tuning()
     run_away = np.where(np.arange(90) % 3 == 0, inf, usual.run.history)
-    gap = replace(curve("walk-0"), euler_deg=np.where(np.arange(400) < 9, nan, 3.0), tuned_deg=np.full(400, inf))
+    gap = curve_of(3.0, inf)
+    gap.yaw_deg[0, :9] = nan
     return {
         "no automata": replace(usual, method="de", run=replace(usual.run, densities=None)),
         "costs that are infinite": replace(usual, run=replace(usual.run, history=run_away)),
@@ -127,15 +138,15 @@ def odd_tunings() -> dict[str, Tuning]:
         "one evaluation": replace(usual, run=run(evaluations=1)),
         "one evaluation, no automata": replace(usual, run=replace(run(evaluations=1), densities=None)),
         "a perfect fit": replace(
-            usual, run=replace(usual.run, history=np.zeros(90), pi=Pi(0.0, 0.0)), few=Pi(0.0, 0.0)
+            usual, run=replace(usual.run, history=np.zeros(90), pi=Pi(0.0, 0.0)), reduced=Pi(0.0, 0.0)
         ),
         "no drift at all": replace(usual, euler=Pi(0.0, 0.0), scores=(score("walk-0", e_tuned_deg=0.0),)),
         "plain integration ran away": replace(usual, euler=Pi(inf, inf)),
         "a score that is infinite": replace(usual, scores=(*usual.scores, score("far", e_tuned_deg=inf))),
-        "curves with holes": replace(usual, curves=(gap,)),
-        "curves of nothing": replace(usual, curves=(replace(gap, euler_deg=np.full(400, nan)),)),
-        "no curves": replace(usual, curves=()),
-        "a curve of one point": replace(usual, curves=(curve("walk-0", points=1),)),
+        "curves with holes": with_curves(usual, gap),
+        "curves of nothing": with_curves(usual, curve_of(nan, inf)),
+        "no curves": with_curves(usual, None),
+        "a curve of one point": with_curves(usual, curve(points=1)),
         "narrow ranges": replace(usual, axes=tuple(replace(axis, low=0.4, high=0.5) for axis in AXES)),
         "linear axes": replace(usual, axes=linear(AXES), method="carla"),
         "a method of tomorrow": replace(usual, method="tomorrow"),
@@ -193,12 +204,15 @@ def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables
     """And the file stays small, with curves that are all noise."""
     many = tuning(train=40, test=40)
     rng = np.random.default_rng(2)
-    noisy = tuple(
-        replace(one, minutes=np.arange(4000.0), euler_deg=rng.normal(size=4000), tuned_deg=rng.normal(size=4000))
-        for one in many.curves
+    scores = tuple(
+        replace(
+            one,
+            tuned=of_e(1.0 + number % 40),
+            curves=YawCurves(np.arange(4000.0), np.zeros(4000), rng.normal(size=(2, 4000))),
+        )
+        for number, one in enumerate(many.scores)
     )
-    scores = tuple(replace(one, e_tuned_deg=1.0 + number % 40) for number, one in enumerate(many.scores))
-    html = report_html(replace(many, run=run(evaluations=20_000), curves=noisy, scores=scores))
+    html = report_html(replace(many, run=run(evaluations=20_000), scores=scores))
     assert len(html.encode()) < 3_000_000
     shown = [name.attrib["title"] for name in parsed(html).iter("b") if "title" in name.attrib]
     assert shown == [f"{kind}-{number}" for kind in ("walk", "check") for number in range(39, 27, -1)]

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from gyrodrift.errors import DataError
-from gyrodrift.evaluation.space import AXES
+from gyrodrift.evaluation.space import axes_of
+from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.objective import Objective
+
+AXES = axes_of(HDR)
 
 
 def asked(count: int) -> Objective:

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.space import AXES, Axis
-from gyrodrift.tune.search.methods import METHODS, spend
+from gyrodrift.evaluation.space import Axis, axes_of
+from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import BudgetSpentError, Objective
+
+AXES = axes_of(HDR)
 
 UNIT = tuple(Axis(axis.name, 0.0, 1.0) for axis in AXES)
 TARGET = np.array([0.3, 0.8, 0.45, 0.6, 0.15])
@@ -35,7 +38,7 @@ def half_infinite(params: Floats) -> Floats:
 
 def searched(method: str, pi: Pi, evaluations: int, seed: int = 0) -> Objective:
     objective = Objective(pi, UNIT, evaluations)
-    spend(METHODS[method](), objective, seed)
+    run_to_budget(METHODS[method](), objective, seed)
     return objective
 
 
@@ -72,7 +75,7 @@ def test_it_goes_on_where_an_earlier_run_ended(method: str) -> None:
         return ridge(params)
 
     objective = Objective(pi, UNIT, 400, known=(whole.cube[:250].copy(), whole.costs[:250].copy()))
-    spend(METHODS[method](), objective, 0)
+    run_to_budget(METHODS[method](), objective, 0)
     assert np.array_equal(objective.cube, whole.cube)
     assert np.array_equal(objective.costs, whole.costs)
     assert sum(fresh) < 250
@@ -82,7 +85,7 @@ def test_what_was_known_of_another_run_is_not_believed() -> None:
     """Points that differ are worked out."""
     known = (np.full((50, 5), 0.5), np.zeros(50))
     objective = Objective(ridge, UNIT, 100, known=known)
-    spend(METHODS["random"](), objective, 0)
+    run_to_budget(METHODS["random"](), objective, 0)
     assert objective.costs.min() >= 1.0
 
 

@@ -1,0 +1,32 @@
+"""What is drawn of a session."""
+
+import numpy as np
+
+from gyrodrift.evaluation.curves import yaw_curves
+from gyrodrift.evaluation.dataset import LoadedSession, SessionDescription
+from gyrodrift.evaluation.reference import timed_reference_of
+from gyrodrift.session.session import Session
+
+
+def loaded() -> LoadedSession:
+    """A turn of 2 deg/s that begins 100 s after power-on, with an encoder that says nothing at the second minute."""
+    t_s = np.linspace(100.0, 340.0, 5)
+    encoder_deg = np.linspace(10.0, 490.0, 5)
+    encoder_deg[2] = np.nan
+    times_s, reference = timed_reference_of(Session("turn", t_s, np.full(5, 2.0), encoder_deg=encoder_deg))
+    return LoadedSession(reference, SessionDescription("turn", "", 4.0, 1.0 / 60.0), times_s)
+
+
+def test_yaws_stand_at_the_samples_that_have_a_reference() -> None:
+    """Minutes from the first sample; errors are yaw less reference."""
+    yaws_deg = [np.array([0.0, 121.0, 242.0, 363.0, 484.0]), np.array([0.0, 120.0, 240.0, 360.0, 480.0])]
+    curves = yaw_curves(loaded(), yaws_deg, 100)
+    assert curves.minutes.tolist() == [0.0, 1.0, 3.0, 4.0]
+    assert curves.reference_deg.tolist() == [0.0, 120.0, 360.0, 480.0]
+    assert curves.errors_deg.tolist() == [[0.0, 1.0, 3.0, 4.0], [0.0, 0.0, 0.0, 0.0]]
+
+
+def test_of_many_samples_few_are_left_with_the_first_and_the_last() -> None:
+    """Evenly spread."""
+    curves = yaw_curves(loaded(), [np.zeros(5)], 2)
+    assert curves.minutes.tolist() == [0.0, 4.0]
