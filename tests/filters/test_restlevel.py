@@ -14,7 +14,7 @@ from support import Recordings
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.restlevel import walk
 from gyrodrift.evaluation.reference import accepted
-from gyrodrift.filters.restlevel.model import MOST, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
 

@@ -1,1 +1,1 @@
-"""Restlevel: drift learnt from the level that the rate keeps coming back to, with what is not known kept open."""
+"""Restlevel: a Gaussian-sum filter over which constant-rate segments were rests, and so zero-velocity updates."""
