@@ -83,8 +83,8 @@ def test_an_independent_reading_agrees_on_real_recordings(name: str, recordings:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_an_independent_reading_agrees_where_accounts_split_and_join(seed: int) -> None:
-    """Random motions and random parameters: plateaus of all lengths and levels, biases that drift."""
+def test_an_independent_reading_agrees_where_hypotheses_branch_and_merge(seed: int) -> None:
+    """Random motions and random parameters: segments of all lengths and rates, biases that drift."""
     dice = np.random.default_rng(seed)
     pieces = [(float(dice.choice([0.0, 0.0, 0.3, 5.0, -40.0])), float(dice.uniform(1.0, 8.0))) for _ in range(60)]
     true_dps = held(*pieces)
@@ -137,14 +137,14 @@ def test_saved_half_way_it_goes_on_with_the_same_bits() -> None:
 
 
 def test_it_does_not_grow() -> None:
-    """As many accounts after an hour as there were places at the start, and never more alive than it keeps."""
+    """As many places for hypotheses after an hour as at the start, and never more alive than it keeps."""
     t_s, rate_dps, _ = measured(held(*TURNS * 20), 0.3)
     c, s = coefficients(RestlevelParams()), RestlevelState()
-    places = len(s.accounts)
+    places = len(s.hypotheses)
     for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
         step(c, s, each_s, each_dps)
-        assert sum(h.weight > 0.0 for h in s.accounts) <= MOST
-    assert len(s.accounts) == places
+        assert sum(h.weight > 0.0 for h in s.hypotheses) <= MAX_HYPOTHESES
+    assert len(s.hypotheses) == places
 
 
 def test_what_cannot_be_used_is_passed_by_and_counted() -> None:
