@@ -12,7 +12,8 @@ from scipy.signal import lfilter
 from support import Recordings
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.kernels.restlevel import walk
+from gyrodrift.evaluation.kernels.compiled import array_of
+from gyrodrift.evaluation.kernels.restlevel import _follow, walk
 from gyrodrift.evaluation.reference import accepted
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
@@ -134,6 +135,16 @@ def test_saved_half_way_it_goes_on_with_the_same_bits() -> None:
         saved = deepcopy(state)
         walked(t_s[cut:][::-1], rate_dps[cut:], RestlevelParams(), state)
         np.testing.assert_array_equal(walked(t_s[cut:], rate_dps[cut:], RestlevelParams(), saved), whole[:, cut:])
+
+
+def test_a_plain_state_goes_on_compiled_with_the_same_bits() -> None:
+    """Half way a state is copied into a structured array, records within records included."""
+    t_s, rate_dps, _ = measured(held(*TURNS * 4), 0.3)
+    whole, state, cut = walked(t_s, rate_dps, RestlevelParams()), RestlevelState(), 5000
+    walked(t_s[:cut], rate_dps[:cut], RestlevelParams(), state)
+    found = np.zeros((3, len(t_s) - cut))
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), np.diff(t_s)[cut - 1 :], rate_dps[cut:], found)
+    np.testing.assert_array_equal(found, whole[:, cut:])
 
 
 def test_it_does_not_grow() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from functools import cache
 from types import FunctionType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numba import njit
@@ -42,17 +42,18 @@ def layout(record: type) -> np.dtype[Any]:
         kind = hints[place.name]
         if kind in KINDS:
             places.append((place.name, KINDS[kind]))
-        elif is_dataclass(kind):
-            places.append((place.name, layout(kind)))
-        else:
+        elif get_origin(kind) is list:
             (inner,) = get_args(kind)
             places.append((place.name, layout(inner), (len(getattr(record(), place.name)),)))
+        else:
+            places.append((place.name, layout(kind)))
     return np.dtype(places, align=True)
 
 
 def array_of(value: Any) -> np.ndarray[tuple[int], np.dtype[Any]]:
     """A record as a structured array of one."""
-    made = np.zeros(1, layout(type(value)))
+    record: Any = type(value)
+    made = np.zeros(1, layout(record))
     _fill(made[0], value)
     return made
 
