@@ -33,7 +33,7 @@ blind: $(VENV)/ready-to-test
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
 	$(BIN)/python -m firmware_sim.gallery --out docs/effects
-	$(BIN)/python -m gyrodrift.filters.restlevel.picture --out docs/restlevel.png
+	$(BIN)/python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png
 
 clean:
 	rm -rf $(VENV)

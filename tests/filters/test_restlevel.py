@@ -12,9 +12,10 @@ from scipy.signal import lfilter
 from support import Recordings
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.kernels.restlevel import walk
+from gyrodrift.evaluation.kernels.compiled import array_of
+from gyrodrift.evaluation.kernels.restlevel import _follow, walk
 from gyrodrift.evaluation.reference import accepted
-from gyrodrift.filters.restlevel.model import MOST, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
 
@@ -83,8 +84,8 @@ def test_an_independent_reading_agrees_on_real_recordings(name: str, recordings:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_an_independent_reading_agrees_where_accounts_split_and_join(seed: int) -> None:
-    """Random motions and random parameters: plateaus of all lengths and levels, biases that drift."""
+def test_an_independent_reading_agrees_where_hypotheses_branch_and_merge(seed: int) -> None:
+    """Random motions and random parameters: segments of all lengths and rates, biases that drift."""
     dice = np.random.default_rng(seed)
     pieces = [(float(dice.choice([0.0, 0.0, 0.3, 5.0, -40.0])), float(dice.uniform(1.0, 8.0))) for _ in range(60)]
     true_dps = held(*pieces)
@@ -136,15 +137,25 @@ def test_saved_half_way_it_goes_on_with_the_same_bits() -> None:
         np.testing.assert_array_equal(walked(t_s[cut:], rate_dps[cut:], RestlevelParams(), saved), whole[:, cut:])
 
 
+def test_a_plain_state_goes_on_compiled_with_the_same_bits() -> None:
+    """Half way a state is copied into a structured array, records within records included."""
+    t_s, rate_dps, _ = measured(held(*TURNS * 4), 0.3)
+    whole, state, cut = walked(t_s, rate_dps, RestlevelParams()), RestlevelState(), 5000
+    walked(t_s[:cut], rate_dps[:cut], RestlevelParams(), state)
+    found = np.zeros((3, len(t_s) - cut))
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), np.diff(t_s)[cut - 1 :], rate_dps[cut:], found)
+    np.testing.assert_array_equal(found, whole[:, cut:])
+
+
 def test_it_does_not_grow() -> None:
-    """As many accounts after an hour as there were places at the start, and never more alive than it keeps."""
+    """As many places for hypotheses after an hour as at the start, and never more alive than it keeps."""
     t_s, rate_dps, _ = measured(held(*TURNS * 20), 0.3)
     c, s = coefficients(RestlevelParams()), RestlevelState()
-    places = len(s.accounts)
+    places = len(s.hypotheses)
     for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
         step(c, s, each_s, each_dps)
-        assert sum(h.weight > 0.0 for h in s.accounts) <= MOST
-    assert len(s.accounts) == places
+        assert sum(h.weight > 0.0 for h in s.hypotheses) <= MAX_HYPOTHESES
+    assert len(s.hypotheses) == places
 
 
 def test_what_cannot_be_used_is_passed_by_and_counted() -> None:

@@ -1,14 +1,14 @@
 """Filters written in plain Python, compiled as they stand: one source, and so the same bits.
 
 A filter's functions take its records by their attributes. Structured arrays of numpy have attributes too once they
-are compiled, so the same source runs on both.
+are compiled, records within records included, so the same source runs on both.
 """
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import cache
 from types import FunctionType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numba import njit
@@ -30,23 +30,30 @@ def compiled(function: FunctionType) -> Callable[..., Any]:
     return made
 
 
+@cache
 def layout(record: type) -> np.dtype[Any]:
-    """The structured type with the fields of a dataclass; a list of records takes as many as a new one has."""
+    """The structured type with the fields of a dataclass.
+
+    A field is a float, an int, a bool, another such dataclass, or a list of one: as many as a new record has.
+    """
     places: list[tuple[Any, ...]] = []
     hints = get_type_hints(record)
     for place in fields(record):
         kind = hints[place.name]
         if kind in KINDS:
             places.append((place.name, KINDS[kind]))
-        else:
+        elif get_origin(kind) is list:
             (inner,) = get_args(kind)
             places.append((place.name, layout(inner), (len(getattr(record(), place.name)),)))
+        else:
+            places.append((place.name, layout(kind)))
     return np.dtype(places, align=True)
 
 
 def array_of(value: Any) -> np.ndarray[tuple[int], np.dtype[Any]]:
     """A record as a structured array of one."""
-    made = np.zeros(1, layout(type(value)))
+    record: Any = type(value)
+    made = np.zeros(1, layout(record))
     _fill(made[0], value)
     return made
 
@@ -57,5 +64,7 @@ def _fill(place: Any, value: Any) -> None:
         if isinstance(content, list):
             for inner, one in zip(place[each.name], content, strict=True):
                 _fill(inner, one)
+        elif is_dataclass(content):
+            _fill(place[each.name], content)
         else:
             place[each.name] = content

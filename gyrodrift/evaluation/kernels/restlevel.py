@@ -12,20 +12,21 @@ from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
 _advance: Any = compiled(advance)
+_NEW_STATE = array_of(RestlevelState())
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
     found = np.empty((3, len(params)))
     for number, row in enumerate(params.tolist()):
-        _add_up(_coefficients(row), array_of(RestlevelState()), dt_s, rate_dps, reference_deg, found[:, number])
+        _add_up(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, reference_deg, found[:, number])
     return np.where(np.isfinite(found), found, np.inf)
 
 
 def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams) -> Floats:
     """Yaw in deg, its standard deviation in deg and the bias in deg/s, shape (3, n)."""
     found = np.zeros((3, len(dt_s)))
-    _follow(array_of(coefficients(params)), array_of(RestlevelState()), dt_s, rate_dps, found)
+    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, found)
     return found
 
 

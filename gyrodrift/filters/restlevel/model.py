@@ -1,12 +1,21 @@
-"""What restlevel consists of: parameters, what follows from them, what it holds for possible, and its state."""
+"""What restlevel consists of: parameters, the coefficients that follow from them, and the state."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
 
-MOST = 6
-"""Accounts that are kept from one plateau to the next; each can become two at a plateau."""
+from gyrodrift.filters.restlevel.state import (
+    BlockStats,
+    EndedSegment,
+    Hypothesis,
+    MixtureMoments,
+    NoiseModel,
+    RateSegment,
+)
+
+MAX_HYPOTHESES = 6
+"""Hypotheses that are kept from one segment to the next; each can branch into two at a segment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,24 +25,26 @@ class RestlevelParams:
     window_s
         Length of the blocks that rest is looked for in, s. Small: short stops are found. Large: noise averages out.
     quiet
-        How much the variance of a block may lie above that of the sensor's own noise, in standard errors. Small:
-        noisy rests are missed. Large: gentle motion passes for rest until its level gives it away.
+        Stationarity threshold: how far the variance of a block may lie above that of the sensor's own noise, in
+        sigmas of a variance. Small: noisy rests are missed. Large: gentle motion passes for rest until its block
+        means give it away.
     turn_on_dps
-        Standard deviation of the bias at power-on, deg/s. Small: a first level far from zero is taken for a spin.
-        Large: a slow spin is taken for a bias.
+        Sigma of the turn-on bias, deg/s. Small: a first constant rate far from zero is taken for a spin. Large: a
+        slow spin is taken for a bias.
     walk_dps_rts
-        How fast the bias walks, deg/s/√s. Small: long averages. Large: every rest begins anew.
+        Rate random walk K of IEEE Std 952, deg/s/√s. Small: long averages. Large: every rest begins anew.
     drift_dps_s
-        The fastest that a bias drifts, deg/s², while the sensor warms up or the air changes. Small: a rest after a
-        fast change is taken for a spin. Large: a slow change of a true rate is taken for drift.
+        Rate ramp R of IEEE Std 952, deg/s²: the fastest that the bias drifts while the sensor warms up or the air
+        changes. Small: a rest after a fast change is taken for a spin. Large: a slow change of a true rate is taken
+        for drift.
     still_start
-        Probability that the device stands still when its first sample comes. Near 1: a level from the first sample
-        on is a bias. Small: it is a spin until the rate has come back to it. Nothing in the rate tells the two apart.
+        Prior probability of rest at the first sample. Near 1: a constant rate from the first sample on is a bias.
+        Small: it is a spin until the rate has come back to it. Nothing in the rate tells the two apart.
     rest_share
-        Probability that a later constant level is a rest, before it is compared with anything. Small: a level has
-        to come back before it is believed. Large: the first one is.
+        Prior probability of rest for a later constant-rate segment. Small: a rate has to come back before it is
+        believed to be a bias. Large: the first one is.
     scale_percent
-        Standard deviation of the scale factor, %. It changes nothing but `yaw_sigma_deg`.
+        Sigma of the scale factor, %. It changes nothing but `yaw_sigma_deg`.
     """
 
     window_s: Annotated[float, Gt(0.0), Le(60.0)] = 0.3
@@ -48,64 +59,37 @@ class RestlevelParams:
 
 @dataclass(frozen=True, slots=True)
 class RestlevelCoefficients:
-    """What follows from the parameters alone: variances in place of standard deviations, odds for probabilities.
+    """What follows from the parameters alone: variances in place of sigmas, odds in place of probabilities.
 
+    window_s
+        Length of a block, s.
+    stationarity_sigmas
+        Stationarity threshold, in sigmas of a variance.
+    turn_on_var
+        Variance of the turn-on bias, (deg/s)².
+    rate_walk_var
+        K² of the rate random walk: what it adds to the variance of the bias, (deg/s)² per s.
+    rate_ramp_dps_s
+        R of the rate ramp, deg/s².
     start_odds_dps, rest_odds_dps
-        Odds of a rest against a spin of some constant rate, at the start and later, deg/s: times a probability
-        density of levels they are a number.
+        Prior odds of a rest against a spin of some constant rate, at the start and later, deg/s: times the
+        probability density of a rate they are a number.
+    scale_sigma
+        Sigma of the scale factor, as a share.
     """
 
     window_s: float
-    quiet: float
+    stationarity_sigmas: float
     turn_on_var: float
-    walk_var_per_s: float
-    drift_dps_s: float
+    rate_walk_var: float
+    rate_ramp_dps_s: float
     start_odds_dps: float
     rest_odds_dps: float
-    scale: float
+    scale_sigma: float
 
 
-@dataclass(slots=True)
-class Account:
-    """One account of what has happened: which of the plateaus were rests. A slot of weight 0 is free.
-
-    weight
-        Its probability.
-    bias_dps, yaw_deg
-        What follows from it.
-    bias_var, covariance, yaw_var
-        How certain that is, (deg/s)², deg²/s and deg².
-    knows_bias
-        There has been a rest in it. Until then the bias is 0 with the spread of the power-on.
-    rests, rested
-        The device stands still now; it did on the plateau before.
-    is_news
-        That it rests has taught this account a bias it did not expect, and not for long yet.
-    moved_s
-        Time since the last rest, s.
-    entry_yaw_deg, entry_covariance, entry_yaw_var, entry_moved_s
-        As they were where the plateau began: what is gained in a rest is taken back.
-    """
-
-    weight: float = 0.0
-    bias_dps: float = 0.0
-    yaw_deg: float = 0.0
-    bias_var: float = 0.0
-    covariance: float = 0.0
-    yaw_var: float = 0.0
-    knows_bias: bool = False
-    rests: bool = False
-    rested: bool = False
-    is_news: bool = False
-    moved_s: float = 0.0
-    entry_yaw_deg: float = 0.0
-    entry_covariance: float = 0.0
-    entry_yaw_var: float = 0.0
-    entry_moved_s: float = 0.0
-
-
-def _no_accounts() -> list[Account]:
-    return [Account() for _ in range(2 * MOST)]
+def _free_places() -> list[Hypothesis]:
+    return [Hypothesis() for _ in range(2 * MAX_HYPOTHESES)]
 
 
 @dataclass(slots=True)
@@ -115,36 +99,23 @@ class RestlevelState:
     t_s, rate_dps
         Of the last accepted sample.
     yaw_deg, yaw_sigma_deg
-        Yaw, 0 at the first sample, and its standard deviation.
+        Yaw, 0 at the first sample unless it was set before, and its sigma.
     bias_dps, bias_sigma_dps
-        The drift estimate, and its standard deviation.
+        The bias estimate and its sigma, as of the last block.
     rest_probability
-        Probability that the device stands still, as of the last block.
+        Probability that the device is at rest, as of the last block.
     confidence
-        Probability of the account that is believed most.
+        Probability of the most probable hypothesis.
     samples, rejected
         Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
 
-    block_*
-        The block that is being filled: its length, its samples, the angle turned in deg, and sums of rates and
-        squares less its first rate.
-    noise_var, variance_before, least_step_dps, density_var
-        Of the sensor itself: variance of samples at rest; variance of the last block; smallest step between two
-        samples, which is the resolution; variance of a block's mean times its length, (deg/s)²·s. −1 until known.
-    quiet_blocks, knows_density
-        Blocks that the noise is known from, up to 20; whether the density has been seen at a rest, or is only what
-        white noise would make it.
-    flicker_var
-        By how much levels at rest wander beyond that within seconds, (deg/s)².
+    start_yaw_deg
+        Yaw at the first sample.
     blocks
-        Ended so far.
-    plateau_*
-        Constant rate: its blocks so far, 0 for none; its level now; the sum of its first two levels; the last level.
-    left_level_dps, left_gently, left_long, left_blocks
-        Level of the last plateau that was confirmed, whether it ended gently and had been a long one, and the blocks
-        since it ended.
-    base_*
-        The accounts taken together as the block began: yaw, its variances.
+        Blocks that have ended so far.
+    block, noise, segment, ended, hypotheses, moments
+        The block that is being filled; the sensor's noise; the present constant-rate segment and the last one that
+        has ended; the Gaussian sum, and its moments as the block began.
     """
 
     t_s: float = 0.0
@@ -157,31 +128,11 @@ class RestlevelState:
     confidence: float = 1.0
     samples: int = 0
     rejected: int = 0
-    block_seconds: float = 0.0
-    block_samples: int = 0
-    block_turned_deg: float = 0.0
-    block_first_dps: float = 0.0
-    block_sum: float = 0.0
-    block_squares: float = 0.0
-    noise_var: float = -1.0
-    variance_before: float = -1.0
-    least_step_dps: float = -1.0
-    density_var: float = -1.0
-    quiet_blocks: int = 0
-    knows_density: bool = False
-    flicker_var: float = 0.0
+    block: BlockStats = field(default_factory=BlockStats)
+    start_yaw_deg: float = 0.0
     blocks: int = 0
-    plateau_blocks: int = 0
-    plateau_level_dps: float = 0.0
-    plateau_head_dps: float = 0.0
-    plateau_last_dps: float = 0.0
-    left_level_dps: float = 0.0
-    left_gently: bool = False
-    left_long: bool = False
-    left_blocks: int = 1 << 30
-    base_yaw_deg: float = 0.0
-    base_yaw_var: float = 0.0
-    base_covariance: float = 0.0
-    base_bias_var: float = 0.0
-    begun_yaw_deg: float = 0.0
-    accounts: list[Account] = field(default_factory=_no_accounts)
+    noise: NoiseModel = field(default_factory=NoiseModel)
+    segment: RateSegment = field(default_factory=RateSegment)
+    ended: EndedSegment = field(default_factory=EndedSegment)
+    moments: MixtureMoments = field(default_factory=MixtureMoments)
+    hypotheses: list[Hypothesis] = field(default_factory=_free_places)

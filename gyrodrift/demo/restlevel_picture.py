@@ -1,6 +1,6 @@
-"""The picture of docs/filters.md: what restlevel holds for possible in a minute and a half that begins in motion.
+"""The picture of restlevel in the docs: its hypotheses in a minute and a half that begins in motion.
 
-Drawn by `python -m gyrodrift.filters.restlevel.picture --out docs/restlevel.png`; matplotlib comes with the workstation
+Drawn by `python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png`; matplotlib comes with the workstation
 extra.
 """
 
@@ -45,19 +45,19 @@ def draw(path: Path) -> None:
     """Write the picture."""
     t_s, rate_dps, true_deg = motion()
     c, s = coefficients(RestlevelParams()), RestlevelState()
-    accounts: list[tuple[float, float, float]] = []
+    hypotheses: list[tuple[float, float, float]] = []
     rows = []
     for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
         step(c, s, each_s, each_dps)
         rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.rest_probability))
         if s.samples % EVERY == 0:
-            accounts += [(each_s, h.bias_dps, h.weight) for h in s.accounts if h.weight > 0.0]
+            hypotheses += [(each_s, h.bias_dps, h.weight) for h in s.hypotheses if h.weight > 0.0]
     t_s, rate_dps, true_deg, plain_deg = (each[::EVERY] for each in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
     yaw_deg, sigma_deg, bias_dps, resting = np.array(rows[::EVERY]).T
     mpl.rcParams.update({"font.size": 9.0})
     figure, (rates, biases, errors) = plt.subplots(3, 1, figsize=(8.0, 6.6), sharex=True, layout="constrained")
     _rates(rates, t_s, rate_dps, resting)
-    _biases(biases, t_s, bias_dps, accounts)
+    _biases(biases, t_s, bias_dps, hypotheses)
     _errors(errors, t_s, plain_deg / RATE_HZ - true_deg, yaw_deg - true_deg, sigma_deg)
     figure.savefig(path, dpi=110)
     plt.close(figure)
@@ -66,15 +66,15 @@ def draw(path: Path) -> None:
 def _rates(axes: Axes, t_s: np.ndarray, rate_dps: np.ndarray, resting: np.ndarray) -> None:
     axes.plot(t_s, rate_dps, color=GREY, linewidth=0.6)
     axes.fill_between(t_s, -40.0, 40.0, where=(resting > 0.5).tolist(), color=BLUE, alpha=0.15, linewidth=0.0)
-    axes.set(ylabel="measured rate, deg/s", ylim=(-40.0, 40.0), title="shaded: held to be at rest")
+    axes.set(ylabel="measured rate, deg/s", ylim=(-40.0, 40.0), title="shaded: probably at rest")
 
 
-def _biases(axes: Axes, t_s: np.ndarray, bias_dps: np.ndarray, accounts: list[tuple[float, float, float]]) -> None:
-    at_s, each_dps, weights = np.array(accounts).T
+def _biases(axes: Axes, t_s: np.ndarray, bias_dps: np.ndarray, hypotheses: list[tuple[float, float, float]]) -> None:
+    at_s, each_dps, weights = np.array(hypotheses).T
     axes.axhline(BIAS_DPS, color="black", linewidth=0.8, linestyle=":")
     axes.scatter(at_s, each_dps, s=30.0 * weights + 0.5, color=GREY, linewidths=0.0)
     axes.plot(t_s, bias_dps, color=BLUE, linewidth=1.2)
-    axes.set(ylabel="bias, deg/s", title="grey: every account, as large as it is probable; dotted: the truth")
+    axes.set(ylabel="bias, deg/s", title="grey: every hypothesis, as large as it is probable; dotted: the truth")
     axes.set_yscale("symlog", linthresh=1.0)
     axes.set_yticks([-1.0, 0.0, 1.0, 10.0], ["−1", "0", "1", "10"])
 

@@ -1,0 +1,142 @@
+"""Zero-velocity updates: the mean rate of a rest is a measurement of the bias, and corrects yaw along with it.
+
+At rest the true angular rate is zero (a zero-velocity update, ZUPT, of a gyro alone: a zero angular rate update,
+ZARU). Each update is made under two models of how the bias has changed since the rest before, a rate random walk and a
+rate ramp (IEEE Std 952), and the two posteriors are merged into one Gaussian by their likelihoods, as interacting
+multiple models do (Blom and Bar-Shalom 1988).
+"""
+
+from math import exp, log, pi
+from typing import NamedTuple
+
+from gyrodrift.filters.restlevel.model import RestlevelCoefficients
+from gyrodrift.filters.restlevel.state import Hypothesis
+
+RAMP_PROBABILITY = 0.3
+"""Prior probability that the bias has followed a ramp since the rest before, rather than a random walk."""
+
+MAX_RAMP_S = 20.0
+"""A ramp does not last longer than this."""
+
+UNEXPECTED_VAR = 9.0
+"""A squared innovation of so many times its variance is an unexpected bias: three sigmas."""
+
+WIDE_PROBABILITY = 0.03
+WIDE_FACTOR = 16.0
+"""Of parts whose turn-on bias is far out, and how much larger its variance is."""
+
+MAX_LOG_ODDS = 700.0
+"""Beyond it exp() leaves the floats."""
+
+
+class KalmanStep(NamedTuple):
+    """What one measurement of the bias does to a Gaussian over yaw and bias.
+
+    bias_dps, yaw_deg
+        Corrections of the mean.
+    bias_var, covariance, yaw_var
+        Covariance matrix after the update: (deg/s)², deg²/s and deg².
+    """
+
+    bias_dps: float
+    yaw_deg: float
+    bias_var: float
+    covariance: float
+    yaw_var: float
+
+
+def kalman_gain(bias_var: float, covariance: float, mean_var: float) -> tuple[float, float]:
+    """The share of an innovation that goes to the bias, and what goes to yaw, in s."""
+    return bias_var / (bias_var + mean_var), covariance / (bias_var + mean_var)
+
+
+def kalman_step(
+    innovation_dps: float, bias_var: float, covariance: float, yaw_var: float, mean_var: float
+) -> KalmanStep:
+    """The update of a Gaussian over yaw and bias by a block mean at rest, whose variance is `mean_var`."""
+    gain, yaw_gain_s = kalman_gain(bias_var, covariance, mean_var)
+    return KalmanStep(
+        gain * innovation_dps,
+        yaw_gain_s * innovation_dps,
+        bias_var * (1.0 - gain),
+        covariance * (1.0 - gain),
+        yaw_var - yaw_gain_s * covariance,
+    )
+
+
+def gaussian_logpdf(x: float, variance: float) -> float:
+    """Logarithm of the density of a normal distribution with mean 0."""
+    return -0.5 * (x * x / variance + log(2.0 * pi * variance))
+
+
+def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: float) -> float:
+    """Update a hypothesis by a block mean at rest, under the random-walk model and the ramp model.
+
+    Parameters
+    ----------
+    h
+        Is changed: the two posteriors are merged by their moments.
+    mean_dps, mean_var
+        The block mean and its variance, deg/s and (deg/s)².
+    ramp_var
+        Variance of what a ramp has added to the bias since the last rest, (deg/s)². The addition grew evenly, so
+        that yaw is off by half of it times that time.
+
+    Returns
+    -------
+    float
+        Logarithm of the likelihood of the block mean.
+    """
+    innovation_dps = mean_dps - h.bias_dps
+    half_s = 0.5 * h.moving_s
+    ramp_bias_var, ramp_covariance = h.bias_var + ramp_var, h.covariance - ramp_var * half_s
+    ramp_yaw_var = h.yaw_var + ramp_var * half_s * half_s
+    walk_logpdf = gaussian_logpdf(innovation_dps, h.bias_var + mean_var)
+    ramp_logpdf = gaussian_logpdf(innovation_dps, ramp_bias_var + mean_var)
+    walk_odds = exp(max(-MAX_LOG_ODDS, min(walk_logpdf - ramp_logpdf, MAX_LOG_ODDS)))
+    evidence = RAMP_PROBABILITY + (1.0 - RAMP_PROBABILITY) * walk_odds  # as a multiple of the ramp's likelihood
+    walk = kalman_step(innovation_dps, h.bias_var, h.covariance, h.yaw_var, mean_var)
+    ramp = kalman_step(innovation_dps, ramp_bias_var, ramp_covariance, ramp_yaw_var, mean_var)
+    _mix(h, walk, ramp, RAMP_PROBABILITY / evidence)
+    return ramp_logpdf + log(evidence)
+
+
+def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float, mean_var: float) -> float:
+    """The same at the beginning of a rest, after whatever has happened since the last one.
+
+    A hypothesis without a rest so far has its bias from the turn-on: one Gaussian of typical parts and a wide one.
+    """
+    innovation_dps = mean_dps - h.bias_dps
+    is_far = innovation_dps * innovation_dps > UNEXPECTED_VAR * (h.bias_var + mean_var)
+    h.is_unexpected_bias = not h.knows_bias or is_far
+    if h.knows_bias:
+        ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
+        log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)
+    else:
+        log_likelihood = _turn_on_logpdf(c.turn_on_var, mean_dps, mean_var)
+        widened = mean_dps * mean_dps / (UNEXPECTED_VAR * h.bias_var)
+        if widened > 1.0:
+            h.bias_var *= widened
+            h.covariance *= widened
+        kalman_update(h, mean_dps, mean_var, 0.0)
+        h.knows_bias = True
+    h.moving_s = 0.0
+    return log_likelihood
+
+
+def _turn_on_logpdf(turn_on_var: float, mean_dps: float, mean_var: float) -> float:
+    typical = gaussian_logpdf(mean_dps, turn_on_var + mean_var)
+    wide = gaussian_logpdf(mean_dps, WIDE_FACTOR * turn_on_var + mean_var)
+    odds = exp(min(typical - wide, MAX_LOG_ODDS))
+    return wide + log(WIDE_PROBABILITY + (1.0 - WIDE_PROBABILITY) * odds)
+
+
+def _mix(h: Hypothesis, walk: KalmanStep, ramp: KalmanStep, ramp_share: float) -> None:
+    """Into the hypothesis: the Gaussian with the moments of both posteriors, the ramp's with the given share."""
+    apart_dps, apart_deg = ramp.bias_dps - walk.bias_dps, ramp.yaw_deg - walk.yaw_deg
+    spread = ramp_share * (1.0 - ramp_share)
+    h.bias_dps += walk.bias_dps + ramp_share * apart_dps
+    h.yaw_deg += walk.yaw_deg + ramp_share * apart_deg
+    h.bias_var = walk.bias_var + ramp_share * (ramp.bias_var - walk.bias_var) + spread * apart_dps * apart_dps
+    h.covariance = walk.covariance + ramp_share * (ramp.covariance - walk.covariance) + spread * apart_dps * apart_deg
+    h.yaw_var = walk.yaw_var + ramp_share * (ramp.yaw_var - walk.yaw_var) + spread * apart_deg * apart_deg

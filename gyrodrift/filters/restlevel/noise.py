@@ -1,0 +1,83 @@
+"""The sensor's own noise: whether a block shows no more than that, and how large it is."""
+
+from math import exp, sqrt
+
+from gyrodrift.filters.restlevel.model import RestlevelCoefficients
+from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
+
+MIN_VAR = 1e-12
+"""Of samples, (deg/s)²: what keeps a sensor that repeats itself from having no noise at all."""
+
+NOISE_BLOCKS = 20
+"""Up to so many stationary blocks the noise is their mean, and itself uncertain; later it follows."""
+
+NOISE_GAIN = 0.05
+NOISE_RISE = 0.001
+"""The noise follows stationary blocks by this exponent, and rises by this share of itself a second in all others: a
+motor that was switched on."""
+
+DROP_SIGMAS = 4.5
+"""Two blocks in a row whose variance is below the noise by so many sigmas are the noise."""
+
+WALK_GAIN = 0.05
+INNOVATION_CLIP = 9.0
+"""A squared step between two block means at rest counts up to this many times what is expected."""
+
+FLICKER_GAIN = 0.002
+FLICKER_CLIP = 4.0
+"""The same for flicker, which is learned over minutes: in seconds the slide of a gentle curve looks like it."""
+
+
+def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel) -> bool:
+    """Whether the block that has just ended shows no more than the sensor's noise, which is followed here.
+
+    Nothing is compared with a fixed threshold: noise is what the quietest blocks of this very sensor show.
+    """
+    variance = _variance(block, noise)
+    error = sqrt(2.0 / block.samples)  # of a variance, relative
+    if noise.sample_var < 0.0:
+        noise.sample_var = variance
+    limit = 1.0 + c.stationarity_sigmas * error * sqrt(1.0 + 1.0 / max(noise.stationary_blocks, 1))
+    if max(variance, noise.last_block_var) < noise.sample_var * exp(-DROP_SIGMAS * error):
+        noise.sample_var = max(variance, noise.last_block_var)
+    elif variance < noise.sample_var * limit:
+        noise.stationary_blocks = min(noise.stationary_blocks + 1, NOISE_BLOCKS)
+        if noise.stationary_blocks < NOISE_BLOCKS:
+            noise.sample_var += (variance - noise.sample_var) / noise.stationary_blocks
+        else:
+            noise.sample_var *= (variance / noise.sample_var) ** NOISE_GAIN
+    else:
+        noise.sample_var *= 1.0 + NOISE_RISE * block.seconds
+    noise.last_block_var = variance
+    if not noise.is_walk_measured:
+        noise.angle_walk_var = 2.0 * noise.sample_var / block.samples * block.seconds
+    return variance < noise.sample_var * limit
+
+
+def learn_at_rest(noise: NoiseModel, rest_weight: float, excess_var: float, step_dps: float, seconds: float) -> None:
+    """Follow flicker and angle random walk by a block at rest.
+
+    Parameters
+    ----------
+    noise
+        Is changed.
+    rest_weight
+        Probability that the block is at rest.
+    excess_var
+        By how much the innovation exceeded what was expected, weighted by probability, (deg/s)².
+    step_dps
+        Step from the block mean before to this one.
+    seconds
+        Length of the block.
+    """
+    noise.flicker_var = max(0.0, noise.flicker_var + FLICKER_GAIN * excess_var)
+    noise.is_walk_measured = noise.is_walk_measured or rest_weight > 0.5
+    seen_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
+    noise.angle_walk_var += WALK_GAIN * rest_weight * (seen_var - noise.angle_walk_var)
+
+
+def _variance(block: BlockStats, noise: NoiseModel) -> float:
+    """Of the samples of a block, (deg/s)²; no less than rounding to the resolution can hide."""
+    mean_dps = block.sum_dps / block.samples
+    resolution_var = 0.25 * noise.resolution_dps * noise.resolution_dps if noise.resolution_dps > 0.0 else 0.0
+    return max(block.sum_squares / block.samples - mean_dps * mean_dps, resolution_var, MIN_VAR)

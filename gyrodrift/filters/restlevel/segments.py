@@ -1,0 +1,99 @@
+"""Constant-rate segments: where one begins, how long it lasts, and whether it continues the one before."""
+
+from math import sqrt
+
+from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
+from gyrodrift.filters.restlevel.noise import is_stationary
+from gyrodrift.filters.restlevel.state import EndedSegment, NoiseModel, RateSegment
+
+CONFIRMED_BLOCKS = 5
+"""Blocks after which a segment is confirmed: the turning point of a gentle curve is over by then."""
+
+GATE_SIGMAS = 4.0
+"""A block whose mean is further from the segment's than this begins another segment."""
+
+SLOPE_SIGMAS = 2.0
+"""The two ends of a segment that is to be confirmed may differ by this: a curve's do."""
+
+GENTLE_DPS_S = 0.4
+"""A segment ends gently where the rate leaves it by less than this, deg/s², and the noise stays what it was."""
+
+MAX_GAP_BLOCKS = 10
+"""A segment may continue the one before within so many blocks; one that begins by then began at the start."""
+
+LONG_SEGMENT_S = 15.0
+LONG_GATE_SIGMAS = 6.0
+"""After a segment of this length the mean may be as far off as this: a bias that jumped, rather than a spin."""
+
+MEAN_BLOCKS = 10
+"""Blocks that the mean of a segment is taken over."""
+
+
+def track_segment(
+    c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float
+) -> None:
+    """Count a block: its mean belongs to the present segment, begins another, or there is none.
+
+    Parameters
+    ----------
+    c, s
+        Coefficients, and the state: segment, ended segment and noise are changed.
+    mean_dps, step_dps
+        Mean of the block that has just ended, and its step from the block before.
+    seconds
+        Length of the block.
+    """
+    segment, ended = s.segment, s.ended
+    blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
+    is_now_stationary = is_stationary(c, s.block, s.noise)
+    s.blocks += 1
+    if is_now_stationary:
+        _take_block(segment, s.noise, mean_dps, c.rate_ramp_dps_s * seconds, seconds)
+    else:
+        segment.blocks = 0
+    segment.last_mean_dps = mean_dps
+    if blocks_before >= CONFIRMED_BLOCKS > segment.blocks:
+        ended.mean_dps, ended.blocks_ago = mean_before_dps, 0
+        ended.was_long = blocks_before * seconds >= LONG_SEGMENT_S
+        ended.ended_gently = is_now_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
+    ended.blocks_ago += 1
+
+
+def update_mean(segment: RateSegment, mean_dps: float) -> None:
+    """Take the mean of a further block into the mean of the segment."""
+    segment.mean_dps += (mean_dps - segment.mean_dps) / min(segment.blocks, MEAN_BLOCKS)
+
+
+def continues(
+    c: RestlevelCoefficients, segment: RateSegment, ended: EndedSegment, noise: NoiseModel, seconds: float
+) -> bool:
+    """Whether a segment that has just been confirmed is the one before; `seconds` is the length of a block."""
+    mean_var = noise.angle_walk_var / seconds
+    ramp_dps = c.rate_ramp_dps_s * seconds * ended.blocks_ago
+    gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + noise.flicker_var
+    sigmas = LONG_GATE_SIGMAS if ended.was_long else GATE_SIGMAS
+    innovation_dps = segment.mean_dps - ended.mean_dps
+    is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
+    return is_soon and abs(innovation_dps) < sigmas * sqrt(gate_var)
+
+
+def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_dps: float, seconds: float) -> None:
+    """A stationary block: the segment goes on, or another begins."""
+    mean_var = noise.angle_walk_var / seconds
+    if segment.blocks == 0 or not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, noise.flicker_var):
+        segment.blocks = 1
+        segment.head_sum_dps = segment.mean_dps = mean_dps
+        return
+    segment.blocks += 1
+    if segment.blocks == 2:
+        segment.head_sum_dps += mean_dps
+    if segment.blocks == CONFIRMED_BLOCKS:
+        slope_dps = 0.5 * (segment.last_mean_dps + mean_dps - segment.head_sum_dps)
+        if abs(slope_dps) >= SLOPE_SIGMAS * sqrt(mean_var + 4.0 * ramp_dps * ramp_dps):
+            segment.blocks = 0
+
+
+def _is_in_gate(segment: RateSegment, mean_dps: float, mean_var: float, ramp_dps: float, flicker_var: float) -> bool:
+    """Whether a block mean may belong to the segment."""
+    gate_var = mean_var * (1.0 + 1.0 / min(segment.blocks, MEAN_BLOCKS)) + ramp_dps * ramp_dps + flicker_var
+    return abs(mean_dps - segment.mean_dps) < GATE_SIGMAS * sqrt(gate_var)

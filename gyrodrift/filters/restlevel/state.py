@@ -1,0 +1,164 @@
+"""The parts of restlevel's state: one small record for each thing that is followed from block to block.
+
+Fields are plain numbers and flags, and other such records: `gyrodrift.evaluation.kernels.compiled` lays them out as
+a structured array, on which the same source runs compiled.
+"""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(slots=True)
+class BlockStats:
+    """Running sums over the samples of the block that is being filled.
+
+    seconds, samples
+        Its length so far in s, and its number of samples.
+    turned_deg
+        Angle turned, by the trapezoidal rule.
+    origin_dps
+        Its first rate. The sums are of rates less this one, so that a large rate costs no digits.
+    sum_dps, sum_squares
+        Of the rates less `origin_dps`, deg/s, and of their squares, (deg/s)².
+    """
+
+    seconds: float = 0.0
+    samples: int = 0
+    turned_deg: float = 0.0
+    origin_dps: float = 0.0
+    sum_dps: float = 0.0
+    sum_squares: float = 0.0
+
+
+@dataclass(slots=True)
+class NoiseModel:
+    """What is known of the sensor's own noise. Variances and the resolution are −1 until they are known.
+
+    sample_var
+        Variance of the samples of stationary blocks, (deg/s)².
+    last_block_var
+        Variance of the samples of the block before, (deg/s)².
+    stationary_blocks
+        Blocks that `sample_var` is known from; it stops counting at `noise.NOISE_BLOCKS`.
+    resolution_dps
+        Smallest step ever seen between two samples, deg/s.
+    angle_walk_var
+        N² of the angle random walk (IEEE Std 952), deg²/s: the variance of a block mean times the block's length.
+    is_walk_measured
+        Whether N² has been measured at a rest; before that it is what white noise makes of `sample_var`.
+    flicker_var
+        Bias instability, (deg/s)²: how far block means at rest wander beyond what N² explains.
+    """
+
+    sample_var: float = -1.0
+    last_block_var: float = -1.0
+    stationary_blocks: int = 0
+    resolution_dps: float = -1.0
+    angle_walk_var: float = -1.0
+    is_walk_measured: bool = False
+    flicker_var: float = 0.0
+
+
+@dataclass(slots=True)
+class RateSegment:
+    """The present constant-rate segment: stationary blocks of one mean.
+
+    blocks
+        Its blocks so far; 0 where there is no segment, 1 where one begins.
+    mean_dps
+        Mean of its block means, a running one after the first few.
+    head_sum_dps
+        Sum of its first two block means.
+    last_mean_dps
+        Mean of the block before, whether that belonged to a segment or not.
+    """
+
+    blocks: int = 0
+    mean_dps: float = 0.0
+    head_sum_dps: float = 0.0
+    last_mean_dps: float = 0.0
+
+
+@dataclass(slots=True)
+class EndedSegment:
+    """The last confirmed constant-rate segment that has ended.
+
+    mean_dps
+        Its mean, deg/s.
+    was_long
+        It lasted `segments.LONG_SEGMENT_S` or more.
+    ended_gently
+        The rate left it slowly and without becoming noisy, as it leaves the flat part of a curve.
+    blocks_ago
+        Blocks since it ended; 1 for the block that ended it.
+    """
+
+    mean_dps: float = 0.0
+    was_long: bool = False
+    ended_gently: bool = False
+    blocks_ago: int = 1 << 30
+
+
+@dataclass(slots=True)
+class YawCheckpoint:
+    """Yaw of a hypothesis as it was where the present segment began; a rest is counted from there.
+
+    yaw_deg, yaw_var, covariance, moving_s
+        As in `Hypothesis`.
+    """
+
+    yaw_deg: float = 0.0
+    yaw_var: float = 0.0
+    covariance: float = 0.0
+    moving_s: float = 0.0
+
+
+@dataclass(slots=True)
+class Hypothesis:
+    """Which of the segments were rests, and the Gaussian over yaw and bias that follows. Weight 0 is a free place.
+
+    weight
+        Its probability.
+    bias_dps, yaw_deg
+        Mean.
+    bias_var, covariance, yaw_var
+        Covariance matrix: (deg/s)², deg²/s and deg².
+    knows_bias
+        It has had a zero-velocity update. Until then the bias is 0 with the sigma of the turn-on bias.
+    is_at_rest, was_at_rest
+        The device is at rest in the present segment; it was in the one before.
+    is_unexpected_bias
+        Its last rest began with a bias that it did not expect, and has not lasted long yet.
+    moving_s
+        Time since its last rest, s.
+    checkpoint
+        Yaw where the present segment began.
+    """
+
+    weight: float = 0.0
+    bias_dps: float = 0.0
+    yaw_deg: float = 0.0
+    bias_var: float = 0.0
+    covariance: float = 0.0
+    yaw_var: float = 0.0
+    knows_bias: bool = False
+    is_at_rest: bool = False
+    was_at_rest: bool = False
+    is_unexpected_bias: bool = False
+    moving_s: float = 0.0
+    checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
+
+
+@dataclass(slots=True)
+class MixtureMoments:
+    """All hypotheses collapsed into one Gaussian as the present block began; its bias is `RestlevelState.bias_dps`.
+
+    yaw_deg
+        Mean yaw.
+    bias_var, covariance, yaw_var
+        Covariance matrix: (deg/s)², deg²/s and deg².
+    """
+
+    yaw_deg: float = 0.0
+    bias_var: float = 0.0
+    covariance: float = 0.0
+    yaw_var: float = 0.0

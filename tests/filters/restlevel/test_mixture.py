@@ -1,0 +1,67 @@
+"""The Gaussian sum of restlevel: merging, pruning and collapsing, on numbers worked out by hand."""
+
+from dataclasses import replace
+
+import pytest
+
+from gyrodrift.filters.restlevel.mixture import collapse, is_in_merge_gate, merge_and_prune, moment_matched_merge
+from gyrodrift.filters.restlevel.model import RestlevelState
+from gyrodrift.filters.restlevel.state import Hypothesis
+
+
+def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
+    """A quarter at (0, 0) and three quarters at (4, −4), each with variances 1: what lies between adds 3/16 of 16."""
+    h = Hypothesis(weight=0.25, bias_var=1.0, yaw_var=1.0, moving_s=5.0)
+    other = Hypothesis(weight=0.75, bias_dps=4.0, yaw_deg=-4.0, bias_var=1.0, yaw_var=1.0, moving_s=2.0)
+    moment_matched_merge(h, other)
+    assert (h.weight, h.bias_dps, h.yaw_deg, h.moving_s) == (1.0, 3.0, -3.0, 2.0)
+    assert (h.bias_var, h.covariance, h.yaw_var) == (4.0, -3.0, 4.0)
+    assert other.weight == 0.0
+
+
+def test_the_merge_gate_is_the_smaller_sigma() -> None:
+    """Of bias and of yaw; and both hypotheses say the same of rest."""
+    h = Hypothesis(weight=0.5, bias_var=1.0, yaw_var=4.0)
+    assert is_in_merge_gate(h, Hypothesis(weight=0.5, bias_dps=0.9, yaw_deg=1.9, bias_var=9.0, yaw_var=9.0))
+    for other in (
+        Hypothesis(weight=0.5, bias_dps=1.1, bias_var=9.0, yaw_var=9.0),
+        Hypothesis(weight=0.5, yaw_deg=2.1, bias_var=9.0, yaw_var=9.0),
+        replace(h, is_at_rest=True),
+        replace(h, knows_bias=True),
+        replace(h, weight=0.0),
+    ):
+        assert not is_in_merge_gate(h, other)
+        assert not is_in_merge_gate(other, h)
+
+
+def test_the_least_probable_are_pruned() -> None:
+    """Of twelve that are far apart six are left, and their probabilities add up to 1."""
+    s = RestlevelState()
+    for number, h in enumerate(s.hypotheses):
+        h.weight, h.bias_dps, h.bias_var, h.yaw_var = number + 1.0, 10.0 * number, 1.0, 1.0
+    merge_and_prune(s)
+    assert [h.weight for h in s.hypotheses] == pytest.approx([0.0] * 6 + [k / 57.0 for k in range(7, 13)])
+
+
+def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
+    """Into the first place."""
+    s = RestlevelState()
+    for h in s.hypotheses:
+        h.weight, h.bias_var, h.yaw_var = 0.5, 1.0, 1.0
+    merge_and_prune(s)
+    assert [h.weight for h in s.hypotheses] == [1.0] + [0.0] * 11
+
+
+def test_collapsed_means_are_by_squared_probability() -> None:
+    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.64/0.68, and the variance about it is by probability."""
+    s = RestlevelState()
+    s.hypotheses[2] = Hypothesis(weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
+    s.hypotheses[5] = Hypothesis(weight=0.2, bias_var=0.5)
+    collapse(s)
+    assert s.bias_dps == pytest.approx(16.0 / 17.0)
+    assert s.moments.yaw_deg == pytest.approx(-32.0 / 17.0)
+    assert (s.confidence, s.rest_probability) == (0.8, 0.8)
+    spread = (0.8 * 1.0 + 0.2 * 16.0**2) / 17.0**2
+    assert s.bias_sigma_dps**2 == pytest.approx(0.5 + spread)
+    assert s.moments.covariance == pytest.approx(-2.0 * spread)
+    assert s.moments.yaw_var == pytest.approx(4.0 * spread)

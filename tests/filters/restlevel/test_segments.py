@@ -1,0 +1,115 @@
+"""Stationary blocks and constant-rate segments of restlevel, on blocks made by hand."""
+
+import pytest
+
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest
+from gyrodrift.filters.restlevel.segments import continues, track_segment, update_mean
+from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
+from gyrodrift.filters.restlevel.step import coefficients
+
+C = coefficients(RestlevelParams())
+
+
+def block(variance: float, seconds: float = 0.3) -> BlockStats:
+    """Ten samples of one variance."""
+    return BlockStats(seconds=seconds, samples=10, sum_squares=10.0 * variance)
+
+
+def track(s: RestlevelState, *means_dps: float, variance: float = 0.01, seconds: float = 0.3) -> None:
+    """Blocks with these means, one after the other."""
+    s.block = block(variance, seconds)
+    for mean_dps in means_dps:
+        track_segment(C, s, mean_dps, mean_dps - s.segment.last_mean_dps, seconds)
+        if s.segment.blocks > 1:
+            update_mean(s.segment, mean_dps)
+
+
+def test_the_first_block_is_the_noise() -> None:
+    """And white noise of that variance makes 2·0.01/10·0.3 of angle random walk."""
+    noise = NoiseModel()
+    assert is_stationary(C, block(0.01), noise)
+    assert noise.sample_var == pytest.approx(0.01)
+    assert noise.angle_walk_var == pytest.approx(0.0006)
+    assert noise.stationary_blocks == 1
+
+
+def test_a_noisy_block_is_not_stationary_and_raises_the_noise_slowly() -> None:
+    """By a thousandth a second."""
+    noise = NoiseModel()
+    is_stationary(C, block(0.01), noise)
+    assert not is_stationary(C, block(0.1), noise)
+    assert noise.sample_var == pytest.approx(0.01 * 1.0003)
+
+
+def test_two_blocks_far_below_the_noise_are_the_noise() -> None:
+    """The larger of the two: 4.5 sigmas below are a factor of exp(−2.01)."""
+    noise = NoiseModel()
+    is_stationary(C, block(1.0), noise)
+    is_stationary(C, block(0.01), noise)
+    assert noise.sample_var > 0.1
+    is_stationary(C, block(0.008), noise)
+    assert noise.sample_var == pytest.approx(0.01)
+
+
+def test_a_sensor_that_repeats_itself_has_the_noise_of_its_resolution() -> None:
+    """Half a step, squared."""
+    noise = NoiseModel(resolution_dps=0.2)
+    is_stationary(C, block(0.0), noise)
+    assert noise.sample_var == pytest.approx(0.01)
+
+
+def test_angle_random_walk_is_measured_at_rests() -> None:
+    """Half the squared step, clipped at nine times what is expected, with a weight of 0.05."""
+    noise = NoiseModel(angle_walk_var=0.01)
+    learn_at_rest(noise, 0.4, 0.0, 0.2, 1.0)
+    assert noise.angle_walk_var == pytest.approx(0.01 + 0.02 * (0.02 - 0.01))
+    assert not noise.is_walk_measured
+    noise.angle_walk_var = 0.01
+    learn_at_rest(noise, 1.0, 0.5, 10.0, 1.0)
+    assert noise.angle_walk_var == pytest.approx(0.01 + 0.05 * (0.09 - 0.01))
+    assert noise.is_walk_measured
+    assert noise.flicker_var == pytest.approx(0.001)
+
+
+def test_five_blocks_of_one_mean_are_a_segment_that_ends_with_another_mean() -> None:
+    """Left at once, it has not ended gently."""
+    s = RestlevelState()
+    track(s, *[1.0] * 5)
+    assert (s.segment.blocks, s.segment.mean_dps) == (5, 1.0)
+    track(s, 2.0)
+    assert (s.segment.blocks, s.segment.mean_dps) == (1, 2.0)
+    assert (s.ended.mean_dps, s.ended.blocks_ago) == (1.0, 1)
+    assert not s.ended.ended_gently
+    assert not s.ended.was_long
+
+
+def test_a_slope_is_no_segment() -> None:
+    """Each block is within the gate, the ends of the five are not: 0.15 deg/s against two sigmas of 0.045."""
+    s = RestlevelState()
+    track(s, 0.0, 0.05, 0.1, 0.15)
+    assert s.segment.blocks == 4
+    track(s, 0.2)
+    assert s.segment.blocks == 0
+
+
+def test_a_segment_ends_gently_where_the_rate_slides_away() -> None:
+    """0.1 deg/s in a block of 0.3 s is less than 0.4 deg/s²; the sensor is quiet enough to tell it."""
+    s = RestlevelState()
+    track(s, *[1.0] * 5, 1.1, variance=1e-4)
+    assert s.segment.blocks == 1
+    assert s.ended.ended_gently
+
+
+@pytest.mark.parametrize(
+    ("gap", "mean_dps", "expected"), [(1, 1.0, True), (10, 1.0, True), (11, 1.0, False), (1, 1.2, False)]
+)
+def test_a_segment_continues_one_of_its_mean_within_ten_blocks(gap: int, mean_dps: float, *, expected: bool) -> None:
+    """Noisy blocks lie between the two."""
+    s = RestlevelState()
+    track(s, *[1.0] * 5)
+    track(s, *[1.0] * gap, variance=1.0)
+    assert s.segment.blocks == 0
+    track(s, *[mean_dps] * 5)
+    assert s.segment.blocks == 5
+    assert continues(C, s.segment, s.ended, s.noise, 0.3) is expected
