@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from firmware_sim.pty import PtyDevice
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 LONGEST_NAP_S = 0.05
 

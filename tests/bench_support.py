@@ -15,7 +15,8 @@ from random import Random
 from typing import Any
 
 from firmware_sim.rig import Base
-from firmware_sim.wire import ENCODER_VALID, TEMPERATURE_VALID, csv_line, hello_frame, sample_frame
+from firmware_sim.wire.csv import csv_line
+from firmware_sim.wire.native import ENCODER_VALID, TEMPERATURE_VALID, hello_frame, sample_frame
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.native import NativeDecoder

@@ -22,7 +22,7 @@ from firmware_sim.faults.measurements import ClockStep, DoubleRate, FullScale, R
 from firmware_sim.measure import Block
 from firmware_sim.named import parse_named
 from firmware_sim.pty import Cable
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 _KINDS: tuple[type[Fault], ...] = (
     DoubleRate,

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from firmware_sim.measure import Block
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 from firmware_sim.yaml_file import Checked
 
 Rng = np.random.Generator

@@ -21,7 +21,8 @@ from support import Command, are_recorded, never, speaking_on
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from firmware_sim.wire import PROTOCOLS, csv_line
+from firmware_sim.wire.csv import csv_line
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.detect import decoder_for
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
@@ -40,7 +41,7 @@ def out(tmp_path: Path) -> Path:
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [frame.content for frame in islice(frames, count)]
 
 

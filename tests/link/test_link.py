@@ -13,7 +13,7 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import DeviceSilentError, UsageError
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.sample import Sample
@@ -47,7 +47,7 @@ class Host:
 
 def spoken(protocol: str) -> Iterator[bytes]:
     blocks = measure(RIG, load_profile("turntable"), 1, block_samples=256)
-    return (frame.content for frame in PROTOCOLS[protocol](blocks, RIG.base))
+    return (frame.content for frame in ENCODERS[protocol].frames(blocks, RIG.base))
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def port(tmp_path: Path) -> Path:
     return tmp_path / "gyro"
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""
     with speaking_on(port) as device:
@@ -84,7 +84,7 @@ def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
 
 
 @pytest.mark.parametrize("baud", [9600, 921600])
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
     """Bytes at the wrong rate are garbage."""
     with speaking_on(port) as device:

@@ -19,7 +19,7 @@ from support import Command, never, speaking_on
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.link.protocols.native import NativeDecoder
@@ -34,7 +34,7 @@ def port(tmp_path: Path) -> Path:
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [frame.content for frame in islice(frames, count)]
 
 

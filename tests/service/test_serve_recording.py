@@ -11,7 +11,7 @@ import structlog
 from disk_support import fill, small_disk, wait_for_disks
 from support import PATIENCE_S, Command, never, speaking_on
 
-from firmware_sim.wire import csv_line
+from firmware_sim.wire.csv import csv_line
 from gyrodrift.link.events import News
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import resilient as recording

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_sim import wire
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.csv import CsvDecoder
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.detect import DECODERS, decoder_for
@@ -25,7 +25,7 @@ RIG = Rig(base=Base(bias_dps=0.3))
 
 def frames(protocol: str, count: int) -> list[bytes]:
     """What the simulated device says, one frame, line or triple a measurement."""
-    spoken = wire.PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), seed=3), RIG.base)
+    spoken = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), seed=3), RIG.base)
     return [frame.content for frame in islice(spoken, count)]
 
 

@@ -7,7 +7,7 @@ import pytest
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.detect import Detector, decoder_for
 
@@ -15,11 +15,11 @@ RIG = Rig()
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [next(frames).content for _ in range(count)]
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("start", [0, 7, 33])
 def test_a_protocol_is_found_wherever_the_reader_joins(protocol: str, start: int) -> None:
     """In the middle of a frame too, and within five frames."""

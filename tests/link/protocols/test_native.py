@@ -7,7 +7,7 @@ import pytest
 from golden_frames import NativeSample
 from support import near
 
-from firmware_sim.wire import native_frame
+from firmware_sim.wire.native import native_frame
 from gyrodrift.link.protocols.decoder import DeviceFacts
 from gyrodrift.link.protocols.native import NativeDecoder
 
