@@ -14,13 +14,16 @@ TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 def add_link_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that reads a device."""
+    from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS
+
     parser.add_argument("--port", required=True, help="serial port of the device, such as /dev/ttyUSB0")
     parser.add_argument(
         "--baud",
         default="auto",
         help="line rate in baud, or auto to find it (default); a rate that is given is kept to",
     )
-    parser.add_argument("--protocol", default="auto", help="auto (default), native, csv or witmotion")
+    protocols = ", ".join(f"{protocol.name} ({protocol.help})" for protocol in PROTOCOLS.values())
+    parser.add_argument("--protocol", default=AUTO, help=f"auto to find it (default), {protocols}")
     parser.add_argument(
         "--timeout",
         type=float,

@@ -23,7 +23,7 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire.csv import csv_line
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.link.protocols.detect import decoder_for
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -75,7 +75,7 @@ def events_in(path: Path) -> list[dict[str, Any]]:
 def test_every_sample_that_was_sent_is_recorded_to_the_last(port: Path, out: Path, protocol: str, given: str) -> None:
     """In number and in every bit of their values, whether the protocol is found or given."""
     content = b"".join(spoken(protocol, 700))
-    expected = decoder_for(protocol).push(content)
+    expected = PROTOCOLS[protocol].decoder().push(content)
     assert len(expected) > 690
     options = ("--protocol", protocol, "--baud", "115200") if given == "named" else ()
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
