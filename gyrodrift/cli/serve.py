@@ -33,21 +33,22 @@ def run(arguments: argparse.Namespace) -> int:
 
         watch = ConfigWatch(arguments.config)
 
-    from gyrodrift.link.events import News
+    from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.loop import Service, Taker
-    from gyrodrift.service.outputs.json_lines import JsonLines
+    from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.outputs.registry import open_output
     from gyrodrift.service.signals import StopSignal
 
     log = open_log(arguments.log_level, arguments.log_format)
-    news = News(log)
+    events = LinkEvents(log)
     with StopSignal() as stop:
-        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
-        output = JsonLines(1, rate_hz)
-        filtering = Filtering(link, output, log, watch)
-        takers: list[Taker] = [filtering]
+        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
+        outputs = [open_output("stdout", {"rate_hz": rate_hz})]
+        filtering = Filtering(link, outputs, log, watch)
+        listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             from gyrodrift.recording.recorder import RecordOptions
             from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
@@ -56,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
             about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}
             recording = ResilientRecorder(RecordOptions(*what, about), link, log)
             repair_interrupted(arguments.record, log)
-            news.listener = recording.on_event
-            takers = [recording, filtering]
-        Service(link, takers, log, news, stop, output).run()
+            events.listener = recording.on_event
+            listeners = [recording, filtering]
+        Service(link, listeners, log, events, stop, outputs).run()
     return 0

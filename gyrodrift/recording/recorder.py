@@ -104,7 +104,7 @@ class Recorder:
         else:
             self._writer.add_event(event, time.time(), dict(fields))
 
-    def do_chores(self, _now_s: float) -> None:
+    def tick(self, _now_s: float) -> None:
         """What is due a few times a second: hand over what has come, begin a new file."""
         self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
         if self._writer is None:

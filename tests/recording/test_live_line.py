@@ -34,7 +34,7 @@ class Going:
 
     def go_on(self, now_s: float, samples: int, size_bytes: int) -> str:
         self.recorder.samples, self.recorder.size_bytes = samples, size_bytes
-        self.line.do_chores(now_s)
+        self.line.tick(now_s)
         return self.line.text(now_s)
 
 
