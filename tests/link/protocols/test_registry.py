@@ -1,0 +1,129 @@
+"""Protocols by name: one that somebody adds at both ends, read through a real pty."""
+
+import argparse
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import pytest
+from support import never, speaking_on
+
+from firmware_sim import __main__ as device_command
+from firmware_sim.measure import Block, measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Base, Rig
+from firmware_sim.wire import registry as spoken
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from gyrodrift.cli import options, replay
+from gyrodrift.errors import UsageError
+from gyrodrift.link.clocks.arrival import ArrivalClock
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.protocols import registry as read
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.sample import Reading
+
+RIG = Rig(base=Base(bias_dps=0.5, noise_dps_rthz=0.0))
+
+
+class MilliDecoder:
+    """Lines `W<rate in thousandths of a deg/s>!`, without a clock."""
+
+    name = "milli"
+
+    def __init__(self) -> None:
+        self.counters = DecoderCounters()
+        self.device = DeviceDescription()
+        self._pending = b""
+
+    def push(self, chunk: bytes) -> list[Reading]:
+        *frames, self._pending = (self._pending + chunk).split(b"!")
+        self._pending = self._pending[-20:]
+        rates = [frame[1:] for frame in frames if frame[:1] == b"W" and frame[1:].lstrip(b"-").isdigit()]
+        self.counters.frames += len(rates)
+        self.counters.damaged += len(frames) - len(rates)
+        return [Reading(None, None, int(rate) / 1000.0) for rate in rates]
+
+
+def milli(rate_dps: float) -> bytes:
+    return b"W%d!" % round(rate_dps * 1000.0)
+
+
+def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
+    for block in blocks:
+        for _, _, t_host_s, rate_raw, *_ in block.rows():
+            yield Frame(t_host_s, milli(rate_raw * base.dps_per_lsb), 1, b"!")
+
+
+def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
+    return (Frame(m.due_s, milli(m.rate_dps), 1, b"!") for m in measurements)
+
+
+@pytest.fixture
+def toy() -> Iterator[str]:
+    """A protocol more at both ends, for the time of a test."""
+    read.register(WireProtocol("milli", "rates in thousandths", MilliDecoder, has_clock=False, rank=30))
+    spoken.register(WireEncoder("milli", frames, recorded))
+    yield "milli"
+    spoken.unregister("milli")
+    read.unregister("milli")
+
+
+@pytest.mark.parametrize("asked_for", ["auto", "milli"])
+def test_a_protocol_that_is_added_is_read_from_a_port(toy: str, tmp_path: Path, asked_for: str) -> None:
+    """Found by itself or asked for; every sample of two seconds, on a clock of arrivals, for it has none."""
+    port, now_s, events, samples = tmp_path / "gyro", 1000.0, [], []
+    blocks = measure(RIG, load_profile("turntable"), 1)
+    with speaking_on(port) as device:
+        link = Link(LinkOptions(str(port), protocol=asked_for), lambda event, **_: events.append(event), lambda: now_s)
+        for frame in islice(spoken.ENCODERS[toy].frames(blocks, RIG.base), 200):
+            device.send_all(frame.content, never)
+            now_s += 0.01
+            samples += link.read()
+        link.close()
+    assert len(samples) == 200
+    assert samples[0].rate_dps == pytest.approx(0.5, abs=0.005)  # at rest: the bias, to a count of 0.00763 deg/s
+    assert isinstance(link.clock, ArrivalClock)
+    assert "no_device_clock" in events
+
+
+def test_commands_know_a_protocol_that_is_added(toy: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """By its name, and the host's with its help."""
+    host, player = argparse.ArgumentParser(), argparse.ArgumentParser()
+    options.add_link_options(host)
+    replay.add_arguments(player)
+    assert "milli (rates in thousandths)" in " ".join(host.format_help().split())
+    assert player.parse_args(["a.csv", "--link", "gyro", "--protocol", toy]).protocol == toy
+    with pytest.raises(SystemExit):
+        device_command.main(["--help"])
+    assert "milli" in capsys.readouterr().out
+
+
+def test_a_protocol_that_is_taken_away_is_unknown(toy: str) -> None:
+    """And its name is free again, while a name that is in use is refused at both ends."""
+    protocol, encoder = read.PROTOCOLS[toy], spoken.ENCODERS[toy]
+    names = ", ".join(name for name in read.PROTOCOLS if name != toy)
+    with pytest.raises(ValueError, match="there is a protocol 'milli' already"):
+        read.register(protocol)
+    with pytest.raises(ValueError, match="there is an encoder 'milli' already"):
+        spoken.register(encoder)
+    read.unregister(toy)
+    with pytest.raises(UsageError, match=f"unknown protocol 'milli'; known are auto, {names}$"):
+        read.protocol_named(toy)
+    read.register(protocol)
+
+
+def test_both_ends_know_the_same_protocols() -> None:
+    """What the host reads, the simulated device speaks."""
+    assert set(read.PROTOCOLS) == set(spoken.ENCODERS)
+
+
+def test_detection_asks_the_strongest_checksum_first(toy: str) -> None:
+    """Sixteen bits, then the form of a line, then eight bits, and last what has none."""
+    ranked = list(read.PROTOCOLS)
+    assert [name for name in ranked if name in ("native", "csv", "witmotion", toy)] == [
+        "native",
+        "csv",
+        "witmotion",
+        toy,
+    ]
