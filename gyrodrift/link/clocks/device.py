@@ -117,7 +117,7 @@ class DeviceClock:
         elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
             self.glitches += suspect is not None
             self._accept(last, reading, step_us, arrival_s, samples)
-        elif self._goes_on(suspect, reading):
+        elif self._continues(suspect, reading):
             self._settle(last, suspect, arrival_s, samples)
             self._classify(suspect, reading, arrival_s, samples)
         else:
@@ -171,7 +171,7 @@ class DeviceClock:
     def _host_can_cross_check(self) -> bool:
         return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
 
-    def _goes_on(self, suspect: Reading, reading: Reading) -> bool:
+    def _continues(self, suspect: Reading, reading: Reading) -> bool:
         return 0 < _clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
 
     def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
