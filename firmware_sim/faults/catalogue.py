@@ -68,7 +68,7 @@ def faulty_blocks(blocks: Iterator[Block], faults: Sequence[Fault]) -> Iterator[
 
 
 def faulty_frames(frames: Iterator[Frame], faults: Sequence[Fault], seed: int) -> Iterator[Frame]:
-    """What such a device sends; each fault has dice of its own."""
+    """What such a device sends; each fault has a random generator of its own."""
     twins: dict[str, int] = {}
     for fault in _in_order(faults):
         twins[fault.fault] = twins.get(fault.fault, 0) + 1

@@ -1,7 +1,7 @@
 """Play a recorded session through a pty that looks like the device, so that a recording takes the whole serial path.
 
 --raw plays the very bytes of the link, where the recording kept them, damage and all. Otherwise the samples are
-spoken: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
+encoded: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
 witmotion to the steps of a WT901, without a clock.
 
 Playing starts when a reader has opened the port. At --speed max the reader sets the pace and nothing is lost; at any

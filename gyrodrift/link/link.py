@@ -18,7 +18,8 @@ from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
-from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed, protocol_named
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, protocol_named
+from gyrodrift.link.silence import why_silent
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
@@ -228,7 +229,8 @@ class Link:
             return
         now_s = self._monotonic()
         if 0.0 < self.options.timeout_s <= now_s - self._opened_s:
-            raise DeviceSilentError(self._why_silent())
+            why = why_silent(self.options.timeout_s, self.options.baud, self.counters.bytes, self.decoder)
+            raise DeviceSilentError(f"{self.name}: {why}")
         if self.options.baud is None and self.decoder is None and self._trial_s is not None:
             trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
             if now_s - self._trial_s >= trial_s:
@@ -244,26 +246,3 @@ class Link:
                 self.port.set_baud(self.baud)
         except PortGoneError:
             self._lose()
-
-    def _why_silent(self) -> str:
-        waited = f"within {self.options.timeout_s:g} s"
-        if not self.counters.bytes:
-            return (
-                f"{self.name}: the device said nothing {waited}; "
-                "is it powered, is this its port, are TX and RX the right way round?"
-            )
-        tried = "any of the usual baud rates" if self.options.baud is None else f"{self.baud} baud"
-        if self.decoder is None:
-            return (
-                f"{self.name}: {self.counters.bytes} bytes came {waited}, but no {listed()} frame in them "
-                f"at {tried}; a wrong baud rate looks like this: give the device's with --baud"
-            )
-        if self.decoder.counters.before_hello:
-            return (
-                f"{self.name}: {self.decoder.counters.before_hello} samples came {waited}, but no HELLO frame that "
-                "says their scale; the device has to send one once a second"
-            )
-        return (
-            f"{self.name}: {self.counters.bytes} bytes came {waited}, but no {self.decoder.name} sample in them at "
-            f"{tried} ({self.decoder.counters.damaged} damaged frames); check --baud and --protocol"
-        )

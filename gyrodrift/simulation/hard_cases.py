@@ -223,7 +223,7 @@ def _write(place: Path, simulated: Simulation, ending: str) -> Path:
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:
-    """One session of a case, with dice of its own that do not depend on the version."""
+    """One session of a case, with a realisation of its own that does not depend on the version."""
     rng = np.random.default_rng([seed, crc32(case.name.encode()), number])
     rig, seconds = _part(case, rng), 60.0 * minutes
     body = case.motion(rng, seconds)

@@ -35,11 +35,6 @@ def recorded(folder: Path) -> list[Session]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "sessions"
 

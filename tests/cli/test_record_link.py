@@ -31,11 +31,6 @@ RIG = Rig(base=Base(bias_dps=0.3))
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "sessions"
 

@@ -84,11 +84,11 @@ def test_the_same_seed_is_the_same_stream(name: str, protocol: str) -> None:
 
 @pytest.mark.parametrize("name", ["bit_flips", "dropped_bytes", "duplicated_bytes", "merged_frames", "zeros"])
 def test_another_seed_is_other_damage(name: str) -> None:
-    """Where there are dice."""
+    """Where it is random."""
     assert content_of(spoken("csv", 20.0, name)) != content_of(spoken("csv", 20.0, name, seed=2))
 
 
-def test_a_second_fault_leaves_the_dice_of_the_first_alone_and_twins_have_their_own() -> None:
+def test_a_second_fault_leaves_the_realisation_of_the_first_alone_and_twins_have_their_own() -> None:
     """The same bits turn, whether there is a banner in the stream or not."""
     flips = "bit_flips:per_kilobyte=20"
     alone, banner, twins = (

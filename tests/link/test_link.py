@@ -55,11 +55,6 @@ def spoken(protocol: str) -> Iterator[bytes]:
     return (frame.content for frame in frames(protocol))
 
 
-@pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
 @pytest.mark.parametrize("protocol", ENCODERS)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""

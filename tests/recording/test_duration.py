@@ -22,14 +22,14 @@ class Recorded:
     stop: Stop
     signal_comes: bool = False
     times_s: list[float] = field(default_factory=list)
-    chores_s: list[float] = field(default_factory=list)
+    ticks_s: list[float] = field(default_factory=list)
 
     def take(self, samples: list[Sample]) -> None:
         self.times_s += [sample.t_device_s for sample in samples]
         self.stop.is_set = self.stop.is_set or self.signal_comes
 
     def tick(self, now_s: float) -> None:
-        self.chores_s.append(now_s)
+        self.ticks_s.append(now_s)
         self.stop.is_set = self.stop.is_set or self.signal_comes
 
     def stats(self) -> dict[str, Any]:
@@ -115,10 +115,10 @@ def test_a_slow_device_clock_has_its_time(duration: Duration, stop: Stop, clock:
 
 
 def test_waiting_for_the_first_sample_does_not_count(duration: Duration, recorded: Recorded, stop: Stop) -> None:
-    """Chores are handed on all the same."""
+    """Ticks are handed on all the same."""
     duration.take([])
     duration.tick(9000.0)
-    assert recorded.chores_s == [9000.0]
+    assert recorded.ticks_s == [9000.0]
     assert not stop.is_set
 
 
@@ -139,7 +139,7 @@ def test_samples_that_were_read_with_a_signal_are_recorded(duration: Duration, r
     assert recorded.times_s == [0.0, 0.5, 1.0]
 
 
-def test_a_signal_that_comes_during_chores_is_kept(duration: Duration, recorded: Recorded, stop: Stop) -> None:
+def test_a_signal_that_comes_during_a_tick_is_kept(duration: Duration, recorded: Recorded, stop: Stop) -> None:
     """Likewise."""
     duration.take(at(0.0))
     recorded.signal_comes = True

@@ -49,7 +49,7 @@ def logged() -> Iterator[list[Any]]:
         yield events
 
 
-def test_link_stats_say_all_that_a_stranger_needs(
+def test_link_stats_say_all_that_helps_from_afar(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
     """Every ten seconds; here with each turn of the loop."""

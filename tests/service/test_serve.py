@@ -28,11 +28,6 @@ RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"
 
 
-@pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
 def spoken(protocol: str, count: int) -> list[bytes]:
     frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [frame.content for frame in islice(frames, count)]

@@ -30,11 +30,6 @@ def disks_at_rest() -> Iterator[None]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "sessions"
 
