@@ -1,69 +1,46 @@
 """Protocols by name: one that somebody adds at both ends, read through a real pty."""
 
 import argparse
-from collections.abc import Iterable, Iterator
+import subprocess
+import sys
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import pytest
-from support import never, speaking_on
+from support import never, python_in, speaking_on
 
 from firmware_sim import __main__ as device_command
-from firmware_sim.measure import Block, measure
+from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import registry as spoken
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
 from gyrodrift.cli import options, replay
 from gyrodrift.errors import UsageError
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.link.protocols import registry as read
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
 
 RIG = Rig(base=Base(bias_dps=0.5, noise_dps_rthz=0.0))
 
 
-class MilliDecoder:
-    """Lines `W<rate in thousandths of a deg/s>!`, without a clock."""
-
-    name = "milli"
-
-    def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
-        self._pending = b""
-
-    def push(self, chunk: bytes) -> list[Reading]:
-        *frames, self._pending = (self._pending + chunk).split(b"!")
-        self._pending = self._pending[-20:]
-        rates = [frame[1:] for frame in frames if frame[:1] == b"W" and frame[1:].lstrip(b"-").isdigit()]
-        self.counters.frames += len(rates)
-        self.counters.damaged += len(frames) - len(rates)
-        return [Reading(None, None, int(rate) / 1000.0) for rate in rates]
+DECODER, ENCODER = python_in("extending-protocol.md")
+"""The two modules of the how-to."""
 
 
-def milli(rate_dps: float) -> bytes:
-    return b"W%d!" % round(rate_dps * 1000.0)
-
-
-def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    for block in blocks:
-        for _, _, t_host_s, rate_raw, *_ in block.rows():
-            yield Frame(t_host_s, milli(rate_raw * base.dps_per_lsb), 1, b"!")
-
-
-def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    return (Frame(m.due_s, milli(m.rate_dps), 1, b"!") for m in measurements)
+def made(source: str, name: str) -> Any:
+    """What a module of that source calls `name`."""
+    module: dict[str, Any] = {}
+    exec(source, module)
+    return module[name]
 
 
 @pytest.fixture
 def toy() -> Iterator[str]:
     """A protocol more at both ends, for the time of a test."""
-    read.register(WireProtocol("milli", "rates in thousandths", MilliDecoder, has_clock=False, rank=30))
-    spoken.register(WireEncoder("milli", frames, recorded))
+    read.register(made(DECODER, "PROTOCOL"))
+    spoken.register(made(ENCODER, "ENCODER"))
     yield "milli"
     spoken.unregister("milli")
     read.unregister("milli")
@@ -92,7 +69,7 @@ def test_commands_know_a_protocol_that_is_added(toy: str, capsys: pytest.Capture
     host, player = argparse.ArgumentParser(), argparse.ArgumentParser()
     options.add_link_options(host)
     replay.add_arguments(player)
-    assert "milli (rates in thousandths)" in " ".join(host.format_help().split())
+    assert "milli (rates in thousandths of a deg/s)" in " ".join(host.format_help().split())
     assert player.parse_args(["a.csv", "--link", "gyro", "--protocol", toy]).protocol == toy
     with pytest.raises(SystemExit):
         device_command.main(["--help"])
@@ -111,6 +88,24 @@ def test_a_protocol_that_is_taken_away_is_unknown(toy: str) -> None:
     with pytest.raises(UsageError, match=f"unknown protocol 'milli'; known are auto, {names}$"):
         read.protocol_named(toy)
     read.register(protocol)
+
+
+def test_a_module_in_the_folder_is_all_that_an_end_needs(tmp_path: Path) -> None:
+    """The files of the how-to are found, by a process that knows nothing of them."""
+    host, device = tmp_path / "host", tmp_path / "device"
+    for folder, source in ((host, DECODER), (device, ENCODER)):
+        folder.mkdir()
+        (folder / "milli.py").write_text(source)
+    code = f"""
+import firmware_sim.wire, gyrodrift.link.protocols
+gyrodrift.link.protocols.__path__.append({str(host)!r})
+firmware_sim.wire.__path__.append({str(device)!r})
+from firmware_sim.wire.registry import ENCODERS
+from gyrodrift.link.protocols.registry import PROTOCOLS
+print("milli" in PROTOCOLS, "milli" in ENCODERS)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True True\n"
 
 
 def test_both_ends_know_the_same_protocols() -> None:
