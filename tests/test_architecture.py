@@ -17,6 +17,7 @@ ANALYSES = ("gyrodrift.evaluation", "gyrodrift.tune", "gyrodrift.diagnose", "gyr
 MAY_USE_THE_SIMULATOR = (
     "gyrodrift.cli.diagnose",
     "gyrodrift.simulation.hard_cases",
+    "gyrodrift.simulation.hard_motions",
     "gyrodrift.simulation.replay",
     "gyrodrift.cli.replay",
     "gyrodrift.simulation.sessions",

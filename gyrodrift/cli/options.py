@@ -4,7 +4,6 @@ import argparse
 import os
 import re
 from importlib import import_module
-from pathlib import Path
 
 from gyrodrift.errors import UsageError
 
@@ -101,10 +100,3 @@ def positive(name: str, value: float | None) -> float | None:
     if value is not None and not 0.0 < value < float("inf"):
         raise UsageError(f"{name} {value:g}: expected a number above 0")
     return value
-
-
-def existing(path: Path) -> Path:
-    """A path that is there."""
-    if not path.exists():
-        raise UsageError(f"{path}: there is no such file or folder")
-    return path

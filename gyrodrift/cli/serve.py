@@ -6,8 +6,12 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
+
+if TYPE_CHECKING:
+    from gyrodrift.config.watch import ConfigWatch
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,10 +58,14 @@ def run(arguments: argparse.Namespace) -> int:
             from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
             what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-            about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}
-            recording = ResilientRecorder(RecordOptions(*what, about), link, log)
+            recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
             repair_interrupted(arguments.record, log)
             events.listener = recording.on_event
             listeners = [recording, filtering]
         Service(link, listeners, log, events, stop, outputs).run()
     return 0
+
+
+def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
+    """What a recording keeps of the config."""
+    return {} if watch is None else {"config": {"file": str(watch.path), "text": watch.path.read_text()}}
