@@ -133,8 +133,8 @@ def test_half_a_frame_at_the_end_waits_for_its_other_half(protocol: str) -> None
     """And is no damage."""
     decoder = PROTOCOLS[protocol].decoder()
     *whole, last = STREAMS[decoder.name]
-    before = len(decoder.push(b"".join(whole) + last[:5]))
-    after = decoder.push(last[5:])
+    before = len(decoder.push(b"".join(whole) + last[: len(last) // 2]))
+    after = decoder.push(last[len(last) // 2 :])
     assert (before + 1, len(after)) == (len(ONE_PUSH[decoder.name]), 1)
     assert decoder.counters.damaged == 0
     assert isinstance(after[0], Reading)
