@@ -17,7 +17,8 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.player import play, stopped_by_signals
 from firmware_sim.pty import LinkInUseError, PtyDevice
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.registry import ENCODERS
 from firmware_sim.yaml_file import FileError
 
 WRONG_USAGE, LINK_FAILED = 2, 3
@@ -43,10 +44,10 @@ def run(arguments: argparse.Namespace) -> int:
     faults = [parse_fault(text) for text in arguments.fault]
     profile = load_profile(arguments.profile)
     blocks = faulty_blocks(measure(rig, profile, arguments.seed), faults)
-    frames = faulty_frames(PROTOCOLS[arguments.protocol](blocks, rig.base), faults, arguments.seed)
-    greeting = hello_frame(rig.base) if arguments.protocol == "native" else b""
+    encoder = ENCODERS[arguments.protocol]
+    frames = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
     cable = FaultyCable(faults)
-    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, greeting, cable)) as device:
+    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, encoder.hello(rig.base), cable)) as device:
         _tell(arguments, f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
         frames = _for(frames, arguments.duration)
         if arguments.wait:
@@ -58,9 +59,9 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _tell(arguments: argparse.Namespace, news: str) -> None:
+def _tell(arguments: argparse.Namespace, message: str) -> None:
     if not arguments.quiet:
-        print(f"firmware_sim: {news}", file=sys.stderr)
+        print(f"firmware_sim: {message}", file=sys.stderr)
 
 
 def _for(frames: Iterator[Frame], duration_s: float | None) -> Iterator[Frame]:
@@ -87,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
         f"(may be given again): {', '.join(FAULTS)}",
     )
     parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
-    parser.add_argument("--protocol", default="native", choices=sorted(PROTOCOLS))
+    parser.add_argument("--protocol", default="native", choices=sorted(ENCODERS))
     parser.add_argument("--seed", type=_seed, default=0, help="of everything random (default 0)")
     parser.add_argument(
         "--speed",

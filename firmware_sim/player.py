@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from firmware_sim.pty import PtyDevice
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 LONGEST_NAP_S = 0.05
 
@@ -35,25 +35,31 @@ def play(
         if is_over():
             break
         if speed is None:
-            if device.is_pulled_at(frame.t_s):
-                device.drain()
-            device.live_until(frame.t_s)
-            if not device.is_plugged:
-                lost += frame.rows
-                continue
-            while not (has_gone := device.send_all(frame.content, is_over)) and not is_over():
-                device.wait_for_reader(is_over)
-            sent += frame.rows if has_gone else 0
-            continue
-        due_s = origin_s + frame.t_s / speed
-        while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
-            time.sleep(min(early_s, LONGEST_NAP_S))
-        device.live_until(frame.t_s)
-        if device.send(frame.content):
-            sent += frame.rows
+            has_gone = _send_as_read(frame, device, is_over)
         else:
-            lost += frame.rows
+            _wait_until(origin_s + frame.t_s / speed, is_over)
+            device.live_until(frame.t_s)
+            has_gone = device.send(frame.content)
+        sent += frame.rows if has_gone else 0
+        lost += frame.rows if has_gone is False else 0
     return sent, lost
+
+
+def _wait_until(due_s: float, is_over: Callable[[], bool]) -> None:
+    while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
+        time.sleep(min(early_s, LONGEST_NAP_S))
+
+
+def _send_as_read(frame: Frame, device: PtyDevice, is_over: Callable[[], bool]) -> bool | None:
+    """Send at the pace of the reader; False where the cable is out, None where it was over before."""
+    if device.is_pulled_at(frame.t_s):
+        device.drain()
+    device.live_until(frame.t_s)
+    if not device.is_plugged:
+        return False
+    while not (has_gone := device.send_all(frame.content, is_over)) and not is_over():
+        device.wait_for_reader(is_over)
+    return has_gone or None
 
 
 @contextmanager

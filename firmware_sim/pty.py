@@ -1,6 +1,6 @@
 """The device on a pty: raw mode, a stable name, readers that come and go.
 
-Facts of Linux ptys that this file stands on: a master without a reader polls as hung up; in packet mode it is
+Habits of Linux ptys that this file stands on: a master without a reader polls as hung up; in packet mode it is
 told when a reader flushes its input, which is how pyserial ends opening a port; a pty takes about 20 kB before
 it is full; closing the master throws away what the reader has not read yet.
 """

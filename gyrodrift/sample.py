@@ -46,7 +46,7 @@ class Sample(NamedTuple):
 
 
 class Corrected(NamedTuple):
-    """A sample with what the filter made of it; what every sink is handed.
+    """A sample with what the filter made of it; what every output is handed.
 
     corrected_dps
         Measured rate less the drift estimate, deg/s.

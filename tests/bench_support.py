@@ -15,7 +15,8 @@ from random import Random
 from typing import Any
 
 from firmware_sim.rig import Base
-from firmware_sim.wire import ENCODER_VALID, TEMPERATURE_VALID, csv_line, hello_frame, sample_frame
+from firmware_sim.wire.csv import csv_line
+from firmware_sim.wire.native import ENCODER_VALID, TEMPERATURE_VALID, hello_frame, sample_frame
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.native import NativeDecoder
@@ -78,11 +79,13 @@ class Chain:
 
     def push(self, chunk: bytes, arrival_s: float) -> None:
         """Take one read."""
-        coefficients_now, state, on_sample = self._coefficients, self.state, self.output.on_sample
+        coefficients_now, state = self._coefficients, self.state
+        corrected: list[Corrected] = []
         for sample in self.clock.stamp(self.decoder.push(chunk), arrival_s):
             if step(coefficients_now, state, sample.t_device_s, sample.rate_dps):
-                on_sample(Corrected(sample, sample.rate_dps + state.i_dps, state.yaw_deg, 0.0 - state.i_dps))
-        self.output.flush()
+                rate_dps, bias_dps = sample.rate_dps + state.i_dps, 0.0 - state.i_dps
+                corrected.append(Corrected(sample, rate_dps, state.yaw_deg, bias_dps))
+        self.output.take(corrected)
 
 
 @contextmanager

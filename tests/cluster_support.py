@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
 PATIENCE_S = 60.0

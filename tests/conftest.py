@@ -44,6 +44,12 @@ def nothing_left_behind() -> Iterator[None]:
 
 
 @pytest.fixture
+def port(tmp_path: Path) -> Path:
+    """A name for the port of a device."""
+    return tmp_path / "gyro"
+
+
+@pytest.fixture
 def recordings() -> Recordings:
     """The folder of real recordings and worked filter cases; a test that needs it skips without."""
     folder = Path(__file__).parent.parent.parent / "shared"

@@ -120,6 +120,12 @@ def never() -> bool:
     return False
 
 
+def python_in(page: str) -> list[str]:
+    """The Python that stands in a page of docs/, block by block."""
+    text = (Path(__file__).parent.parent / "docs" / page).read_text()
+    return [block.partition("```")[0] for block in text.split("```python\n")[1:]]
+
+
 def are_recorded(samples: int, folder: Path, more_bytes: int = 0) -> bool:
     """Whether a file of the folder is long enough for so many samples, and for what else it holds."""
     return any(path.stat().st_size > samples * MESSAGE.size + more_bytes for path in folder.glob("*.mcap"))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
 RATE_HZ = 50.0

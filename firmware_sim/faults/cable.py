@@ -10,7 +10,7 @@ from firmware_sim.faults.fault import Fault, Lasting, Rng, Seconds
 from firmware_sim.faults.frames import at_moment
 from firmware_sim.faults.measurements import Reset
 from firmware_sim.measure import Block
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 BITS_OF_A_BYTE = 10
 """A start bit (0), eight data bits, the lowest first, a stop bit (1)."""

@@ -22,7 +22,7 @@ from firmware_sim.faults.measurements import ClockStep, DoubleRate, FullScale, R
 from firmware_sim.measure import Block
 from firmware_sim.named import parse_named
 from firmware_sim.pty import Cable
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 _KINDS: tuple[type[Fault], ...] = (
     DoubleRate,
@@ -68,7 +68,7 @@ def faulty_blocks(blocks: Iterator[Block], faults: Sequence[Fault]) -> Iterator[
 
 
 def faulty_frames(frames: Iterator[Frame], faults: Sequence[Fault], seed: int) -> Iterator[Frame]:
-    """What such a device sends; each fault has dice of its own."""
+    """What such a device sends; each fault has a random generator of its own."""
     twins: dict[str, int] = {}
     for fault in _in_order(faults):
         twins[fault.fault] = twins.get(fault.fault, 0) + 1

@@ -4,8 +4,7 @@ Its times are those of the device since its very first power-on: a clock that re
 A fault that is not at work leaves everything as it is, to the bit.
 """
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -13,15 +12,16 @@ from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from firmware_sim.measure import Block
-from firmware_sim.wire import Frame
+from firmware_sim.pty import Cable
+from firmware_sim.wire.encoder import Frame
 from firmware_sim.yaml_file import Checked
 
 Rng = np.random.Generator
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
-class Fault(Checked):
-    """Base of all faults; by itself it changes nothing.
+class Fault(Checked, Cable):
+    """Base of all faults; by itself it changes nothing, neither what is sent nor the cable.
 
     from_s
         When it begins, s since power-on.
@@ -38,16 +38,6 @@ class Fault(Checked):
         """The frames that leave."""
         _ = rng
         return frames
-
-    def link_at(self, link: Path, t_s: float) -> Path | None:
-        """The name of the port at `t_s`, s; None while there is no port."""
-        _ = t_s
-        return link
-
-    def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
-        """What a reader with that line rate gets of what is sent at `t_s`."""
-        _ = t_s, read_baud
-        return content
 
 
 class Lasting(Fault):

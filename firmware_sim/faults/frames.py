@@ -9,14 +9,11 @@ from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from firmware_sim.faults.fault import Fault, Lasting, Rng
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 KILOBYTE = 1000.0
 PerKilobyte = Annotated[float, Field(ge=0.0, le=500.0)]
 Percent = Annotated[float, Field(ge=0.0, le=100.0)]
-
-WITMOTION_START = b"\x55"
-"""No frame of the other protocols begins with it: `U` stands in no number, and no native frame is 85 bytes long."""
 
 BANNER = b"""ets Jun  8 2016 00:22:57\r
 \r
@@ -38,10 +35,10 @@ class Damage(Lasting):
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
         """Each frame that leaves while it is at work, damaged."""
         for frame in frames:
-            yield frame._replace(content=self.damaged(frame.content, rng)) if self.is_on(frame.t_s) else frame
+            yield frame._replace(content=self.damaged(frame, rng)) if self.is_on(frame.t_s) else frame
 
     @abstractmethod
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
         """What is left of the bytes of one frame."""
 
 
@@ -55,8 +52,9 @@ class BitFlips(Damage):
     fault: ClassVar[str] = "bit_flips"
     per_kilobyte: PerKilobyte = 1.0
 
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
         """Each bit for itself."""
+        content = frame.content
         flips = np.packbits(rng.random(8 * len(content)) < self.per_kilobyte / KILOBYTE / 8.0)
         return (np.frombuffer(content, np.uint8) ^ flips).tobytes()
 
@@ -71,10 +69,10 @@ class DroppedBytes(Damage):
     fault: ClassVar[str] = "dropped_bytes"
     per_kilobyte: PerKilobyte = 1.0
 
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
         """Each byte for itself."""
-        kept = rng.random(len(content)) >= self.per_kilobyte / KILOBYTE
-        return np.frombuffer(content, np.uint8)[kept].tobytes()
+        kept = rng.random(len(frame.content)) >= self.per_kilobyte / KILOBYTE
+        return np.frombuffer(frame.content, np.uint8)[kept].tobytes()
 
 
 class DuplicatedBytes(Damage):
@@ -87,10 +85,10 @@ class DuplicatedBytes(Damage):
     fault: ClassVar[str] = "duplicated_bytes"
     per_kilobyte: PerKilobyte = 1.0
 
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
         """Each byte for itself."""
-        times = 1 + (rng.random(len(content)) < self.per_kilobyte / KILOBYTE)
-        return np.repeat(np.frombuffer(content, np.uint8), times).tobytes()
+        times = 1 + (rng.random(len(frame.content)) < self.per_kilobyte / KILOBYTE)
+        return np.repeat(np.frombuffer(frame.content, np.uint8), times).tobytes()
 
 
 class MergedFrames(Damage):
@@ -103,9 +101,9 @@ class MergedFrames(Damage):
     fault: ClassVar[str] = "merged_frames"
     share_percent: Percent = 5.0
 
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
         """All but its end."""
-        return _split_end(content)[0] if rng.random() < self.share_percent / 100.0 else content
+        return _split_end(frame)[0] if rng.random() < self.share_percent / 100.0 else frame.content
 
 
 class TruncatedFrames(Damage):
@@ -118,13 +116,13 @@ class TruncatedFrames(Damage):
     fault: ClassVar[str] = "truncated_frames"
     share_percent: Percent = 5.0
 
-    def damaged(self, content: bytes, rng: Rng) -> bytes:
-        """Some of its head, and its end mark."""
+    def damaged(self, frame: Frame, rng: Rng) -> bytes:
+        """Some of its head, and its end mark where the protocol has one."""
         if rng.random() >= self.share_percent / 100.0:
-            return content
-        head, end = _split_end(content)
+            return frame.content
+        head, end = _split_end(frame)
         left = head[: int(rng.integers(max(1, len(head))))]
-        return left if content.startswith(WITMOTION_START) else left + end
+        return left + end if frame.end_mark else left
 
 
 class Zeros(Lasting):
@@ -208,7 +206,7 @@ def at_moment(frames: Iterator[Frame], t_s: float, frame_at: Callable[[float], F
         yield frame
 
 
-def _split_end(content: bytes) -> tuple[bytes, bytes]:
-    """A frame and its end: line end, delimiter, or simply the last byte."""
-    length = 2 if content.endswith(b"\r\n") else 1
-    return content[:-length], content[-length:]
+def _split_end(frame: Frame) -> tuple[bytes, bytes]:
+    """The bytes of a frame and its end: its end mark, or simply the last byte."""
+    length = len(frame.end_mark) if frame.end_mark and frame.content.endswith(frame.end_mark) else 1
+    return frame.content[:-length], frame.content[-length:]

@@ -56,8 +56,8 @@ def _loaded(source: Path, topic: str | None) -> "Session":
 
 
 def _write(target: Path, form: str | None, session: "Session") -> None:
+    from gyrodrift.session.files import write_session
     from gyrodrift.session.foreign.export import write_imu, write_json
-    from gyrodrift.session.formats import write_session
 
     if form == "imu":
         write_imu(target, [session])

@@ -4,7 +4,6 @@ import argparse
 import os
 import re
 from importlib import import_module
-from pathlib import Path
 
 from gyrodrift.errors import UsageError
 
@@ -14,13 +13,16 @@ TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 def add_link_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that reads a device."""
+    from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS
+
     parser.add_argument("--port", required=True, help="serial port of the device, such as /dev/ttyUSB0")
     parser.add_argument(
         "--baud",
         default="auto",
         help="line rate in baud, or auto to find it (default); a rate that is given is kept to",
     )
-    parser.add_argument("--protocol", default="auto", help="auto (default), native, csv or witmotion")
+    protocols = ", ".join(f"{protocol.name} ({protocol.help})" for protocol in PROTOCOLS.values())
+    parser.add_argument("--protocol", default=AUTO, help=f"auto to find it (default), {protocols}")
     parser.add_argument(
         "--timeout",
         type=float,
@@ -98,10 +100,3 @@ def positive(name: str, value: float | None) -> float | None:
     if value is not None and not 0.0 < value < float("inf"):
         raise UsageError(f"{name} {value:g}: expected a number above 0")
     return value
-
-
-def existing(path: Path) -> Path:
-    """A path that is there."""
-    if not path.exists():
-        raise UsageError(f"{path}: there is no such file or folder")
-    return path

@@ -15,10 +15,10 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
     from gyrodrift.recording.recorder import Recorder
-    from gyrodrift.service.loop import Taker
+    from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.signals import StopSignal
 
-REST_S = 0.002
+READ_INTERVAL_S = 0.002
 """Nobody waits for a recording: fast streams are taken in handfuls."""
 
 
@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
 
-    from gyrodrift.link.events import News
+    from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.recording.live_line import AboveLine
@@ -48,26 +48,29 @@ def run(arguments: argparse.Namespace) -> int:
 
     log_to = AboveLine(sys.stderr) if sys.stderr.isatty() else None
     log = open_log(arguments.log_level, arguments.log_format, log_to)
-    news = News(log)
+    events = LinkEvents(log)
     with StopSignal() as stop:
-        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
+        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         recorder = Recorder(RecordOptions(*what), link)
         repair_interrupted(arguments.out, log)
-        news.listener = recorder.on_event
+        events.listener = recorder.on_event
         try:
-            Service(link, _takers(link, recorder, stop, arguments.duration), log, news, stop, rest_s=REST_S).run()
+            listeners = _listeners(link, recorder, stop, arguments.duration)
+            Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S).run()
         finally:
             for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
                 print(path)
     return 0
 
 
-def _takers(link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None) -> "list[Taker]":
+def _listeners(
+    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None
+) -> "list[SampleListener]":
     from gyrodrift.recording.duration import Duration
     from gyrodrift.recording.live_line import LiveLine
 
-    takers: list[Taker] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
+    listeners: list[SampleListener] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
     if sys.stderr.isatty():
-        takers.append(LiveLine(link, recorder))
-    return takers
+        listeners.append(LiveLine(link, recorder))
+    return listeners

@@ -1,7 +1,7 @@
 """Play a recorded session through a pty that looks like the device, so that a recording takes the whole serial path.
 
 --raw plays the very bytes of the link, where the recording kept them, damage and all. Otherwise the samples are
-spoken: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
+encoded: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
 witmotion to the steps of a WT901, without a clock.
 
 Playing starts when a reader has opened the port. At --speed max the reader sets the pace and nothing is lost; at any
@@ -18,14 +18,16 @@ from gyrodrift.cli import INTERRUPTED
 from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
-    from firmware_sim.wire import Frame
+    from firmware_sim.wire.encoder import Frame
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    from firmware_sim.wire.registry import ENCODERS
+
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
-    parser.add_argument("--protocol", default="csv", choices=("csv", "native", "witmotion"))
+    parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS))
     parser.add_argument("--raw", action="store_true", help="the bytes as they came, from a recording made with --raw")
     parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")
     parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")
@@ -38,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.pty import LinkInUseError, PtyDevice
 
     speed = _speed(arguments.speed)
-    frames, hello = _raw_speech(arguments) if arguments.raw else _speech(arguments)
+    frames, hello = _raw(arguments) if arguments.raw else _encoded(arguments)
     try:
         device = PtyDevice(arguments.link, hello)
     except LinkInUseError as error:
@@ -58,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     return INTERRUPTED if was_stopped else 0
 
 
-def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The bytes as they came; what is wrong with the file is found before anybody waits for it."""
     from itertools import chain
 
@@ -72,23 +74,18 @@ def _raw_speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]
     return raw_frames(reads if first is None else chain([first], reads)), b""
 
 
-def _speech(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The frames of the session in the protocol asked for, and what greets a reader."""
+    from firmware_sim.wire.registry import ENCODERS
     from gyrodrift.session.files import load_session
-    from gyrodrift.simulation.replay import PlayedSession, csv_frames, native_frames, native_hello, witmotion_frames
+    from gyrodrift.simulation.replay import PlayedSession, base_of
 
     if not 0.0 < arguments.lsb <= 10.0:
         raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")
     session = load_session(arguments.session)
     recording = PlayedSession(session, is_looping=arguments.loop)
-    match arguments.protocol:
-        case "native":
-            hello = native_hello(recording, arguments.lsb)
-            return native_frames(recording, arguments.lsb, hello), hello
-        case "witmotion":
-            return witmotion_frames(recording), b""
-        case _:
-            return csv_frames(recording), b""
+    encoder, base = ENCODERS[arguments.protocol], base_of(recording, arguments.lsb)
+    return encoder.recorded(recording, base), encoder.hello(base)
 
 
 def _speed(text: str) -> float | None:

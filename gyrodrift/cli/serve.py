@@ -6,8 +6,12 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
+
+if TYPE_CHECKING:
+    from gyrodrift.config.watch import ConfigWatch
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,30 +37,35 @@ def run(arguments: argparse.Namespace) -> int:
 
         watch = ConfigWatch(arguments.config)
 
-    from gyrodrift.link.events import News
+    from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.loop import Service, Taker
-    from gyrodrift.service.outputs.json_lines import JsonLines
+    from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.outputs.registry import open_output
     from gyrodrift.service.signals import StopSignal
 
     log = open_log(arguments.log_level, arguments.log_format)
-    news = News(log)
+    events = LinkEvents(log)
     with StopSignal() as stop:
-        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), news)
-        output = JsonLines(1, rate_hz)
-        filtering = Filtering(link, output, log, watch)
-        takers: list[Taker] = [filtering]
+        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
+        outputs = [open_output("stdout", {"rate_hz": rate_hz})]
+        filtering = Filtering(link, outputs, log, watch)
+        listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             from gyrodrift.recording.recorder import RecordOptions
             from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
             what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-            about = {"config": {"file": str(watch.path), "text": watch.path.read_text()}} if watch else {}
-            recording = ResilientRecorder(RecordOptions(*what, about), link, log)
+            recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
             repair_interrupted(arguments.record, log)
-            news.listener = recording.on_event
-            takers = [recording, filtering]
-        Service(link, takers, log, news, stop, output).run()
+            events.listener = recording.on_event
+            listeners = [recording, filtering]
+        Service(link, listeners, log, events, stop, outputs).run()
     return 0
+
+
+def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
+    """What a recording keeps of the config."""
+    return {} if watch is None else {"config": {"file": str(watch.path), "text": watch.path.read_text()}}

@@ -22,6 +22,7 @@ from gyrodrift.files import shipped_config
 FRAMES_PER_S = 10
 STARTING_S = 10.0
 WIDTH = 100
+DEVICE = "gyro"
 
 SVG_WITHOUT_WEB_FONTS = re.sub(r"@font-face \{\{.*?\}\}", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
 """A picture that asks nobody for a font when it is looked at."""
@@ -46,34 +47,38 @@ def run_demo(
     console = Console(width=WIDTH, record=svg is not None)
     error = YawError()
     with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
-        port = Path(folder) / "gyro"
+        port = Path(folder) / DEVICE
         device = ["-m", "firmware_sim", "--quiet", "--wait", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
         _wait_for(port, stack.enter_context(_process(device, None)))
         config_path = config or shipped_config("gyrodrift.yaml")
         serve = ["-m", "gyrodrift", "serve", "--port", str(port), "--config", str(config_path)]
         service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE))
-        live = (
-            stack.enter_context(Live(console=console, auto_refresh=False, transient=True))
-            if _is_live(console)
-            else None
-        )
-        next_s = 0.0
-        for line in _lines(service):
-            error.add(json.loads(line))
-            if live and time.monotonic() >= next_s:
-                live.update(draw(error, duration_s, port.name), refresh=True)
-                next_s = time.monotonic() + 1.0 / FRAMES_PER_S
-            if error.elapsed_s >= duration_s:
-                break
+        _watch(_lines(service), error, duration_s, console)
     if error.elapsed_s < duration_s:
         raise LinkError(f"the demo ended after {error.elapsed_s:.1f} of {duration_s:g} s: serve stopped; see above")
     if svg is not None or _is_live(console):
-        console.print(draw(error, duration_s, "gyro"))
+        console.print(draw(error, duration_s, DEVICE))
     for text in summary(error):
         console.print(text, highlight=False)
     if svg is not None:
         console.save_svg(str(svg), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
+
+
+def _watch(lines: Iterator[str], error: YawError, duration_s: float, console: Console) -> None:
+    """Add up what `serve` prints until the time is over, and show it where somebody looks on."""
+    with ExitStack() as stack:
+        live = None
+        if _is_live(console):
+            live = stack.enter_context(Live(console=console, auto_refresh=False, transient=True))
+        next_s = 0.0
+        for line in lines:
+            error.add(json.loads(line))
+            if live and time.monotonic() >= next_s:
+                live.update(draw(error, duration_s, DEVICE), refresh=True)
+                next_s = time.monotonic() + 1.0 / FRAMES_PER_S
+            if error.elapsed_s >= duration_s:
+                return
 
 
 def _is_live(console: Console) -> bool:

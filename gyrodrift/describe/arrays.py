@@ -1,4 +1,4 @@
-"""Small looks at arrays that the facts share."""
+"""Small operations on arrays that the parts of a description share."""
 
 from math import inf
 from typing import TypeVar

@@ -8,8 +8,8 @@ from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import allan_of
 from gyrodrift.describe.arrays import only, smallest_step
 from gyrodrift.describe.host import host_clock
-from gyrodrift.describe.rest import standing, steady
-from gyrodrift.describe.values import Allan, Encoder, Gaps, Rates, SessionFacts, Stretch, Temperatures, Witness
+from gyrodrift.describe.rest import stationary_by_encoder, stationary_by_rate
+from gyrodrift.describe.values import Allan, Encoder, Gaps, Rates, RestSource, SessionDescription, Stretch, Temperatures
 from gyrodrift.session.session import Session
 
 NORMAL_MAD = 1.4826
@@ -23,20 +23,20 @@ BREAK_PERIODS = 10.0
 """A hole in time that is longer than both ends a stretch."""
 
 
-def describe(session: Session) -> SessionFacts:
+def describe(session: Session) -> SessionDescription:
     """Look at a session as a whole; linear in its length, whatever is in it."""
     with np.errstate(over="ignore", invalid="ignore"):  # a file may hold numbers of any size
         return _describe(session)
 
 
-def _describe(session: Session) -> SessionFacts:
+def _describe(session: Session) -> SessionDescription:
     times_s = only(session.t_device_s, np.isfinite(session.t_device_s))
     steps_s = np.diff(times_s)
     forward_s = only(steps_s, (steps_s > 0.0) & (steps_s < inf))
     period_s = float(np.median(forward_s)) if len(forward_s) else None
     rates_dps = only(session.rate_dps, np.isfinite(session.rate_dps))
     stretches, allan = ([], None) if period_s is None else _rest(session, period_s)
-    return SessionFacts(
+    return SessionDescription(
         samples=len(session.t_device_s),
         duration_s=float(forward_s.sum()),
         rate_hz=None if period_s is None else 1.0 / period_s,
@@ -48,7 +48,7 @@ def _describe(session: Session) -> SessionFacts:
         temperature=_temperatures(session.temp_c),
         rate=Rates(*map(float, (rates_dps.min(), rates_dps.max(), rates_dps.mean()))) if len(rates_dps) else None,
         encoder=_encoder(session.encoder_deg),
-        still_by=Witness.RATE if session.encoder_deg is None else Witness.ENCODER,
+        still_by=RestSource.RATE if session.encoder_deg is None else RestSource.ENCODER,
         stretches=tuple(stretches),
         allan=allan,
     )
@@ -87,9 +87,9 @@ def _rest(session: Session, period_s: float) -> tuple[list[Stretch], Allan | Non
     steps_s = np.diff(t_s, prepend=t_s[:1])
     is_cut = (steps_s < 0.0) | (steps_s > max(BREAK_S, BREAK_PERIODS * period_s))
     if session.encoder_deg is None:
-        runs = steady(rate_dps, is_cut, period_s)
+        runs = stationary_by_rate(rate_dps, is_cut, period_s)
     else:
-        runs = standing(only(session.encoder_deg, is_usable), is_cut, period_s)
+        runs = stationary_by_encoder(only(session.encoder_deg, is_usable), is_cut, period_s)
     if not runs:
         return [], None
     first_s = float(session.t_device_s[np.isfinite(session.t_device_s)][0])

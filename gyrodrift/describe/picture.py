@@ -12,7 +12,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import FLICKER_FLOOR, allan_errors
 from gyrodrift.describe.describe import GAP_PERIODS
 from gyrodrift.describe.host import host_delays_s
-from gyrodrift.describe.values import SessionFacts, Witness
+from gyrodrift.describe.values import RestSource, SessionDescription
 from gyrodrift.session.session import Session
 
 POINTS = 2000
@@ -29,21 +29,21 @@ UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDa
 """The same session gives the same picture."""
 
 
-def draw(session: Session, facts: SessionFacts, file: BinaryIO, ending: str) -> None:
+def draw(session: Session, description: SessionDescription, file: BinaryIO, ending: str) -> None:
     """Write a picture of four panels to a file, as png, svg or pdf."""
     figure = Figure(figsize=(13.0, 8.0), layout="constrained")
     grid = figure.add_gridspec(4, 2)
-    rate = "" if facts.rate_hz is None else f", {facts.rate_hz:.6g} Hz"
-    figure.suptitle(f"{session.name}: {facts.samples} samples, {facts.duration_s:.6g} s{rate}", fontsize=12)
+    rate = "" if description.rate_hz is None else f", {description.rate_hz:.6g} Hz"
+    figure.suptitle(f"{session.name}: {description.samples} samples, {description.duration_s:.6g} s{rate}", fontsize=12)
     t_s = _seconds(session)
-    _draw_rate(_styled(figure.add_subplot(grid[:2, 0])), t_s, session, facts)
+    _draw_rate(_styled(figure.add_subplot(grid[:2, 0])), t_s, session, description)
     _draw_yaw(_styled(figure.add_subplot(grid[:2, 1])), t_s, session)
     if session.t_host_s is None:
         _draw_steps(_styled(figure.add_subplot(grid[2:, 0])), t_s)
     else:
         _draw_steps(_styled(figure.add_subplot(grid[2, 0])), t_s)
-        _draw_delays(_styled(figure.add_subplot(grid[3, 0])), t_s, session, facts)
-    _draw_noise(_styled(figure.add_subplot(grid[2:, 1])), facts)
+        _draw_delays(_styled(figure.add_subplot(grid[3, 0])), t_s, session, description)
+    _draw_noise(_styled(figure.add_subplot(grid[2:, 1])), description)
     figure.savefig(file, format=ending, dpi=110, metadata=UNDATED[ending])
 
 
@@ -101,14 +101,14 @@ def _plot(axes: Axes, x: Floats, y: Floats, colour: str, label: str = "") -> Non
     axes.plot(parts.x, parts.mean, color=colour, linewidth=1.0, marker=marker, label=label)
 
 
-def _draw_rate(axes: Axes, t_s: Floats, session: Session, facts: SessionFacts) -> None:
+def _draw_rate(axes: Axes, t_s: Floats, session: Session, description: SessionDescription) -> None:
     _plot(axes, t_s, session.rate_dps, MEASURED, "measured rate")
-    by = "still, by the encoder" if facts.still_by is Witness.ENCODER else "steady (a guess)"
-    longest = sorted(facts.stretches, key=lambda one: one.start_s - one.end_s)[:SHADES]
+    by = "still, by the encoder" if description.still_by is RestSource.ENCODER else "steady (a guess)"
+    longest = sorted(description.stretches, key=lambda one: one.start_s - one.end_s)[:SHADES]
     for number, one in enumerate(longest):
         label = f"_{by}" if number else by
         axes.axvspan(one.start_s, one.end_s, color=REST, alpha=0.18, linewidth=0, label=label)
-    starts_s, ends_s = _gaps(t_s, facts)
+    starts_s, ends_s = _gaps(t_s, description)
     for number, (start_s, end_s) in enumerate(zip(starts_s, ends_s, strict=True)):
         label = "_gap" if number else "gap"
         axes.axvspan(start_s, end_s, color=GAP, alpha=0.2, linewidth=0)
@@ -117,12 +117,12 @@ def _draw_rate(axes: Axes, t_s: Floats, session: Session, facts: SessionFacts) -
     _legend(axes)
 
 
-def _gaps(t_s: Floats, facts: SessionFacts) -> tuple[list[float], list[float]]:
+def _gaps(t_s: Floats, description: SessionDescription) -> tuple[list[float], list[float]]:
     """Where the longest gaps begin and end, s."""
-    if facts.rate_hz is None:
+    if description.rate_hz is None:
         return [], []
     steps_s = np.diff(t_s)
-    before = np.flatnonzero(steps_s > GAP_PERIODS / facts.rate_hz)
+    before = np.flatnonzero(steps_s > GAP_PERIODS / description.rate_hz)
     before = before[np.argsort(-steps_s[before])[:SHADES]]
     return t_s[before].tolist(), t_s[before + 1].tolist()
 
@@ -156,19 +156,19 @@ def _draw_steps(axes: Axes, t_s: Floats) -> None:
     _name(axes, "Step of device time", "device time, s", "ms")
 
 
-def _draw_delays(axes: Axes, t_s: Floats, session: Session, facts: SessionFacts) -> None:
+def _draw_delays(axes: Axes, t_s: Floats, session: Session, description: SessionDescription) -> None:
     """How much later than the soonest possible each sample arrived."""
-    delays_s = host_delays_s(session, None if facts.rate_hz is None else 1.0 / facts.rate_hz)
+    delays_s = host_delays_s(session, None if description.rate_hz is None else 1.0 / description.rate_hz)
     if delays_s is not None:
         _plot(axes, t_s, 1e3 * delays_s, QUIET)
-    host, drift = facts.host, ""
+    host, drift = description.host, ""
     if host is not None and host.drift_ppm is not None and host.drift_sd_ppm is not None:
         drift = f"; the clocks drift {host.drift_ppm:.1f} ± {host.drift_sd_ppm:.1f} ppm"
     _name(axes, f"Arrival after the soonest possible{drift}", "device time, s", "ms")
 
 
-def _draw_noise(axes: Axes, facts: SessionFacts) -> None:
-    allan = facts.allan
+def _draw_noise(axes: Axes, description: SessionDescription) -> None:
+    allan = description.allan
     if allan is None:
         axes.text(0.5, 0.5, "no stretch of 30 s without motion", ha="center", va="center", transform=axes.transAxes)
         axes.set_axis_off()

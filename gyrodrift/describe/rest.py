@@ -23,7 +23,7 @@ where that is more, up to ENCODER_SLACK_DEG: an optical reference is never quite
 
 CREEP_DPS = 0.01
 COMPARABLE = 4
-"""Standstills that follow upon each other without a turn between them may be a creeping turn; they count only where
+"""Stationary runs that follow upon each other without a turn between them may be a creeping turn; they count only where
 they last so long that it would be slower than this, or COMPARABLE times as long as what is beside them."""
 
 QUIETEST = 0.1
@@ -39,7 +39,7 @@ SCATTERS = 5.0
 than JUMP floors; short blocks scatter by themselves, and SCATTERS of that are allowed."""
 
 
-class Standstill(NamedTuple):
+class StationaryRun(NamedTuple):
     """A half-open range of blocks in which the encoder moves by no more than the slack."""
 
     start: int
@@ -52,7 +52,7 @@ class Standstill(NamedTuple):
         return self.end - self.start
 
 
-def standing(encoder_deg: Floats, is_cut: Flags, period_s: float) -> Runs:
+def stationary_by_encoder(encoder_deg: Floats, is_cut: Flags, period_s: float) -> Runs:
     """Where the angle stays within what the encoder does at rest, for 2 s."""
     size = _samples(ENCODER_BLOCK_S, period_s)
     blocks_deg = blocks_of(encoder_deg, size)
@@ -62,12 +62,12 @@ def standing(encoder_deg: Floats, is_cut: Flags, period_s: float) -> Runs:
     lows, highs = lows_deg.tolist(), highs_deg.tolist()
     step_deg = 1.001 * (smallest_step(encoder_deg) or 0.0)
     most_deg = max(step_deg, ENCODER_SLACK_DEG)
-    found: list[Standstill] = []
+    found: list[StationaryRun] = []
     for start, end in _within(lows, highs, most_deg):
         noise_deg = ENCODER_SCATTERS * float(np.quantile(ranges_deg[start:end], RESTLESS))
         slack_deg = max(step_deg, min(noise_deg, most_deg))
         parts = _within(lows[start:end], highs[start:end], slack_deg)
-        found += [Standstill(start + first, start + last, slack_deg) for first, last in parts]
+        found += [StationaryRun(start + first, start + last, slack_deg) for first, last in parts]
     return [
         (size * (start + (start > 0)), size * (end - (end < len(blocks_deg))))  # motion begins before it is seen
         for start, end, _ in _without_creep(found, size * period_s)
@@ -93,7 +93,7 @@ def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tup
         yield start, len(lows)
 
 
-def _without_creep(found: list[Standstill], block_s: float) -> Iterator[Standstill]:
+def _without_creep(found: list[StationaryRun], block_s: float) -> Iterator[StationaryRun]:
     """Those that last long enough, and longer where one follows upon another that lasted about as long."""
     starts, ends = {one.start: one for one in found}, {one.end: one for one in found}
     for one in found:
@@ -104,7 +104,7 @@ def _without_creep(found: list[Standstill], block_s: float) -> Iterator[Standsti
             yield one
 
 
-def steady(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs:
+def stationary_by_rate(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs:
     """Where the rate is as quiet as it ever gets, block upon block of about a second."""
     size = max(STEADY_BLOCK_SAMPLES, _samples(STEADY_BLOCK_S, period_s))
     blocks_dps = blocks_of(rate_dps, size)
@@ -116,7 +116,7 @@ def steady(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs:
     own = SCATTERS / sqrt(size)
     is_quiet = scatters_dps <= max(QUIET, 1.0 + own / sqrt(2.0)) * floor_dps + step_dps
     is_quiet &= ~blocks_of(is_cut, size).any(axis=1)
-    goes_on = is_quiet[1:] & is_quiet[:-1]
-    goes_on &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
-    ends = np.flatnonzero(np.diff(goes_on, prepend=False, append=False)).reshape(-1, 2).tolist()
+    continues = is_quiet[1:] & is_quiet[:-1]
+    continues &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
+    ends = np.flatnonzero(np.diff(continues, prepend=False, append=False)).reshape(-1, 2).tolist()
     return [(size * start, size * (end + 1)) for start, end in ends if end + 1 - start >= STEADY_LEAST_BLOCKS]

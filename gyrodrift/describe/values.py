@@ -1,4 +1,4 @@
-"""The facts of a session, as values."""
+"""The description of a session, as values."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -6,8 +6,8 @@ from enum import Enum
 from gyrodrift.arrays import Floats
 
 
-class Witness(Enum):
-    """Who says that the device stood still; the rate alone cannot tell rest from a constant spin."""
+class RestSource(Enum):
+    """What tells that the device was stationary; the rate alone cannot tell rest from a constant spin."""
 
     ENCODER = "encoder"
     RATE = "rate"
@@ -100,7 +100,7 @@ class Allan:
 
 
 @dataclass(frozen=True, slots=True)
-class SessionFacts:
+class SessionDescription:
     """What a session holds; None where it has no such column, or not enough of it.
 
     duration_s
@@ -110,7 +110,7 @@ class SessionFacts:
     steps_not_forward, rates_not_finite
         Samples that the filter passes by: time stands still, goes back or is no number; the rate is no number.
     still_by, stretches
-        Where the device stood still, in order of time, and who says so.
+        Where the device was stationary, in order of time, and what tells so.
     allan
         Over the longest stretch, if that has 30 s.
     """
@@ -126,6 +126,6 @@ class SessionFacts:
     temperature: Temperatures | None
     rate: Rates | None
     encoder: Encoder | None
-    still_by: Witness
+    still_by: RestSource
     stretches: tuple[Stretch, ...]
     allan: Allan | None

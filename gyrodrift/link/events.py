@@ -1,6 +1,6 @@
 """What the link reports, as log lines: never more than one a second for what may happen with every sample.
 
-A recording is told the same.
+A recording hears the same.
 """
 
 import time
@@ -13,8 +13,8 @@ WARNINGS = frozenset({"gap", "link_lost", "link_refused", "device_reset", "link_
 GAP_EVERY_S = 1.0
 
 
-class News:
-    """Passed to the link as its `news`; gaps that follow each other closely are added up to one line."""
+class LinkEvents:
+    """What a link calls with its events; gaps that follow each other closely are added up to one line."""
 
     def __init__(self, log: FilteringBoundLogger, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.listener: Callable[[str, dict[str, Any]], Any] | None = None
@@ -33,18 +33,18 @@ class News:
             self._longest_s = max(self._longest_s, float(fields["seconds"]))
             self.report_gaps()
         else:
-            self._tell(event, fields)
+            self._report(event, fields)
 
     def report_gaps(self) -> None:
         """Log the gaps that have added up, if the last such line is old enough."""
         now_s = self._monotonic()
         if self._holes and now_s >= self._next_s:
-            self._tell("gap", {"holes": self._holes, "missing": self._missing, "longest_s": self._longest_s})
+            self._report("gap", {"holes": self._holes, "missing": self._missing, "longest_s": self._longest_s})
             self._holes = self._missing = 0
             self._longest_s = 0.0
             self._next_s = now_s + GAP_EVERY_S
 
-    def _tell(self, event: str, fields: dict[str, Any]) -> None:
+    def _report(self, event: str, fields: dict[str, Any]) -> None:
         if event in WARNINGS:
             self._log.warning(event, **fields)
         else:

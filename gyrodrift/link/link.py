@@ -2,7 +2,7 @@
 
 One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then `read()`. The link finds
 the baud rate and the protocol, reopens the port under its stable name when it was unplugged, and tells what
-happened through its `news` and `LinkCounters`; the samples are never mixed with news.
+happened through link events and `LinkCounters`; the samples are never mixed with events.
 """
 
 import time
@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
-from gyrodrift.link.protocols.decoder import Decoder, DeviceFacts
-from gyrodrift.link.protocols.detect import AUTO, PROTOCOLS, Detector, decoder_for
+from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
+from gyrodrift.link.protocols.detect import Detector
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, protocol_named
+from gyrodrift.link.silence import why_silent
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
@@ -27,8 +29,8 @@ BAUD_TRIAL_WARM_S = 4.0
 BACKOFF_FIRST_S = 0.05
 BACKOFF_LONGEST_S = 2.0
 
-News = Callable[..., Any]
-"""Called with the name of an event and its fields: `news("gap", missing=3, seconds=0.04)`."""
+EventHandler = Callable[..., Any]
+"""Called with the name of a link event and its fields: `on_event("gap", missing=3, seconds=0.04)`."""
 
 
 @dataclass(slots=True)
@@ -59,36 +61,38 @@ class Link:
 
     Raises
     ------
+    UsageError
+        From the constructor, where there is no such protocol.
     LinkError
         From the constructor where the port cannot be opened; from `read` where nothing decodable came within
         `timeout_s` of the start. Once a device has spoken, silence and unplugging are survived.
     """
 
-    def __init__(self, options: LinkOptions, news: News, monotonic: Callable[[], float] = time.monotonic) -> None:
-        if options.protocol not in PROTOCOLS:
-            raise UsageError(f"unknown protocol {options.protocol!r}; known are {', '.join(PROTOCOLS)}")
+    def __init__(
+        self, options: LinkOptions, on_event: EventHandler, monotonic: Callable[[], float] = time.monotonic
+    ) -> None:
         self.options = options
         self.name = stable_name(options.port)
         self.counters = LinkCounters()
         self.decoder: Decoder | None = None
         self.clock: Clock | None = None
         self.tap: Callable[[bytes, float], Any] | None = None
-        self._news = news
+        self._on_event = on_event
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
         self._detector = Detector(options.protocol)
         if options.protocol != AUTO and options.baud is not None:
-            self.decoder = decoder_for(options.protocol)
+            self.decoder = protocol_named(options.protocol).decoder()
         self._bauds = cycle(USUAL_BAUDS)
         self.baud = options.baud or next(self._bauds)
-        self._facts = DeviceFacts()
+        self._device = DeviceDescription()
         self._spoke = False
         self._opened_s = self._heard_s = monotonic()
         self._trial_s: float | None = None
         self._backoff_s = BACKOFF_FIRST_S
         self._retry_s = 0.0
         self.port: Port | None = Port(self.name, self.baud)
-        self._news("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
+        self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
 
     def fileno(self) -> int | None:
         """The descriptor to wait on; None while the port is gone."""
@@ -121,8 +125,9 @@ class Link:
             self.tap(chunk, self._epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
         readings = self._decode(chunk)
-        samples = self._stamp(readings, arrival_s) if readings else []
-        if readings:
+        samples: list[Sample] = []
+        if readings and self.decoder is not None:
+            samples = self._stamp(self.decoder, readings, arrival_s)
             self._heard_s = arrival_s
             self._spoke = True
         elif not self._spoke:
@@ -148,29 +153,29 @@ class Link:
             if found is None:
                 return []
             self.decoder, readings = found
-            self._news("protocol_found", protocol=self.decoder.name, baud=self.baud)
-        if self.decoder.facts is not self._facts:
-            self._meet(self.decoder.facts)
+            self._on_event("protocol_found", protocol=self.decoder.name, baud=self.baud)
+        if self.decoder.device is not self._device:
+            self._meet(self.decoder.device)
         return readings
 
-    def _meet(self, facts: DeviceFacts) -> None:
-        if facts != self._facts and facts.device_id is not None:
-            self._news(
+    def _meet(self, device: DeviceDescription) -> None:
+        if device != self._device and device.device_id is not None:
+            self._on_event(
                 "device",
-                device_id=facts.device_id,
-                sample_rate_hz=facts.sample_rate_hz,
-                dps_per_lsb=facts.dps_per_lsb,
-                encoder_cpr=facts.encoder_cpr,
+                device_id=device.device_id,
+                sample_rate_hz=device.sample_rate_hz,
+                dps_per_lsb=device.dps_per_lsb,
+                encoder_cpr=device.encoder_cpr,
             )
-        self._facts = facts
+        self._device = device
 
-    def _stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+    def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
         if self.clock is None:
-            if readings[0].t_us is None:
-                self.clock = ArrivalClock(self._epoch_s)
-                self._news("no_device_clock", timing="regression of arrival times")
-            else:
+            if PROTOCOLS[decoder.name].has_clock:
                 self.clock = DeviceClock(self._epoch_s)
+            else:
+                self.clock = ArrivalClock(self._epoch_s)
+                self._on_event("no_device_clock", timing="regression of arrival times")
         samples = self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
@@ -182,17 +187,17 @@ class Link:
                 case SampleGap(missing, seconds):
                     self.counters.gaps += 1
                     self.counters.missing += missing
-                    self._news("gap", missing=missing, seconds=round(seconds, 6))
+                    self._on_event("gap", missing=missing, seconds=round(seconds, 6))
                 case ClockRestart(step_s, silent_s):
                     self.counters.restarts += 1
-                    self._news("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
+                    self._on_event("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
         clock.events.clear()
 
     def _lose(self) -> None:
         self.close()
         self._backoff_s = BACKOFF_FIRST_S
         self._retry_s = self._monotonic() + self._backoff_s
-        self._news("link_lost", port=self.name)
+        self._on_event("link_lost", port=self.name)
 
     def _reopen(self) -> None:
         now_s = self._monotonic()
@@ -204,7 +209,7 @@ class Link:
             self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
             self._retry_s = now_s + self._backoff_s
             if not isinstance(error, PortMissingError):
-                self._news("link_refused", port=self.name, reason=str(error))
+                self._on_event("link_refused", port=self.name, reason=str(error))
             return
         gone_s = now_s - self._heard_s
         self.counters.reconnects += 1
@@ -212,11 +217,11 @@ class Link:
         if self.decoder is not None:  # half a frame, and perhaps the scale, went with the old connection
             self._carry_over(self.decoder)
         if self.clock is not None:
-            self.clock.doubt()
-        self._news("link_restored", port=self.name, gone_s=round(gone_s, 3))
+            self.clock.reconnected()
+        self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
 
     def _carry_over(self, old: Decoder) -> None:
-        self.decoder = decoder_for(old.name)
+        self.decoder = PROTOCOLS[old.name].decoder()
         self.decoder.counters = old.counters
 
     def _give_up_waiting(self) -> None:
@@ -224,7 +229,8 @@ class Link:
             return
         now_s = self._monotonic()
         if 0.0 < self.options.timeout_s <= now_s - self._opened_s:
-            raise DeviceSilentError(self._why_silent())
+            why = why_silent(self.options.timeout_s, self.options.baud, self.counters.bytes, self.decoder)
+            raise DeviceSilentError(f"{self.name}: {why}")
         if self.options.baud is None and self.decoder is None and self._trial_s is not None:
             trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
             if now_s - self._trial_s >= trial_s:
@@ -240,26 +246,3 @@ class Link:
                 self.port.set_baud(self.baud)
         except PortGoneError:
             self._lose()
-
-    def _why_silent(self) -> str:
-        waited = f"within {self.options.timeout_s:g} s"
-        if not self.counters.bytes:
-            return (
-                f"{self.name}: the device said nothing {waited}; "
-                "is it powered, is this its port, are TX and RX the right way round?"
-            )
-        tried = "any of the usual baud rates" if self.options.baud is None else f"{self.baud} baud"
-        if self.decoder is None:
-            return (
-                f"{self.name}: {self.counters.bytes} bytes came {waited}, but no native, csv or witmotion frame "
-                f"in them at {tried}; a wrong baud rate looks like this: give the device's with --baud"
-            )
-        if self.decoder.counters.before_hello:
-            return (
-                f"{self.name}: {self.decoder.counters.before_hello} samples came {waited}, but no HELLO frame that "
-                "says their scale; the device has to send one once a second"
-            )
-        return (
-            f"{self.name}: {self.counters.bytes} bytes came {waited}, but no {self.decoder.name} sample in them at "
-            f"{tried} ({self.decoder.counters.damaged} damaged frames); check --baud and --protocol"
-        )

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 from gyrodrift.recording.recorder import Recorder
 from gyrodrift.sample import Sample
@@ -46,9 +46,9 @@ class Duration:
         if len(inside) < len(samples):
             self._end()
 
-    def do_chores(self, now_s: float) -> Any:
+    def tick(self, now_s: float) -> None:
         """Look at the clock of the host too, for devices that fell silent."""
-        self._recorder.do_chores(now_s)
+        self._recorder.tick(now_s)
         if self._first_s is None or now_s - self._last_host_s < GRACE_S:
             return
         if now_s - self._first_host_s >= self._seconds:

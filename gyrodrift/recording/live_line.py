@@ -15,7 +15,7 @@ CLEAR = "\r\x1b[K"
 
 
 class LiveLine:
-    """Time, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every chore."""
+    """Time, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every tick."""
 
     def __init__(self, link: Link, recorder: Recorder, stream: TextIO = sys.stderr) -> None:
         self._link = link
@@ -27,7 +27,7 @@ class LiveLine:
     def take(self, samples: list[Sample]) -> None:
         """Nothing: the counters tell."""
 
-    def do_chores(self, now_s: float) -> None:
+    def tick(self, now_s: float) -> None:
         """Write the line anew."""
         self._marks = [*self._marks[-8:], (now_s, self._recorder.samples, self._recorder.size_bytes)]
         if self._recorder.samples and self._first_s is None:
@@ -100,7 +100,7 @@ class AboveLine(io.TextIOBase):
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write over the live line; it comes back with the next chore."""
+        """Write over the live line; it comes back with the next tick."""
         with suppress(OSError):  # likewise
             self._stream.write(text if text == "\n" else CLEAR + text)
         return len(text)

@@ -17,7 +17,7 @@ from typing import Any
 from gyrodrift import __version__
 from gyrodrift.files import check_writable
 from gyrodrift.link.link import Link
-from gyrodrift.link.protocols.decoder import DeviceFacts
+from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import DiskFile, RecordingError
 from gyrodrift.recording.names import recording_path
 from gyrodrift.sample import Sample
@@ -71,7 +71,7 @@ class Recorder:
         self._disk: DiskFile | None = None
         self._writer: McapWriter | None = None
         self._finishing: list[DiskFile] = []
-        self._facts: DeviceFacts | None = None
+        self._device: DeviceDescription | None = None
         self._begun_s = 0.0
         self._waiting: list[tuple[bytes, float]] = []
         self._events: list[tuple[str, float, dict[str, Any]]] = []
@@ -104,7 +104,7 @@ class Recorder:
         else:
             self._writer.add_event(event, time.time(), dict(fields))
 
-    def do_chores(self, _now_s: float) -> None:
+    def tick(self, _now_s: float) -> None:
         """What is due a few times a second: hand over what has come, begin a new file."""
         self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
         if self._writer is None:
@@ -113,7 +113,7 @@ class Recorder:
             return
         if self._disk is not None:
             self._disk.check()
-        self._keep_facts(self._writer)
+        self._keep_device(self._writer)
         self._writer.flush()
         if self._is_full(self._writer):
             self._end()
@@ -148,10 +148,12 @@ class Recorder:
         """The file that is being written; a new one where there is none."""
         if self._writer is not None:
             return self._writer
-        facts = self._facts = self._link.decoder.facts if self._link.decoder else DeviceFacts()
-        self._disk = self._new_file(facts.device_id or "")
+        device = self._device = self._link.decoder.device if self._link.decoder else DeviceDescription()
+        self._disk = self._new_file(device.device_id or "")
         self._begun_s = self._monotonic()
-        self._writer = McapWriter(self._disk, {"recording": self._about(), **self.options.about, **_device(facts)})
+        self._writer = McapWriter(
+            self._disk, {"recording": self._about(), **self.options.about, **_device_tables(device)}
+        )
         self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:
             self._writer.add_read(content, t_host_s)
@@ -189,14 +191,14 @@ class Recorder:
         }
         return {key: value for key, value in table.items() if value}
 
-    def _keep_facts(self, writer: McapWriter) -> None:
+    def _keep_device(self, writer: McapWriter) -> None:
         """A device may say who it is later, or turn out to be another one."""
-        facts = self._link.decoder.facts if self._link.decoder else None
-        if facts is not None and facts is not self._facts:
-            if facts != self._facts:
-                for name, table in _device(facts).items():
+        device = self._link.decoder.device if self._link.decoder else None
+        if device is not None and device is not self._device:
+            if device != self._device:
+                for name, table in _device_tables(device).items():
                     writer.add_metadata(name, table)
-            self._facts = facts
+            self._device = device
 
     def _is_full(self, writer: McapWriter) -> bool:
         most_bytes, most_s = self.options.rotate_bytes, self.options.rotate_s
@@ -243,6 +245,6 @@ def _is_over(disk: DiskFile) -> bool:
     return disk.is_finished
 
 
-def _device(facts: DeviceFacts) -> dict[str, dict[str, str]]:
-    known = {name: str(getattr(facts, name)) for name in facts.__slots__ if getattr(facts, name) is not None}
+def _device_tables(device: DeviceDescription) -> dict[str, dict[str, str]]:
+    known = {name: str(getattr(device, name)) for name in device.__slots__ if getattr(device, name) is not None}
     return {"device": known} if known else {}

@@ -49,14 +49,14 @@ class ResilientRecorder:
         if self.recorder is not None:
             self.recorder.on_event(event, fields)
 
-    def do_chores(self, now_s: float) -> None:
+    def tick(self, now_s: float) -> None:
         """Hand over what has come; after a failure, begin again when the time has come."""
         if self.recorder is None:
             if now_s - self._failed_s >= RETRY_S:
                 self._retry(now_s)
             return
         try:
-            self.recorder.do_chores(now_s)
+            self.recorder.tick(now_s)
         except RecordingError as error:
             self._fail(self.recorder, error)
 

@@ -1,1 +1,1 @@
-"""The running service: link → filter → sinks, in one thread."""
+"""The running service: link → filter → outputs, in one thread."""

@@ -1,4 +1,4 @@
-"""What `serve` does with samples: the filter, then the sinks; its config is followed between two samples."""
+"""What `serve` does with samples: the filter, then the outputs; its config is followed between two samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,12 +11,11 @@ from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
-from gyrodrift.service.outputs.json_lines import JsonLines
 
 if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
     from gyrodrift.config.model import Config
     from gyrodrift.config.watch import ConfigWatch
-    from gyrodrift.service.outputs.output import Sink
+    from gyrodrift.service.outputs.output import Output
 
 REJECTED_S = 1.0
 
@@ -26,15 +25,13 @@ RATE_TOLERANCE = 0.05
 
 @dataclass(slots=True)
 class Filtering:
-    """Takes samples, hands corrected ones to the output and to more sinks."""
+    """Takes samples, hands corrected ones to the outputs."""
 
     link: Link
-    output: JsonLines
+    outputs: "Sequence[Output]"
     log: FilteringBoundLogger
     watch: "ConfigWatch | None" = None
-    more_sinks: "Sequence[Sink]" = ()
     state: FilterState = field(init=False)
-    _sinks: "list[Sink]" = field(init=False)
     _filter: Filter = field(init=False)
     _coefficients: Any = field(init=False)
     _rejected: int = 0
@@ -42,7 +39,6 @@ class Filtering:
     _is_rate_checked: bool = False
 
     def __post_init__(self) -> None:
-        self._sinks = [self.output, *self.more_sinks]
         if self.watch is None:
             self._filter, params = DEFAULT, DEFAULT.params()
         else:
@@ -51,20 +47,28 @@ class Filtering:
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
-        step, coefficients, state, sinks = self._filter.step, self._coefficients, self.state, self._sinks
+        step, coefficients, state = self._filter.step, self._coefficients, self.state
+        corrected = []
         for sample in samples:
             if step(coefficients, state, sample.t_device_s, sample.rate_dps):
                 bias_dps = state.bias_dps
-                corrected = Corrected(
-                    sample, sample.rate_dps - bias_dps, state.yaw_deg, bias_dps, state.yaw_sigma_deg, state.confidence
+                corrected.append(
+                    Corrected(
+                        sample,
+                        sample.rate_dps - bias_dps,
+                        state.yaw_deg,
+                        bias_dps,
+                        state.yaw_sigma_deg,
+                        state.confidence,
+                    )
                 )
-                for sink in sinks:
-                    sink.on_sample(corrected)
-        for sink in sinks:
-            sink.flush()
+        for output in self.outputs:
+            output.take(corrected)
 
-    def do_chores(self, now_s: float) -> None:
+    def tick(self, now_s: float) -> None:
         """Follow the config, tell what was rejected."""
+        for output in self.outputs:
+            output.tick(now_s)
         if self.watch is not None:
             self._follow_config(self.watch)
         if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
@@ -75,18 +79,14 @@ class Filtering:
 
     def stats(self) -> dict[str, Any]:
         """For the log."""
-        return {
-            "rejected": self.state.rejected,
-            "lines": self.output.lines,
-            "lines_dropped": self.output.dropped,
-            "yaw_deg": round(self.state.yaw_deg, 3),
-            "bias_dps": round(self.state.bias_dps, 5),
-        }
+        of_outputs = {name: value for output in self.outputs for name, value in output.stats().items()}
+        yaw_deg, bias_dps = round(self.state.yaw_deg, 3), round(self.state.bias_dps, 5)
+        return {"rejected": self.state.rejected, **of_outputs, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
 
     def close(self) -> None:
-        """Let the sinks finish."""
-        for sink in self._sinks:
-            sink.close()
+        """Let the outputs finish."""
+        for output in self.outputs:
+            output.close()
 
     def _follow_config(self, watch: "ConfigWatch") -> None:
         old = watch.config

@@ -1,9 +1,10 @@
-"""Sessions as files: what a path stands for, and the one way to load it."""
+"""Sessions as files: what a path stands for, and the one way to load and to write one, by its ending."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
-from gyrodrift.errors import DataError
+from gyrodrift.errors import DataError, UsageError
+from gyrodrift.files import whole_file, write_whole
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
@@ -29,7 +30,40 @@ def load_session(path: Path) -> Session:
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415
 
         return read_mcap(path)
-    raise DataError(f"{path}: sessions end in .mcap or .csv, not {path.suffix or 'nothing'}")
+    raise DataError(_unknown_ending(path))
+
+
+def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None = None) -> None:
+    """Write the consecutive chunks of a session; `metadata` goes along where the format has room for it.
+
+    Raises
+    ------
+    UsageError
+        Where the ending is unknown or the place cannot be written to; nothing is left behind then.
+    """
+    if path.suffix == ".csv":
+        from gyrodrift.session.csv import csv_pieces  # noqa: PLC0415 - each format costs only who writes it
+
+        write_whole(path, csv_pieces(chunks))
+    elif path.suffix == ".mcap":
+        _write_mcap(path, chunks, metadata)
+    else:
+        raise UsageError(_unknown_ending(path))
+
+
+def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None) -> None:
+    from gyrodrift.session.mcap.read import add_chunk  # noqa: PLC0415
+    from gyrodrift.session.mcap.write import McapWriter  # noqa: PLC0415
+
+    with whole_file(path) as file:
+        writer = McapWriter(file, metadata)
+        for chunk in chunks:
+            add_chunk(writer, chunk)
+        writer.finish()
+
+
+def _unknown_ending(path: Path) -> str:
+    return f"{path}: sessions end in {' or '.join(ENDINGS)}, not {path.suffix or 'nothing'}"
 
 
 def session_paths(paths: Iterable[Path]) -> list[Path]:

@@ -21,9 +21,18 @@ from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
 from firmware_sim.effects.sensor_curve import ScaleFactor
 from firmware_sim.effects.sensor_dynamics import Vibration
 from firmware_sim.motion.profile import Ambient, Profile, Segment
-from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest
+from firmware_sim.motion.segments import Ramp, Rest
 from firmware_sim.rig import Base, Rig
 from gyrodrift.files import write_whole
+from gyrodrift.simulation.hard_motions import (
+    RAMP_S,
+    Motions,
+    either_sign,
+    gentle_curves,
+    spin,
+    turns_with_rests,
+    turns_without_rests,
+)
 from gyrodrift.simulation.sessions import Simulation, rig_yaml, write_simulation
 
 STILL_S = 10.0
@@ -37,16 +46,8 @@ NOISE_DPS_RTHZ = (0.003, 0.01)
 FLOOR_DPH = (4.0, 40.0)
 """Ranges of noise and bias instability that data sheets of such parts span."""
 
-RAMP_S = 1.0
-SLOWEST_DPS, FASTEST_DPS = 5.0, 180.0
-STOP_EVERY = 15
-"""Moves between the stops of a motion that hardly has any: one in a minute and a half."""
-
 MOVES_DPS = 1.0
 """What counts as moving where a drive is entered on its way."""
-
-Motions = Callable[[Rng, float], tuple[Segment, ...]]
-"""Segments of at least so many seconds, the first of which sets out from rest."""
 
 Effects = Callable[[Rng], Sequence[AnyEffect]]
 
@@ -97,57 +98,6 @@ class Later:
         return self.profile.sensor_c_at(t_s)
 
 
-def _sign(rng: Rng) -> float:
-    return float(rng.choice([-1.0, 1.0]))
-
-
-def _speed_dps(rng: Rng) -> float:
-    """Of either sign, slow ones as often as fast ones."""
-    return _sign(rng) * float(np.exp(rng.uniform(np.log(SLOWEST_DPS), np.log(FASTEST_DPS))))
-
-
-def turns_with_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """A turntable: a turn of some seconds, a rest of some seconds, and so on."""
-    segments: list[Segment] = []
-    while sum(segment.seconds for segment in segments) < seconds:
-        segments += [
-            Ramp(kind="ramp", seconds=RAMP_S, to_dps=_speed_dps(rng)),
-            Hold(kind="hold", seconds=float(rng.uniform(2.0, 6.0))),
-            Ramp(kind="ramp", seconds=RAMP_S, to_dps=0.0),
-            Rest(kind="rest", seconds=float(rng.uniform(3.0, 6.0))),
-        ]
-    return tuple(segments)
-
-
-def turns_without_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """From speed to speed; a stop of two seconds now and then."""
-    segments: list[Segment] = []
-    while sum(segment.seconds for segment in segments) < seconds:
-        for _ in range(STOP_EVERY):
-            segments += [
-                Ramp(kind="ramp", seconds=RAMP_S, to_dps=_speed_dps(rng)),
-                Hold(kind="hold", seconds=float(rng.uniform(2.0, 8.0))),
-            ]
-        segments += [Ramp(kind="ramp", seconds=RAMP_S, to_dps=0.0), Rest(kind="rest", seconds=2.0)]
-    return tuple(segments)
-
-
-def spin(rate_dps: float) -> Motions:
-    """One speed, either way, to the end."""
-
-    def motion(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-        to_dps = _sign(rng) * rate_dps
-        return (Ramp(kind="ramp", seconds=RAMP_S, to_dps=to_dps), Hold(kind="hold", seconds=seconds))
-
-    return motion
-
-
-def gentle_curves(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """A vehicle whose curves last half a minute, and which hardly ever stops."""
-    minutes, seed = seconds / 60.0 + 1.0, int(rng.integers(2**31))
-    return (Drive(kind="drive", minutes=minutes, rms_dps=4.0, curve_seconds=30.0, rest_share=0.03, seed=seed),)
-
-
 CASES = (
     Case("turntable", "a turntable with rests: the usual case", turns_with_rests),
     Case("few-rests", "almost no rests", turns_without_rests),
@@ -159,19 +109,19 @@ CASES = (
         "scale-1",
         "rates 1 % too large or small",
         turns_with_rests,
-        lambda rng: [ScaleFactor(error_percent=_sign(rng))],
+        lambda rng: [ScaleFactor(error_percent=either_sign(rng))],
     ),
     Case(
         "warmup",
         "a warm-up of half a degree a second within minutes",
         turns_with_rests,
-        lambda rng: [Warmup(amplitude_dps=0.5 * _sign(rng), time_constant_s=60.0)],
+        lambda rng: [Warmup(amplitude_dps=0.5 * either_sign(rng), time_constant_s=60.0)],
     ),
     Case(
         "temperature",
         "air that warms by 20 °C, and cools",
         turns_with_rests,
-        lambda rng: [TempBias(slope_dps_per_c=0.03 * _sign(rng))],
+        lambda rng: [TempBias(slope_dps_per_c=0.03 * either_sign(rng))],
         swing_c=20.0,
     ),
     Case("drive", "a drive with long gentle curves", gentle_curves),
@@ -223,7 +173,7 @@ def _write(place: Path, simulated: Simulation, ending: str) -> Path:
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:
-    """One session of a case, with dice of its own that do not depend on the version."""
+    """One session of a case, with a realisation of its own that does not depend on the version."""
     rng = np.random.default_rng([seed, crc32(case.name.encode()), number])
     rig, seconds = _part(case, rng), 60.0 * minutes
     body = case.motion(rng, seconds)

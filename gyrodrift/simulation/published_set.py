@@ -18,7 +18,7 @@ from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Rig, with_effects
 from gyrodrift.errors import DataError
 from gyrodrift.files import write_whole
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation, euler_error_deg, rig_yaml
 

@@ -1,44 +1,20 @@
 """A recording as a device would speak it: the frames that `replay` plays on a pty.
 
-This is the one room of the host that borrows the simulator's voice.
+The simulator's encoders turn its samples into frames.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from math import isfinite, isnan
+from math import isfinite
 
 import numpy as np
 
 from firmware_sim.rig import Base
-from firmware_sim.wire import (
-    ENCODER_VALID,
-    RATE_CLIPPED,
-    TEMPERATURE_VALID,
-    Frame,
-    csv_line,
-    hello_frame,
-    sample_frame,
-    wt901_sample,
-)
+from firmware_sim.wire.encoder import Frame, Measurement
 from gyrodrift.session.mcap.raw import Read
 from gyrodrift.session.session import Session
 
 ENCODER_CPR = 3_600_000
 """Counts per turn that stand for the angles of a recording: a ten-thousandth of a degree, as recordings have."""
-
-RATE_RAW_MOST = 32767
-
-
-@dataclass(frozen=True, slots=True)
-class Spoken:
-    """One sample as plain numbers; `at_s` is when it is due, s after the first, and never goes back."""
-
-    at_s: float
-    t_us: int
-    seq: int
-    rate_dps: float
-    encoder_deg: float | None
-    temp_c: float | None
 
 
 class PlayedSession:
@@ -53,7 +29,7 @@ class PlayedSession:
         moved = np.maximum(1.0, np.rint(np.nan_to_num(steps_s) / self.period_s))
         self._counter = np.concatenate([[0], np.cumsum(moved)]).astype(np.int64).tolist()
 
-    def __iter__(self) -> Iterator[Spoken]:
+    def __iter__(self) -> Iterator[Measurement]:
         once_s = float(np.nanmax(self.session.t_device_s) - self.session.t_device_s[0]) + self.period_s
         later_s, later_seq = 0.0, 0
         while True:
@@ -63,7 +39,7 @@ class PlayedSession:
             later_s += once_s
             later_seq += self._counter[-1] + 1
 
-    def _once(self, later_s: float, later_seq: int) -> Iterator[Spoken]:
+    def _once(self, later_s: float, later_seq: int) -> Iterator[Measurement]:
         session = self.session
         count = len(session.t_device_s)
         missing: list[float | None] = [None] * count
@@ -77,50 +53,14 @@ class PlayedSession:
                 continue  # a device cannot say that it does not know the time
             due_s = max(due_s, t_s - first_s)
             t_us = round((t_s + later_s) * 1e6)
-            yield Spoken(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c)
+            yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c)
 
 
-def csv_frames(recording: PlayedSession) -> Iterator[Frame]:
-    """A line a sample, with every digit."""
-    for s in recording:
-        yield Frame(s.at_s, csv_line(s.t_us, s.rate_dps, s.encoder_deg, s.temp_c), 1)
-
-
-def native_hello(recording: PlayedSession, dps_per_lsb: float) -> bytes:
-    """The HELLO of a device that measures as the recording did, in steps of `dps_per_lsb`."""
+def base_of(recording: PlayedSession, dps_per_lsb: float) -> Base:
+    """A device that measures as the recording did, in steps of `dps_per_lsb`, deg/s."""
     cpr = ENCODER_CPR if recording.session.encoder_deg is not None else 0
     rate_hz = min(65535.0, max(1.0, 1.0 / recording.period_s))
-    return hello_frame(Base(sample_rate_hz=rate_hz, dps_per_lsb=dps_per_lsb, encoder_cpr=cpr))
-
-
-def native_frames(recording: PlayedSession, dps_per_lsb: float, hello: bytes) -> Iterator[Frame]:
-    """HELLO once a second and a SAMPLE each; rates that are not finite cannot be said and are left out."""
-    next_hello_s = 0.0
-    for s in recording:
-        if s.at_s >= next_hello_s:
-            yield Frame(s.at_s, hello, 0)
-            next_hello_s = s.at_s + 1.0
-        if not isfinite(s.rate_dps):
-            continue
-        raw = round(s.rate_dps / dps_per_lsb)
-        flags = RATE_CLIPPED if abs(raw) > RATE_RAW_MOST else 0
-        counts = temp_centi_c = 0
-        if s.encoder_deg is not None and not isnan(s.encoder_deg):
-            flags |= ENCODER_VALID
-            counts = round(s.encoder_deg / 360.0 * ENCODER_CPR)
-        if s.temp_c is not None and not isnan(s.temp_c):
-            flags |= TEMPERATURE_VALID
-            temp_centi_c = round(s.temp_c * 100.0)
-        raw = max(-RATE_RAW_MOST, min(RATE_RAW_MOST, raw))
-        yield Frame(s.at_s, sample_frame(flags, s.seq, s.t_us, raw, temp_centi_c, counts), 1)
-
-
-def witmotion_frames(recording: PlayedSession) -> Iterator[Frame]:
-    """The frames of a WT901 a sample; rates that are not finite cannot be said and are left out."""
-    for s in recording:
-        if isfinite(s.rate_dps):
-            temp_c = s.temp_c if s.temp_c is not None and not isnan(s.temp_c) else 0.0
-            yield Frame(s.at_s, wt901_sample(s.rate_dps, round(temp_c * 100.0)), 1)
+    return Base(sample_rate_hz=rate_hz, dps_per_lsb=dps_per_lsb, encoder_cpr=cpr)
 
 
 def raw_frames(reads: Iterable[Read]) -> Iterator[Frame]:

@@ -12,7 +12,7 @@ from firmware_sim.measure import Block, Motion, measure
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.files import write_whole
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
 

@@ -12,7 +12,7 @@ import pytest
 from bench_support import PATIENCE_S, cpu_s, logged, metronome, metronome_result, running, show
 from mcap.reader import make_reader
 
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.session import Session
 

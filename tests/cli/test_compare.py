@@ -11,8 +11,7 @@ from page_support import parsed, row, words
 from turntable_sessions import RATE_HZ, turntable, write_turntables
 
 from gyrodrift.cli import main
-from gyrodrift.session.files import load_session
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import methods

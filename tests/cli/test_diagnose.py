@@ -13,8 +13,7 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
-from gyrodrift.session.files import load_session
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
 pytestmark = pytest.mark.timeout(600)

@@ -17,7 +17,7 @@ from mcap.reader import make_reader
 from support import PATIENCE_S, are_recorded, never, speaking_on
 
 from firmware_sim.pty import PtyDevice
-from firmware_sim.wire import csv_line
+from firmware_sim.wire.csv import csv_line
 
 ON_A_TERMINAL = """
 import fcntl, os, signal, sys, termios

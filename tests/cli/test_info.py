@@ -11,7 +11,7 @@ import pytest
 from support import Recordings
 
 from gyrodrift.cli import main
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
 ABOUT = {

@@ -18,7 +18,8 @@ from support import Command, are_recorded, near, never, speaking_on
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig
-from firmware_sim.wire import csv, csv_line, native
+from firmware_sim.wire.csv import csv_line
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.session import Session
@@ -34,19 +35,13 @@ def recorded(folder: Path) -> list[Session]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "sessions"
 
 
 def frames(protocol: str, count: int) -> Iterator[bytes]:
     rig = load_rig(None)
-    speech = {"native": native, "csv": csv}[protocol]
-    for frame in speech(measure(rig, load_profile("turntable"), 1), rig.base):
+    for frame in ENCODERS[protocol].frames(measure(rig, load_profile("turntable"), 1), rig.base):
         if count <= 0:
             return
         count -= frame.rows

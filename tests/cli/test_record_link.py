@@ -21,17 +21,13 @@ from support import Command, are_recorded, never, speaking_on
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from firmware_sim.wire import PROTOCOLS, csv_line
-from gyrodrift.link.protocols.detect import decoder_for
+from firmware_sim.wire.csv import csv_line
+from firmware_sim.wire.registry import ENCODERS
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 
 RIG = Rig(base=Base(bias_dps=0.3))
-
-
-@pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
 
 
 @pytest.fixture
@@ -40,7 +36,7 @@ def out(tmp_path: Path) -> Path:
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [frame.content for frame in islice(frames, count)]
 
 
@@ -74,7 +70,7 @@ def events_in(path: Path) -> list[dict[str, Any]]:
 def test_every_sample_that_was_sent_is_recorded_to_the_last(port: Path, out: Path, protocol: str, given: str) -> None:
     """In number and in every bit of their values, whether the protocol is found or given."""
     content = b"".join(spoken(protocol, 700))
-    expected = decoder_for(protocol).push(content)
+    expected = PROTOCOLS[protocol].decoder().push(content)
     assert len(expected) > 690
     options = ("--protocol", protocol, "--baud", "115200") if given == "named" else ()
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:

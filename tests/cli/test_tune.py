@@ -16,8 +16,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
-from gyrodrift.session.files import load_session
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 
 pytest.importorskip("numba", reason="tuning needs the workstation extra")

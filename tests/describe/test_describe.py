@@ -17,7 +17,7 @@ from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import FLICKER_FLOOR, allan_deviation
 from gyrodrift.describe.describe import describe
-from gyrodrift.describe.values import SessionFacts, Witness
+from gyrodrift.describe.values import RestSource, SessionDescription
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
@@ -47,28 +47,33 @@ def simulated(profile: str, *effects: str, minutes: float = 5.0) -> Session:
     return Simulation(rig, load_profile(profile), 1, 0, minutes).whole()
 
 
-def times_of(facts: SessionFacts) -> Floats:
-    return np.array([(one.start_s, one.end_s) for one in facts.stretches])
+def times_of(description: SessionDescription) -> Floats:
+    return np.array([(one.start_s, one.end_s) for one in description.stretches])
 
 
 def test_a_clean_session_has_its_rate_and_nothing_missing() -> None:
     """With time that begins anywhere."""
-    facts = describe(session_of(1e5 + np.arange(501) / 50.0, np.linspace(-1.0, 2.0, 501)))
-    assert (facts.samples, facts.duration_s, facts.rate_hz) == (501, near(10.0), near(50.0))
-    assert facts.jitter_s == near(0.0, 1e-9)
-    assert (facts.gaps.count, facts.gaps.missing, facts.gaps.longest_s) == (0, 0, 0.0)
-    assert (facts.steps_not_forward, facts.rates_not_finite) == (0, 0)
-    assert facts.rate is not None
-    assert (facts.rate.min_dps, facts.rate.max_dps, facts.rate.mean_dps) == (-1.0, 2.0, near(0.5))
-    assert (facts.host, facts.temperature, facts.encoder, facts.allan) == (None, None, None, None)
+    description = describe(session_of(1e5 + np.arange(501) / 50.0, np.linspace(-1.0, 2.0, 501)))
+    assert (description.samples, description.duration_s, description.rate_hz) == (501, near(10.0), near(50.0))
+    assert description.jitter_s == near(0.0, 1e-9)
+    assert (description.gaps.count, description.gaps.missing, description.gaps.longest_s) == (0, 0, 0.0)
+    assert (description.steps_not_forward, description.rates_not_finite) == (0, 0)
+    assert description.rate is not None
+    assert (description.rate.min_dps, description.rate.max_dps, description.rate.mean_dps) == (-1.0, 2.0, near(0.5))
+    assert (description.host, description.temperature, description.encoder, description.allan) == (
+        None,
+        None,
+        None,
+        None,
+    )
 
 
 @pytest.mark.parametrize("has_counter", [True, False])
 def test_gaps_are_counted_by_the_counter_or_else_by_time(*, has_counter: bool) -> None:
     """Holes of 1, 3 and 20 samples."""
     kept = np.setdiff1d(np.arange(1000), [100, *range(300, 303), *range(500, 520)])
-    facts = describe(session_of(kept / RATE_HZ, seq=kept if has_counter else None))
-    assert (facts.gaps.count, facts.gaps.missing, facts.gaps.longest_s) == (3, 24, near(0.21))
+    description = describe(session_of(kept / RATE_HZ, seq=kept if has_counter else None))
+    assert (description.gaps.count, description.gaps.missing, description.gaps.longest_s) == (3, 24, near(0.21))
 
 
 def test_the_counter_knows_better_than_time() -> None:
@@ -85,19 +90,19 @@ def test_jitter_is_the_scatter_of_steps_whatever_the_gaps() -> None:
     """To a few percent, of 10 000 steps."""
     steps_s = 0.01 + 2e-4 * np.random.default_rng(1).standard_normal(10_000)
     steps_s[::100] = 0.5
-    facts = describe(session_of(np.cumsum(steps_s)))
-    assert facts.jitter_s == pytest.approx(2e-4, rel=0.05)
-    assert facts.gaps.count == pytest.approx(100, abs=1)
+    description = describe(session_of(np.cumsum(steps_s)))
+    assert description.jitter_s == pytest.approx(2e-4, rel=0.05)
+    assert description.gaps.count == pytest.approx(100, abs=1)
 
 
 def test_what_the_filter_passes_by_is_counted() -> None:
     """Time that stands still, goes back or is no number; rates that are no number."""
-    facts = describe(
+    description = describe(
         session_of([0.0, 0.01, 0.01, 0.02, 0.005, np.nan, 0.03], [1.0, np.nan, 1.0, np.inf, 1.0, 1.0, 3.0])
     )
-    assert (facts.steps_not_forward, facts.rates_not_finite) == (3, 2)
-    assert facts.rate is not None
-    assert facts.rate.mean_dps == near(1.4)
+    assert (description.steps_not_forward, description.rates_not_finite) == (3, 2)
+    assert description.rate is not None
+    assert description.rate.mean_dps == near(1.4)
 
 
 def arrived(ppm: float, delays_s: Floats) -> Session:
@@ -145,8 +150,8 @@ def test_a_short_session_says_nothing_of_its_clock() -> None:
 def test_temperature_and_encoder_are_told() -> None:
     """What is NaN in them is passed over."""
     temp_c = np.concatenate(([np.nan, 20.0], np.linspace(20.0, 31.0, 97), [30.0, np.nan]))
-    facts = describe(replace(turned((1.01, 36.0), step_deg=0.09), temp_c=temp_c))
-    temperature, encoder = facts.temperature, facts.encoder
+    description = describe(replace(turned((1.01, 36.0), step_deg=0.09), temp_c=temp_c))
+    temperature, encoder = description.temperature, description.encoder
     assert temperature is not None
     assert (temperature.min_c, temperature.max_c) == (20.0, 31.0)
     assert (temperature.first_c, temperature.last_c) == (20.0, 30.0)
@@ -162,13 +167,13 @@ RESTS_S = [(0.0, 6.0), (11.0, 15.0), (21.0, 29.0)]
 @pytest.mark.parametrize("step_deg", [0.001, 0.01, 0.36])
 def test_rests_are_found_by_the_encoder_and_end_before_motion_begins(step_deg: float) -> None:
     """Within a second of their times and never outside, with the bias to 4 errors of the mean; not the short one."""
-    facts = describe(turned(*MOTION, step_deg=step_deg))
-    found = times_of(facts)
-    assert facts.still_by is Witness.ENCODER
+    description = describe(turned(*MOTION, step_deg=step_deg))
+    found = times_of(description)
+    assert description.still_by is RestSource.ENCODER
     assert found == pytest.approx(np.array(RESTS_S), abs=1.0)
     assert (found[:, 0] >= [start for start, _ in RESTS_S]).all()
     assert (found[:, 1] <= [end for _, end in RESTS_S]).all()
-    for one in facts.stretches:
+    for one in description.stretches:
         assert one.mean_dps == near(BIAS_DPS, 4.0 * NOISE_DPS / np.sqrt((one.end_s - one.start_s) * RATE_HZ))
         assert one.std_dps == pytest.approx(NOISE_DPS, rel=0.15)
 
@@ -184,11 +189,11 @@ def test_a_reference_that_is_never_quite_still_shows_rest_all_the_same() -> None
 
 def test_without_an_encoder_steady_stretches_are_a_guess() -> None:
     """The rests to a second, and the steady turns with them."""
-    facts = describe(replace(turned(*MOTION), encoder_deg=None))
-    assert facts.still_by is Witness.RATE
+    description = describe(replace(turned(*MOTION), encoder_deg=None))
+    assert description.still_by is RestSource.RATE
     expected = sorted([*RESTS_S, (6.0, 11.0), (15.0, 18.0)])
-    assert times_of(facts) == pytest.approx(np.array(expected), abs=1.001)
-    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
+    assert times_of(description) == pytest.approx(np.array(expected), abs=1.001)
+    assert [one.mean_dps for one in description.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
 
 
 @pytest.mark.parametrize("dps", [0.05, 0.2, 20.0])
@@ -283,10 +288,10 @@ def test_allan_needs_half_a_minute() -> None:
 @pytest.mark.parametrize("columns", [(), ("t_host_s", "encoder_deg", "temp_c")])
 def test_a_few_samples_are_described(count: int, columns: tuple[str, ...]) -> None:
     """One has no rate of its own."""
-    facts = describe(session_of(np.arange(count) / 10.0, **{name: np.arange(float(count)) for name in columns}))
-    assert facts.samples == count
-    assert (facts.rate_hz is None) == (count == 1)
-    assert facts.stretches == ()
+    description = describe(session_of(np.arange(count) / 10.0, **{name: np.arange(float(count)) for name in columns}))
+    assert description.samples == count
+    assert (description.rate_hz is None) == (count == 1)
+    assert description.stretches == ()
 
 
 def test_time_that_stands_still_and_rates_that_are_no_numbers_are_described() -> None:
@@ -320,15 +325,17 @@ def test_any_numbers_are_described(
 def test_the_simulated_rig_is_described_as_it_is() -> None:
     """Its clock drift, its bias at every rest, its encoder, and every sample it lost."""
     session = simulated("turntable", "clock_drift:ppm=300", "usb_batching", "sample_drop")
-    facts = describe(session)
+    description = describe(session)
     assert session.seq is not None
-    assert facts.gaps.missing == session.seq[-1] - session.seq[0] + 1 - facts.samples
-    assert facts.host is not None
-    assert facts.host.drift_ppm == near(300.0, 1.0)
-    assert facts.encoder is not None
-    assert facts.encoder.smallest_step_deg == near(0.01)
-    assert len(facts.stretches) > 20
-    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.35] * len(facts.stretches), abs=0.01)
+    assert description.gaps.missing == session.seq[-1] - session.seq[0] + 1 - description.samples
+    assert description.host is not None
+    assert description.host.drift_ppm == near(300.0, 1.0)
+    assert description.encoder is not None
+    assert description.encoder.smallest_step_deg == near(0.01)
+    assert len(description.stretches) > 20
+    assert [one.mean_dps for one in description.stretches] == pytest.approx(
+        [0.35] * len(description.stretches), abs=0.01
+    )
 
 
 @pytest.mark.parametrize(
@@ -359,6 +366,6 @@ def test_an_hour_at_a_kilohertz_takes_about_a_second() -> None:
     t_s, still = np.arange(count) / 1000.0, np.zeros(count)
     session = session_of(t_s, rng.standard_normal(count), t_host_s=t_s, seq=np.arange(count), encoder_deg=still)
     began_s = time.perf_counter()
-    facts = describe(session)
+    description = describe(session)
     assert time.perf_counter() - began_s < 8.0
-    assert facts.allan is not None
+    assert description.allan is not None

@@ -16,8 +16,7 @@ from gyrodrift.evaluation import cluster_cost as room
 from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
 from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.dataset import Source, load_with_reference
-from gyrodrift.session.files import load_session
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'")
 

@@ -20,7 +20,9 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.player import play
 from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Base, Rig
-from firmware_sim.wire import PROTOCOLS, Frame, hello_frame
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.native import hello_frame
+from firmware_sim.wire.registry import ENCODERS
 from firmware_sim.yaml_file import FileError
 
 RIG = Rig(base=Base(bias_dps=0.3))
@@ -43,7 +45,7 @@ def blocks_without_end(block_samples: int) -> Iterator[Block]:
 
 def spoken(protocol: str, seconds: float, *faults: str, seed: int = 1) -> list[Frame]:
     chosen = [parse_fault(text) for text in faults]
-    frames = PROTOCOLS[protocol](faulty_blocks(blocks_without_end(300), chosen), RIG.base)
+    frames = ENCODERS[protocol].frames(faulty_blocks(blocks_without_end(300), chosen), RIG.base)
     return list(takewhile(lambda frame: frame.t_s < seconds, faulty_frames(frames, chosen, seed)))
 
 
@@ -54,7 +56,7 @@ def content_of(frames: list[Frame], from_s: float = 0.0, to_s: float = float("in
 # All of them.
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("name", FAULTS)
 def test_before_it_begins_all_is_as_it_was(name: str, protocol: str) -> None:
     """To the bit."""
@@ -62,7 +64,7 @@ def test_before_it_begins_all_is_as_it_was(name: str, protocol: str) -> None:
     assert content_of(faulty) == content_of(without)
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("name", LASTING)
 def test_after_it_has_ended_all_is_as_it_was(name: str, protocol: str) -> None:
     """But for the counter, where there were more measurements."""
@@ -74,7 +76,7 @@ def test_after_it_has_ended_all_is_as_it_was(name: str, protocol: str) -> None:
 
 
 @pytest.mark.parametrize("name", FAULTS)
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_the_same_seed_is_the_same_stream(name: str, protocol: str) -> None:
     """Twice."""
     assert spoken(protocol, 8.0, name) == spoken(protocol, 8.0, name)
@@ -82,11 +84,11 @@ def test_the_same_seed_is_the_same_stream(name: str, protocol: str) -> None:
 
 @pytest.mark.parametrize("name", ["bit_flips", "dropped_bytes", "duplicated_bytes", "merged_frames", "zeros"])
 def test_another_seed_is_other_damage(name: str) -> None:
-    """Where there are dice."""
+    """Where it is random."""
     assert content_of(spoken("csv", 20.0, name)) != content_of(spoken("csv", 20.0, name, seed=2))
 
 
-def test_a_second_fault_leaves_the_dice_of_the_first_alone_and_twins_have_their_own() -> None:
+def test_a_second_fault_leaves_the_realisation_of_the_first_alone_and_twins_have_their_own() -> None:
     """The same bits turn, whether there is a banner in the stream or not."""
     flips = "bit_flips:per_kilobyte=20"
     alone, banner, twins = (
@@ -97,7 +99,7 @@ def test_a_second_fault_leaves_the_dice_of_the_first_alone_and_twins_have_their_
     assert content_of(twins) != content_of(spoken("native", 20.0))
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_all_of_them_at_once_is_still_a_stream(protocol: str) -> None:
     """Times never go back, and it goes on."""
     frames = spoken(protocol, 30.0, *FAULTS)
@@ -159,7 +161,7 @@ def test_frames_lose_their_end_or_their_tail(name: str, protocol: str, end: byte
             assert a.startswith(b[: len(b) - len(end)])
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_zeros_cut_one_frame_in_each_interval(protocol: str) -> None:
     """A run of the length asked for, and nothing lost."""
     good, bad = (spoken(protocol, 10.0, *f) for f in ([], ["zeros:length_bytes=40,every_s=0.5,to_s=6"]))
@@ -168,7 +170,7 @@ def test_zeros_cut_one_frame_in_each_interval(protocol: str) -> None:
     assert all(b.content.replace(bytes(40), b"", 1) == a.content for a, b in zip(good, bad, strict=True) if a != b)
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_the_banner_is_printed_once(protocol: str) -> None:
     """At its time, and everything else is as it was."""
     frames = spoken(protocol, 6.0, "boot_banner:from_s=3")
@@ -176,7 +178,7 @@ def test_the_banner_is_printed_once(protocol: str) -> None:
     assert [frame for frame in frames if frame.content != BANNER] == spoken(protocol, 6.0)
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_a_stall_holds_and_then_lets_all_go_at_once(protocol: str) -> None:
     """Nothing is lost, nothing changes but the time; every so often where that is asked for."""
     good, bad = (spoken(protocol, 12.0, *f) for f in ([], ["stall:seconds=0.5,every_s=2,to_s=7"]))

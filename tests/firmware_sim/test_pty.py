@@ -21,7 +21,7 @@ from support import PATIENCE_S, never, speaking_on
 from firmware_sim import player, pty
 from firmware_sim.player import LONGEST_NAP_S, play, stopped_by_signals
 from firmware_sim.pty import DRAIN_S, OPENING_S, LinkInUseError, PtyDevice
-from firmware_sim.wire import Frame
+from firmware_sim.wire.encoder import Frame
 
 ALL_BYTES = bytes(range(256))
 MEGABYTE = ALL_BYTES * 4100

@@ -12,10 +12,11 @@ from golden_frames import HELLO, SAMPLES, WT901_ACCELERATION, WT901_RATES, Nativ
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_sim import wire
 from firmware_sim.measure import Block, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
+from firmware_sim.wire import csv, native, witmotion
+from firmware_sim.wire.registry import ENCODERS
 
 i16 = st.integers(-32768, 32767)
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -55,56 +56,56 @@ def sample_of(frame: bytes) -> NativeSample:
 
 def test_hello_is_the_golden_one() -> None:
     """The shipped rig introduces itself with the bytes worked out from the protocol."""
-    assert wire.hello_frame(load_rig(None).base) == HELLO
+    assert native.hello_frame(load_rig(None).base) == HELLO
 
 
 @pytest.mark.parametrize("sample", SAMPLES)
 def test_samples_are_the_golden_ones(sample: NativeSample) -> None:
     """Each sample of the table becomes its bytes."""
-    assert wire.sample_frame(*sample) == SAMPLES[sample]
+    assert native.sample_frame(*sample) == SAMPLES[sample]
 
 
 @pytest.mark.parametrize("rate_and_temperature", WT901_RATES)
 def test_witmotion_rates_are_the_golden_ones(rate_and_temperature: tuple[int, int]) -> None:
     """Each rate frame of the table becomes its bytes."""
-    assert wire.wt901_frame(0x52, 0, 0, *rate_and_temperature) == WT901_RATES[rate_and_temperature]
+    assert witmotion.wt901_frame(0x52, 0, 0, *rate_and_temperature) == WT901_RATES[rate_and_temperature]
 
 
 def test_witmotion_acceleration_is_the_golden_one() -> None:
     """A level device feels 1 g on its z axis."""
-    assert wire.wt901_sample(0.0, 2500)[:11] == WT901_ACCELERATION
+    assert witmotion.wt901_sample(0.0, 2500)[:11] == WT901_ACCELERATION
 
 
 @given(st.binary(max_size=254))
 def test_stuffing_is_that_of_the_cobs_package(packet: bytes) -> None:
     """Any packet under 255 bytes is stuffed as others stuff it, and holds no zero."""
-    assert wire.cobs_encode(packet) == cobs.encode(packet)
-    assert 0 not in wire.cobs_encode(packet)
+    assert native.cobs_encode(packet) == cobs.encode(packet)
+    assert 0 not in native.cobs_encode(packet)
 
 
 @given(st.binary())
 def test_the_crc_is_that_of_binascii(payload: bytes) -> None:
     """Any payload has the CRC-16/CCITT-FALSE that the standard library works out."""
-    assert wire.crc16_ccitt_false(payload) == binascii.crc_hqx(payload, 0xFFFF)
+    assert native.crc16_ccitt_false(payload) == binascii.crc_hqx(payload, 0xFFFF)
 
 
 def test_the_crc_of_the_catalogue_is_met() -> None:
     """The check value of CRC-16/CCITT-FALSE in every catalogue is that of the digits 1 to 9."""
-    assert wire.crc16_ccitt_false(b"123456789") == 0x29B1
+    assert native.crc16_ccitt_false(b"123456789") == 0x29B1
 
 
 @given(st.floats(1.0, 65535.0), st.floats(1e-6, 10.0), st.integers(0, 2**31 // 360))
 def test_hello_tells_rate_scale_and_encoder(rate_hz: float, lsb_dps: float, cpr: int) -> None:
     """The fields are those of the rig: rate in whole Hz, scale as a 32-bit float."""
     base = Base(sample_rate_hz=rate_hz, dps_per_lsb=lsb_dps, encoder_cpr=cpr)
-    fields = struct.unpack("<BBHfI16s", opened(wire.hello_frame(base)))
+    fields = struct.unpack("<BBHfI16s", opened(native.hello_frame(base)))
     assert fields == (1, 1, round(rate_hz), np.float32(lsb_dps), cpr, b"firmware_sim".ljust(16, b"\0"))
 
 
 @given(st.integers(0, 7), ENDLESS, ENDLESS, i16, i16, st.integers(-(2**40), 2**40))
 def test_counter_clock_and_encoder_wrap(flags: int, seq: int, t_us: int, rate: int, temp: int, counts: int) -> None:
     """Numbers of any size leave as the low bits that the wire has room for; the others are untouched."""
-    sample = sample_of(wire.sample_frame(flags, seq, t_us, rate, temp, counts))
+    sample = sample_of(native.sample_frame(flags, seq, t_us, rate, temp, counts))
     assert sample[:3] == (flags, seq % 2**16, t_us % 2**32)
     assert sample[3:5] == (rate, temp)
     assert (sample.encoder_counts - counts) % 2**32 == 0
@@ -112,7 +113,7 @@ def test_counter_clock_and_encoder_wrap(flags: int, seq: int, t_us: int, rate: i
 
 def test_a_running_device_wraps_its_counter_and_its_clock() -> None:
     """The sample after number 65535 has number 0, and the clock starts again after 71.6 minutes."""
-    _, frame = wire.native(block_at(2**16, 2**32 + 5), Base())
+    _, frame = native.frames(block_at(2**16, 2**32 + 5), Base())
     assert sample_of(frame.content)[1:3] == (0, 5)
 
 
@@ -120,10 +121,10 @@ def test_a_running_device_wraps_its_counter_and_its_clock() -> None:
 def test_hello_comes_first_and_once_a_second(rate_hz: float) -> None:
     """The first frame of each second is HELLO, and the only one."""
     base = Base(sample_rate_hz=rate_hz)
-    frames = list(islice(wire.native(blocks_of(base), base), round(rate_hz * 4.5) + 5))
+    frames = list(islice(native.frames(blocks_of(base), base), round(rate_hz * 4.5) + 5))
     hellos = [frame for frame in frames if frame.rows == 0]
     assert frames[0] is hellos[0]
-    assert {frame.content for frame in hellos} == {wire.hello_frame(base)}
+    assert {frame.content for frame in hellos} == {native.hello_frame(base)}
     assert [int(frame.t_s) for frame in hellos] == list(range(len(hellos)))
     assert len(hellos) == int(frames[-1].t_s) + 1
 
@@ -131,31 +132,31 @@ def test_hello_comes_first_and_once_a_second(rate_hz: float) -> None:
 def test_native_frames_carry_the_measurements_in_order() -> None:
     """Every measurement becomes one sample, when the host has it, with nothing changed."""
     base = load_rig(None).base
-    frames = (frame for frame in wire.native(blocks_of(base), base) if frame.rows)
+    frames = (frame for frame in native.frames(blocks_of(base), base) if frame.rows)
     rows = (row for block in blocks_of(base) for row in block.rows())
     for frame, (seq, t_us, t_host_s, raw, _, temp, counts) in islice(zip(frames, rows, strict=False), 1500):
         assert sample_of(frame.content) == (3, seq, t_us, raw, temp, counts)
         assert frame.t_s == t_host_s == pytest.approx(t_us * 1e-6 + base.host_delay_s)
 
 
-@pytest.mark.parametrize("speech", wire.PROTOCOLS.values(), ids=list(wire.PROTOCOLS))
-def test_the_time_of_a_frame_is_exact(speech: wire.Speech) -> None:
+@pytest.mark.parametrize("protocol", ENCODERS)
+def test_the_time_of_a_frame_is_exact(protocol: str) -> None:
     """A frame has the time at which the host has its measurement, to the last bit."""
-    *_, frame = speech(block_at(10, 100_000, t_host_s=0.1023), Base())
+    *_, frame = ENCODERS[protocol].frames(block_at(10, 100_000, t_host_s=0.1023), Base())
     assert frame.t_s == 0.1023
 
 
 def test_the_flags_say_what_is_valid() -> None:
     """Without an encoder its bit is off; beyond the range the bit for clipping is on."""
     base = Base(encoder_cpr=0, bias_dps=50.0, dps_per_lsb=0.001, noise_dps_rthz=0.0)
-    _, frame = islice(wire.native(blocks_of(base), base), 2)
+    _, frame = islice(native.frames(blocks_of(base), base), 2)
     assert (sample_of(frame.content).flags, sample_of(frame.content).rate_raw) == (0b110, 32767)
 
 
 @given(st.integers(0, 2**32 - 1), finite, finite, finite)
 def test_a_csv_line_reads_back_to_the_same_numbers(t_us: int, rate: float, angle: float, temp: float) -> None:
     """The digits are as many as it takes to tell a number from every other one."""
-    line = wire.csv_line(t_us, rate, angle, temp)
+    line = csv.csv_line(t_us, rate, angle, temp)
     assert line.endswith(b"\r\n")
     first, *others = line.decode().split(",")
     assert (int(first), *map(float, others)) == (t_us, rate, angle, temp)
@@ -172,14 +173,14 @@ def test_a_csv_line_reads_back_to_the_same_numbers(t_us: int, rate: float, angle
 )
 def test_a_csv_line_leaves_out_what_is_absent(angle_deg: float | None, temp_c: float | None, line: bytes) -> None:
     """What is missing at the end is left out; what is missing before a value is nan."""
-    assert wire.csv_line(7, -0.25, angle_deg, temp_c) == line
+    assert csv.csv_line(7, -0.25, angle_deg, temp_c) == line
 
 
 @given(i16, st.integers(-(10**7), 10**7))
 def test_a_csv_line_tells_the_counts_of_the_shipped_rig(rate_raw: int, counts: int) -> None:
     """The rounded numbers of the text still give back every count of gyro and encoder."""
     base = load_rig(None).base
-    _, frame = wire.csv(block_at(0, 0, rate_raw, counts), base)
+    _, frame = csv.frames(block_at(0, 0, rate_raw, counts), base)
     _, rate_dps, angle_deg, temp_c = map(float, frame.content.decode().split(","))
     assert round(rate_dps / base.dps_per_lsb) == rate_raw
     assert round(angle_deg / 360.0 * base.encoder_cpr) == counts
@@ -189,28 +190,28 @@ def test_a_csv_line_tells_the_counts_of_the_shipped_rig(rate_raw: int, counts: i
 @pytest.mark.parametrize("base", [Base(dps_per_lsb=1e-6), Base(encoder_cpr=2**31 // 360)])
 def test_a_csv_line_tells_the_counts_of_the_finest_rig(base: Base) -> None:
     """A rig that is accepted is not made coarser by the text."""
-    _, frame = wire.csv(block_at(0, 0, 1, 1), base)
+    _, frame = csv.frames(block_at(0, 0, 1, 1), base)
     _, rate_dps, angle_deg, _ = map(float, frame.content.decode().split(","))
     assert (round(rate_dps / base.dps_per_lsb), round(angle_deg / 360.0 * base.encoder_cpr)) == (1, 1)
 
 
 def test_csv_opens_with_a_comment_and_wraps_its_clock() -> None:
     """The banner names the columns, and the clock is that of a 32-bit device."""
-    banner, frame = wire.csv(block_at(0, 2**32 + 5), Base())
+    banner, frame = csv.frames(block_at(0, 2**32 + 5), Base())
     assert (banner.rows, banner.content) == (0, b"# t_us,rate_dps,encoder_deg,temp_c\r\n")
     assert frame.content.startswith(b"5,")
 
 
 def test_csv_without_encoder_has_no_angle() -> None:
     """The temperature stays in its column."""
-    _, frame = wire.csv(block_at(0, 0), Base(encoder_cpr=0))
+    _, frame = csv.frames(block_at(0, 0), Base(encoder_cpr=0))
     assert frame.content == b"0,0.0,nan,25.0\r\n"
 
 
 @given(st.integers(0, 255), st.tuples(i16, i16, i16, i16))
 def test_a_witmotion_frame_ends_with_its_sum(kind: int, values: tuple[int, int, int, int]) -> None:
     """Eleven bytes: head, kind, four values and the low byte of the sum of all before."""
-    frame = wire.wt901_frame(kind, *values)
+    frame = witmotion.wt901_frame(kind, *values)
     assert struct.unpack("<BB4h", frame[:10]) == (0x55, kind, *values)
     assert frame[10:] == bytes([sum(frame[:10]) % 256])
 
@@ -218,7 +219,7 @@ def test_a_witmotion_frame_ends_with_its_sum(kind: int, values: tuple[int, int, 
 @given(st.floats(-1999.9, 1999.9), i16)
 def test_a_witmotion_sample_holds_the_nearest_count(rate_dps: float, temp_centi_c: int) -> None:
     """Its middle frame has the rate to half a count of 2000/32768 deg/s, and the temperature."""
-    frame = wire.wt901_sample(rate_dps, temp_centi_c)[11:22]
+    frame = witmotion.wt901_sample(rate_dps, temp_centi_c)[11:22]
     head, kind, _, _, raw, temp = struct.unpack("<BB4h", frame[:10])
     assert (head, kind, temp) == (0x55, 0x52, temp_centi_c)
     assert abs(raw * 2000.0 / 32768.0 - rate_dps) <= 1000.0 / 32768.0 * (1 + 1e-9)
@@ -227,13 +228,13 @@ def test_a_witmotion_sample_holds_the_nearest_count(rate_dps: float, temp_centi_
 @pytest.mark.parametrize(("rate_dps", "raw"), [(2000.0, 32767), (1e9, 32767), (-2000.0, -32768), (-1e9, -32768)])
 def test_a_witmotion_rate_saturates(rate_dps: float, raw: int) -> None:
     """Beyond ±2000 deg/s it stays at the end of its range and does not wrap."""
-    assert struct.unpack("<h", wire.wt901_sample(rate_dps, 2500)[17:19]) == (raw,)
+    assert struct.unpack("<h", witmotion.wt901_sample(rate_dps, 2500)[17:19]) == (raw,)
 
 
 def test_witmotion_says_three_frames_for_each_measurement() -> None:
     """Acceleration, rates and angles leave together, at the time of their measurement."""
     base = Base()
-    for number, frame in enumerate(islice(wire.witmotion(blocks_of(base), base), 600)):
+    for number, frame in enumerate(islice(witmotion.frames(blocks_of(base), base), 600)):
         assert [frame.content[at : at + 2] for at in (0, 11, 22)] == [b"\x55\x51", b"\x55\x52", b"\x55\x53"]
         assert (len(frame.content), frame.rows) == (33, 1)
         assert frame.t_s == pytest.approx(number * 0.01 + base.host_delay_s)

@@ -13,9 +13,11 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import DeviceSilentError, UsageError
 from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.sample import Sample
 
 RIG = Rig()
@@ -45,25 +47,23 @@ class Host:
         return samples
 
 
+def frames(protocol: str) -> Iterator[Frame]:
+    return ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1, block_samples=256), RIG.base)
+
+
 def spoken(protocol: str) -> Iterator[bytes]:
-    blocks = measure(RIG, load_profile("turntable"), 1, block_samples=256)
-    return (frame.content for frame in PROTOCOLS[protocol](blocks, RIG.base))
+    return (frame.content for frame in frames(protocol))
 
 
-@pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""
     with speaking_on(port) as device:
         host = Host(port)
         samples = host.hear(device, spoken(protocol), 150)
         assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
-        assert len(samples) == 150 - {"native": 2, "csv": 1, "witmotion": 0}[protocol]
-        assert ("no_device_clock" in host.events()) == (protocol == "witmotion")
+        assert len(samples) == sum(frame.rows for frame in islice(frames(protocol), 150))
+        assert ("no_device_clock" in host.events()) != PROTOCOLS[protocol].has_clock
         host.link.close()
 
 
@@ -84,7 +84,7 @@ def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
 
 
 @pytest.mark.parametrize("baud", [9600, 921600])
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
     """Bytes at the wrong rate are garbage."""
     with speaking_on(port) as device:

@@ -22,14 +22,14 @@ class Recorded:
     stop: Stop
     signal_comes: bool = False
     times_s: list[float] = field(default_factory=list)
-    chores_s: list[float] = field(default_factory=list)
+    ticks_s: list[float] = field(default_factory=list)
 
     def take(self, samples: list[Sample]) -> None:
         self.times_s += [sample.t_device_s for sample in samples]
         self.stop.is_set = self.stop.is_set or self.signal_comes
 
-    def do_chores(self, now_s: float) -> None:
-        self.chores_s.append(now_s)
+    def tick(self, now_s: float) -> None:
+        self.ticks_s.append(now_s)
         self.stop.is_set = self.stop.is_set or self.signal_comes
 
     def stats(self) -> dict[str, Any]:
@@ -99,9 +99,9 @@ def test_a_silent_device_ends_it_when_its_time_is_over(
     duration.take(at(0.0))
     clock.now_s += last_s
     duration.take(at(last_s))
-    duration.do_chores(1001.99)
+    duration.tick(1001.99)
     assert not stop.is_set
-    duration.do_chores(1000.0 + max(2.0, last_s + GRACE_S))
+    duration.tick(1000.0 + max(2.0, last_s + GRACE_S))
     assert stop.is_set
 
 
@@ -110,15 +110,15 @@ def test_a_slow_device_clock_has_its_time(duration: Duration, stop: Stop, clock:
     for second in range(20):
         clock.now_s = 1000.0 + 0.9 * second
         duration.take(at(0.05 * second))
-        duration.do_chores(clock.now_s + 0.5)
+        duration.tick(clock.now_s + 0.5)
         assert not stop.is_set
 
 
 def test_waiting_for_the_first_sample_does_not_count(duration: Duration, recorded: Recorded, stop: Stop) -> None:
-    """Chores are handed on all the same."""
+    """Ticks are handed on all the same."""
     duration.take([])
-    duration.do_chores(9000.0)
-    assert recorded.chores_s == [9000.0]
+    duration.tick(9000.0)
+    assert recorded.ticks_s == [9000.0]
     assert not stop.is_set
 
 
@@ -139,11 +139,11 @@ def test_samples_that_were_read_with_a_signal_are_recorded(duration: Duration, r
     assert recorded.times_s == [0.0, 0.5, 1.0]
 
 
-def test_a_signal_that_comes_during_chores_is_kept(duration: Duration, recorded: Recorded, stop: Stop) -> None:
+def test_a_signal_that_comes_during_a_tick_is_kept(duration: Duration, recorded: Recorded, stop: Stop) -> None:
     """Likewise."""
     duration.take(at(0.0))
     recorded.signal_comes = True
-    duration.do_chores(1001.5)
+    duration.tick(1001.5)
     assert stop.is_set
 
 

@@ -34,7 +34,7 @@ class Going:
 
     def go_on(self, now_s: float, samples: int, size_bytes: int) -> str:
         self.recorder.samples, self.recorder.size_bytes = samples, size_bytes
-        self.line.do_chores(now_s)
+        self.line.tick(now_s)
         return self.line.text(now_s)
 
 
@@ -98,10 +98,10 @@ def test_it_tells_time_rate_gaps_damage_size_and_how_long_the_disk_will_do() -> 
 def test_the_rate_is_that_of_the_last_moments() -> None:
     """Not of all the time: a device that slows down shows at once."""
     going = Going(io.StringIO())
-    for chore in range(40):
-        going.go_on(chore * 0.25, chore * 250, chore * 20_000)
-    for chore in range(9):
-        said = going.go_on(10.0 + chore * 0.25, 10_000 + chore * 25, 800_000 + chore * 2000)
+    for tick in range(40):
+        going.go_on(tick * 0.25, tick * 250, tick * 20_000)
+    for tick in range(9):
+        said = going.go_on(10.0 + tick * 0.25, 10_000 + tick * 25, 800_000 + tick * 2000)
     assert " 100.0 Hz " in said
 
 

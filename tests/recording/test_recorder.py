@@ -50,10 +50,10 @@ def record_until_it_fails(recording: Recorder, count: int) -> None:
     """The disk has a thread of its own, which fails in its own time."""
     for first in range(0, count, 100):
         recording.take(samples(first, 100))
-        recording.do_chores(0.0)
+        recording.tick(0.0)
     file = recording._disk
     until(lambda: file is not None and file.is_finished)
-    recording.do_chores(0.0)
+    recording.tick(0.0)
 
 
 def until(is_done: Callable[[], bool]) -> None:
@@ -95,14 +95,14 @@ def test_a_failure_is_noticed_while_the_device_is_silent(
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     recording = Recorder(RecordOptions(out), link)
     recording.take(samples(0, 10))
-    recording.do_chores(0.0)
+    recording.tick(0.0)
     assert recording._disk is not None
     file = recording._disk
     until(lambda: file._written == file._handed_over)
     recording.paths[0].unlink()
     until(lambda: file.is_finished)
     with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
-        recording.do_chores(1.0)
+        recording.tick(1.0)
     with pytest.raises(RecordingError):
         recording.close()
     assert len(read_mcap(recording.paths[0]).rate_dps) == 10
@@ -124,7 +124,7 @@ def test_closing_waits_for_every_file_whatever_became_of_the_others(
     monkeypatch.setattr(DiskFile, "join", join)
     for first in (0, 10, 20):
         recording.take(samples(first, 10))
-        recording.do_chores(0.0)
+        recording.tick(0.0)
     with pytest.raises(RecordingError):
         recording.close()
     assert sorted(joined) == sorted(recording.paths)
@@ -139,7 +139,7 @@ def test_between_two_files_reads_and_events_wait_for_the_next(out: Path, link: L
         recording.on_event("gap", {"missing": first})
         recording.take(samples(first, 10))
         recording.take_raw(b"behind %d\n" % first, 1.7e9)
-        recording.do_chores(0.0)
+        recording.tick(0.0)
     recording.close()
     assert len(recording.paths) == 5
     content = b"".join(read.content for path in recording.paths for read in read_raw(path))

@@ -9,7 +9,7 @@ import structlog
 from disk_support import wait_for_disks
 from support import speaking_on
 
-from gyrodrift.link.events import News
+from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.disk import RecordingError
@@ -34,7 +34,7 @@ def logged() -> Iterator[list[Any]]:
 @pytest.fixture
 def link(tmp_path: Path, logged: list[Any]) -> Iterator[Link]:
     with speaking_on(tmp_path / "gyro"):
-        link = Link(LinkOptions(str(tmp_path / "gyro")), News(structlog.get_logger()))
+        link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(structlog.get_logger()))
         yield link
         link.close()
 
@@ -54,8 +54,8 @@ def test_after_a_failure_it_begins_a_new_file(
     def fail(_now_s: float) -> None:
         raise RecordingError("the disk is on fire")
 
-    monkeypatch.setattr(beside.recorder, "do_chores", fail)
-    beside.do_chores(0.0)
+    monkeypatch.setattr(beside.recorder, "tick", fail)
+    beside.tick(0.0)
     assert logged[-1] == {
         "event": "recording_failed",
         "log_level": "error",
@@ -65,9 +65,9 @@ def test_after_a_failure_it_begins_a_new_file(
     beside.take(samples(100))
     beside.on_event("gap", {})
     assert beside.stats() == {"recorded": None}
-    beside.do_chores(beside._failed_s + 0.9 * recording.RETRY_S)
+    beside.tick(beside._failed_s + 0.9 * recording.RETRY_S)
     assert beside.recorder is None
-    beside.do_chores(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + recording.RETRY_S)
     assert logged[-1]["event"] == "recording_resumed"
     beside.take(samples(200))
     beside.close()
@@ -83,9 +83,9 @@ def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logge
     out.touch()
     beside.take(samples(0))
     assert logged[-1]["event"] == "recording_failed"
-    beside.do_chores(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + recording.RETRY_S)
     assert "cannot be written to: File exists" in logged[-1]["reason"]
     out.unlink()
-    beside.do_chores(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + recording.RETRY_S)
     assert logged[-1]["event"] == "recording_resumed"
     beside.close()

@@ -144,7 +144,7 @@ def test_a_stall_is_no_gap(link: Path, protocol: str) -> None:
 
 @pytest.mark.parametrize("step_s", [30, -30])
 def test_a_clock_that_steps_begins_anew(link: Path, step_s: int) -> None:
-    """In real time the host clock is a witness: time goes on by one period, and yaw with it."""
+    """In real time the host clock is a cross-check: time goes on by one period, and yaw with it."""
     told = story(link, f"clock_step:from_s=1.5,step_s={step_s}", seconds=2, speed="1")
     (reset,) = told.named("device_reset")
     assert reset["clock_step_s"] == near(step_s, 0.05)

@@ -1,6 +1,6 @@
 """The loop in this process: what it logs, and when it ends."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,29 +8,36 @@ import pytest
 import structlog
 from support import never, speaking_on
 
-from gyrodrift.link.events import News
+from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.loop import Service
 from gyrodrift.service.outputs.json_lines import JsonLines
+from gyrodrift.service.outputs.output import Output
 from gyrodrift.service.signals import StopSignal
 
 
 class StopAfter:
-    """A sink that asks the service to stop when it has had enough."""
+    """An output that asks the service to stop when it has had enough."""
 
     def __init__(self, stop: StopSignal, count: int) -> None:
         self.stop, self.left = stop, count
         self.closed = False
 
-    def on_sample(self, _corrected: Corrected) -> None:
-        self.left -= 1
+    def take(self, samples: list[Corrected]) -> None:
+        self.left -= len(samples)
         self.stop.is_set = self.left <= 0
 
-    def flush(self) -> None:
+    def tick(self, now_s: float) -> None:
         pass
+
+    def stats(self) -> dict[str, Any]:
+        return {"left": self.left}
+
+    def wakes(self) -> Mapping[int, int]:
+        return {}
 
     def close(self) -> None:
         self.closed = True
@@ -42,21 +49,21 @@ def logged() -> Iterator[list[Any]]:
         yield events
 
 
-def test_link_stats_say_all_that_a_stranger_needs(
+def test_link_stats_say_all_that_helps_from_afar(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
     """Every ten seconds; here with each turn of the loop."""
     monkeypatch.setattr(loop, "STATS_S", 0.0)
-    monkeypatch.setattr(loop, "CHORES_S", 0.0)
+    monkeypatch.setattr(loop, "TICK_S", 0.0)
     log = structlog.get_logger()
     lines = b"".join(b"%d,0.5\n" % (i * 10_000) for i in range(100))
     with speaking_on(tmp_path / "gyro") as device, StopSignal() as stop, Path("/dev/null").open("wb") as null:
-        sink = StopAfter(stop, 100)
-        link = Link(LinkOptions(str(tmp_path / "gyro")), News(log))
+        counted = StopAfter(stop, 100)
+        link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(log))
         device.send_all(lines, never)
-        output = JsonLines(null.fileno())
-        filtering = Filtering(link, output, log, more_sinks=[sink])
-        Service(link, [filtering], log, News(log), stop, output).run()
+        outputs: list[Output] = [JsonLines(null.fileno()), counted]
+        filtering = Filtering(link, outputs, log)
+        Service(link, [filtering], log, LinkEvents(log), stop, outputs).run()
     stats = [event for event in logged if event["event"] == "link_stats"]
     assert stats
     assert set(stats[-1]) >= {
@@ -72,19 +79,19 @@ def test_link_stats_say_all_that_a_stranger_needs(
         "lines_dropped",
     }
     assert (logged[-1]["event"], logged[-1]["samples"], logged[-1]["bytes"]) == ("service_end", 100, len(lines))
-    assert sink.closed
+    assert counted.closed
 
 
 def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
     """The first at once, then at most one line a second, with nothing left out of the sum."""
     now = [100.0]
-    news = News(structlog.get_logger(), lambda: now[0])
+    events = LinkEvents(structlog.get_logger(), lambda: now[0])
     for missing in range(1, 11):
-        news("gap", missing=missing, seconds=0.01 * missing)
+        events("gap", missing=missing, seconds=0.01 * missing)
         now[0] += 0.05
     now[0] += 1.0
-    news.report_gaps()
+    events.report_gaps()
     gaps = [(event["holes"], event["missing"], event["longest_s"]) for event in logged]
     assert gaps == [(1, 1, 0.01), (9, 54, 0.1)]
-    news.report_gaps()
+    events.report_gaps()
     assert len(logged) == 2

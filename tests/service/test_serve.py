@@ -19,22 +19,18 @@ from support import Command, never, speaking_on
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.link.protocols.registry import listed
 
 RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"
 
 
-@pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [frame.content for frame in islice(frames, count)]
 
 
@@ -288,7 +284,7 @@ def test_random_bytes_end_with_the_advice_to_check_the_baud_rate(port: Path) -> 
         while serve.process.poll() is None and device.send_all(random.randbytes(100), never):
             serve._read(0.01)
         assert serve.end() == 3
-    assert "no native, csv or witmotion frame in them at 9600 baud; a wrong baud rate looks like this" in serve.log
+    assert f"no {listed()} frame in them at 9600 baud; a wrong baud rate looks like this" in serve.log
 
 
 def test_the_log_goes_to_stderr_and_only_samples_to_stdout(port: Path) -> None:

@@ -11,8 +11,8 @@ import structlog
 from disk_support import fill, small_disk, wait_for_disks
 from support import PATIENCE_S, Command, never, speaking_on
 
-from firmware_sim.wire import csv_line
-from gyrodrift.link.events import News
+from firmware_sim.wire.csv import csv_line
+from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.recorder import RecordOptions
@@ -30,11 +30,6 @@ def disks_at_rest() -> Iterator[None]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    return tmp_path / "gyro"
-
-
-@pytest.fixture
 def out(tmp_path: Path) -> Path:
     return tmp_path / "sessions"
 
@@ -48,7 +43,7 @@ def logged() -> Iterator[list[Any]]:
 @pytest.fixture
 def link(port: Path, logged: list[Any]) -> Iterator[Link]:
     with speaking_on(port):
-        link = Link(LinkOptions(str(port)), News(structlog.get_logger()))
+        link = Link(LinkOptions(str(port)), LinkEvents(structlog.get_logger()))
         yield link
         link.close()
 
@@ -144,15 +139,15 @@ def test_recording_goes_on_when_a_full_disk_has_room_again(out: Path, link: Link
             beside.take(samples(0, 100))
             while beside.recorder is not None:
                 now_s = max(now_s, beside._failed_s) + 0.25
-                beside.do_chores(now_s)
+                beside.tick(now_s)
             assert "No space left on device" in logged[-1]["reason"]
             now_s = max(now_s, beside._failed_s) + recording.RETRY_S
-            beside.do_chores(now_s)
+            beside.tick(now_s)
             assert logged[-1]["event"] == "recording_resumed"
         assert list(out.iterdir()) == [filler]
         filler.unlink()
         beside.take(samples(100, 100))
-        beside.do_chores(now_s + 0.25)
+        beside.tick(now_s + 0.25)
         beside.close()
         (path,) = out.iterdir()
         assert rates_in(path) == [i / 4.0 for i in range(100, 200)]

@@ -36,16 +36,16 @@ class ArrivalClock:
         self._number = 0
         self._time_s = 0.0
         self._origin_s = 0.0
-        self._in_doubt = False
+        self._has_reconnected = False
 
     @property
     def drift_ppm(self) -> float | None:
         """None: there is no device clock that could drift."""
         return None
 
-    def doubt(self) -> None:
+    def reconnected(self) -> None:
         """After an outage whatever is late was lost, not delayed."""
-        self._in_doubt = True
+        self._has_reconnected = True
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples along the line through arrivals."""
@@ -80,14 +80,14 @@ class ArrivalClock:
         late_s = arrival_s - self._fit.arrival_s(self._number + arrived - 1)
         silence_s = max(SILENCE_S, SILENCE_PERIODS * self.period_s)
         if late_s <= silence_s:
-            self._in_doubt = False
+            self._has_reconnected = False
             return
         due = round(late_s / self.period_s)
-        if arrived < BURST_SHARE * due or self._in_doubt:
+        if arrived < BURST_SHARE * due or self._has_reconnected:
             self.events.append(SampleGap(due, late_s + self.period_s))
             self._number += due
             self._time_s += due * self.period_s
-        self._in_doubt = False
+        self._has_reconnected = False
 
     def _sample(self, number: int, reading: Reading, arrival_s: float) -> Sample:
         expected_s = self._time_s + self.period_s

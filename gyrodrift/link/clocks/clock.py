@@ -1,7 +1,7 @@
 """What a clock is, what it reports, and the fading straight line that both clocks are built on.
 
 Arrival is never used as the time of a sample: a serial link delivers late and in bunches, never early. The
-device clock uses the line only as a witness and to tell its drift; the arrival clock takes its times from it.
+device clock uses the line only as a cross-check and to tell its drift; the arrival clock takes its times from it.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class Clock(Protocol):
         """Samples for readings that arrived together at `arrival_s` (monotonic host clock, s)."""
         ...
 
-    def doubt(self) -> None:
+    def reconnected(self) -> None:
         """The link was gone for a time: the next reading may come of a clock that began anew."""
         ...
 

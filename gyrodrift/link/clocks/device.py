@@ -23,11 +23,11 @@ RETURN_PERIODS = 2.5
 """Without a counter, a step of more than ODD_PERIODS waits for the reading after it; if that is within RETURN_PERIODS
 of the last one before, the odd one was a glitch."""
 
-WITNESS_SLACK_S = 0.5
+CROSS_CHECK_SLACK_S = 0.5
 """How far host and device clock may part over one step before they contradict each other."""
 
 REAL_TIME = (0.9, 1.1)
-"""Host seconds per device second between which the host clock is a witness; a fast replay lies outside."""
+"""Host seconds per device second between which the host clock serves as a cross-check; a fast replay lies outside."""
 
 PERIOD_STEPS = 33
 HOLE_PERIODS = 1.5
@@ -62,18 +62,18 @@ class DeviceClock:
         self._seq = 0
         self._arrival_s = 0.0
         self._suspect: Reading | None = None
-        self._in_doubt = False
+        self._has_reconnected = False
         self._usual_us = 0.0
         self._fit_due_s = float("-inf")
 
     @property
     def drift_ppm(self) -> float | None:
-        """Positive where the device clock runs fast; None where the host clock is no witness."""
-        return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_is_witness() else None
+        """Positive where the device clock runs fast; None where the host clock is no cross-check."""
+        return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_can_cross_check() else None
 
-    def doubt(self) -> None:
+    def reconnected(self) -> None:
         """After an outage the next step has to agree with the host clock from both sides."""
-        self._in_doubt = True
+        self._has_reconnected = True
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples on the unwrapped device clock."""
@@ -86,7 +86,7 @@ class DeviceClock:
             elif self._is_next(last, reading):
                 self._move(reading, (reading.t_us or 0) - (last.t_us or 0), 1, arrival_s, samples)
             else:
-                self._judge(last, reading, arrival_s, samples)
+                self._classify(last, reading, arrival_s, samples)
         if samples:
             self._arrival_s = arrival_s
             if arrival_s >= self._fit_due_s:
@@ -105,10 +105,10 @@ class DeviceClock:
             and seq - last_seq == 1
             and 0 < t_us - last_us < self._usual_us
             and self._suspect is None
-            and not self._in_doubt
+            and not self._has_reconnected
         )
 
-    def _judge(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
+    def _classify(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
         step_us = _clock_step(last, reading)
         suspect, self._suspect = self._suspect, None
         is_usual = self._is_usual(last, reading, step_us)
@@ -117,9 +117,9 @@ class DeviceClock:
         elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
             self.glitches += suspect is not None
             self._accept(last, reading, step_us, arrival_s, samples)
-        elif self._goes_on(suspect, reading):
+        elif self._continues(suspect, reading):
             self._settle(last, suspect, arrival_s, samples)
-            self._judge(suspect, reading, arrival_s, samples)
+            self._classify(suspect, reading, arrival_s, samples)
         else:
             self.glitches += 1
             self._suspect = reading
@@ -132,7 +132,7 @@ class DeviceClock:
 
     def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
         """A step that nothing speaks against: it needs no second reading to be believed."""
-        if self._in_doubt:
+        if self._has_reconnected:
             return False
         counted_us = self._counted_us(last, reading)
         if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
@@ -161,17 +161,17 @@ class DeviceClock:
 
     def _is_hole(self, last: Reading, first: Reading, step_us: int, arrival_s: float) -> bool:
         expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
-        if self._host_is_witness():
-            if self._in_doubt:
-                return abs(expected_s - arrival_s) < WITNESS_SLACK_S
-            return expected_s < arrival_s + WITNESS_SLACK_S
+        if self._host_can_cross_check():
+            if self._has_reconnected:
+                return abs(expected_s - arrival_s) < CROSS_CHECK_SLACK_S
+            return expected_s < arrival_s + CROSS_CHECK_SLACK_S
         counted_us = self._counted_us(last, first)
         return counted_us is None or _agree(counted_us, step_us)
 
-    def _host_is_witness(self) -> bool:
+    def _host_can_cross_check(self) -> bool:
         return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
 
-    def _goes_on(self, suspect: Reading, reading: Reading) -> bool:
+    def _continues(self, suspect: Reading, reading: Reading) -> bool:
         return 0 < _clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
 
     def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
@@ -205,7 +205,7 @@ class DeviceClock:
         self._move(first, period_us, 1, arrival_s, samples)
 
     def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:
-        self._in_doubt = False
+        self._has_reconnected = False
         self._last = reading
         self._time_us += step_us
         self._seq += counted

@@ -9,7 +9,8 @@ damaged until three in a row have it.
 import re
 from math import isfinite
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceFacts
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
 
 MAX_LINE_BYTES = 256
@@ -31,11 +32,11 @@ class CsvDecoder:
 
     def __init__(self) -> None:
         self.counters = DecoderCounters()
-        self.facts = DeviceFacts()
+        self.device = DeviceDescription()
         self._pending = b""
         self._overlong = False
         self._columns = 0
-        self._strangers: list[tuple[int, Reading]] = []
+        self._column_change: list[tuple[int, Reading]] = []
         self._first: list[tuple[int, Reading]] | None = []
 
     def push(self, chunk: bytes) -> list[Reading]:
@@ -83,20 +84,20 @@ class CsvDecoder:
 
     def _accept(self, columns: int, reading: Reading, readings: list[Reading]) -> None:
         if columns == self._columns:
-            self._turn_away_strangers()
+            self._reject_column_change()
             readings.append(reading)
             return
-        self._strangers = [entry for entry in self._strangers if entry[0] == columns]
-        self._strangers.append((columns, reading))
-        if len(self._strangers) == COLUMN_CHANGE_LINES:
+        self._column_change = [entry for entry in self._column_change if entry[0] == columns]
+        self._column_change.append((columns, reading))
+        if len(self._column_change) == COLUMN_CHANGE_LINES:
             self._columns = columns
-            readings.extend(stranger for _, stranger in self._strangers)
-            self._strangers = []
+            readings.extend(held for _, held in self._column_change)
+            self._column_change = []
 
-    def _turn_away_strangers(self) -> None:
-        self.counters.frames -= len(self._strangers)
-        self.counters.damaged += len(self._strangers)
-        self._strangers.clear()
+    def _reject_column_change(self) -> None:
+        self.counters.frames -= len(self._column_change)
+        self.counters.damaged += len(self._column_change)
+        self._column_change.clear()
 
 
 def _parse(text: bytes) -> tuple[int, Reading] | None:
@@ -115,3 +116,6 @@ def _first_line_is_whole(held: list[tuple[int, Reading]]) -> bool:
     step_us = ((second.t_us or 0) - (first.t_us or 0)) & 0xFFFFFFFF
     step_next_us = ((third.t_us or 0) - (second.t_us or 0)) & 0xFFFFFFFF
     return columns == columns_next and (step_us <= JOIN_GAP_US or step_us <= 4 * step_next_us)
+
+
+PROTOCOL = WireProtocol("csv", "lines t_us,rate_dps[,encoder_deg[,temp_c]]", CsvDecoder, has_clock=True, rank=10)

@@ -34,7 +34,7 @@ class DecoderCounters:
 
 
 @dataclass(frozen=True, slots=True)
-class DeviceFacts:
+class DeviceDescription:
     """What a device says of itself; None where its protocol has no word for it."""
 
     device_id: str | None = None
@@ -48,7 +48,7 @@ class Decoder(Protocol):
 
     name: str
     counters: DecoderCounters
-    facts: DeviceFacts
+    device: DeviceDescription
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Take the next bytes of the stream and give the readings that they complete."""

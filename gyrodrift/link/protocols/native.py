@@ -6,7 +6,8 @@ from struct import Struct
 
 from cobs import cobs
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceFacts
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
 
 CRC_INIT = 0xFFFF
@@ -33,7 +34,7 @@ class NativeDecoder:
 
     def __init__(self) -> None:
         self.counters = DecoderCounters()
-        self.facts = DeviceFacts()
+        self.device = DeviceDescription()
         self._pending = b""
         self._overlong = False
         self._dps_per_lsb = 0.0
@@ -82,7 +83,7 @@ class NativeDecoder:
             return
         self._dps_per_lsb = dps_per_lsb
         self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
-        self.facts = DeviceFacts(
+        self.device = DeviceDescription(
             device_id=device_id.rstrip(b"\0").decode("ascii", "replace"),
             sample_rate_hz=float(sample_rate_hz) or None,
             dps_per_lsb=dps_per_lsb,
@@ -106,3 +107,8 @@ class NativeDecoder:
                 temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
             )
         )
+
+
+PROTOCOL = WireProtocol(
+    "native", "COBS frames with a CRC; HELLO tells the scale", NativeDecoder, has_clock=True, rank=0
+)

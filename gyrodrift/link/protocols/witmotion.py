@@ -6,7 +6,8 @@ damage a frame is only believed when the next one stands right behind it.
 
 from struct import Struct
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceFacts
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
 
 HEADER = 0x55
@@ -27,7 +28,7 @@ class WitmotionDecoder:
 
     def __init__(self) -> None:
         self.counters = DecoderCounters()
-        self.facts = DeviceFacts(dps_per_lsb=DPS_PER_LSB)
+        self.device = DeviceDescription(dps_per_lsb=DPS_PER_LSB)
         self._pending = b""
         self._in_step = False
 
@@ -73,3 +74,8 @@ def _is_frame(buffer: bytes, at: int) -> bool:
         and buffer[at + 1] in KINDS
         and sum(buffer[at : at + FRAME_BYTES - 1]) & 0xFF == buffer[at + FRAME_BYTES - 1]
     )
+
+
+PROTOCOL = WireProtocol(
+    "witmotion", "frames of the WT901 family, without a clock", WitmotionDecoder, has_clock=False, rank=20
+)

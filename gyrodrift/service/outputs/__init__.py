@@ -1,1 +1,1 @@
-"""Where corrected samples go; one small file a sink."""
+"""Where corrected samples go; one small file an output."""

@@ -7,15 +7,26 @@ does not take is kept up to a bound, then dropped, oldest first and whole lines 
 import os
 import select
 from collections import deque
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from gyrodrift.sample import Corrected
 from gyrodrift.service.outputs.output import ReaderGoneError
+
+STDOUT = 1
 
 PIECE_BYTES = select.PIPE_BUF
 LONGEST_QUEUE_BYTES = 8 << 20
 LAST_WAIT_MS = 500
 SAME_TIME_S = 1e-6
 """Device clocks count microseconds; closer than this is the same time."""
+
+NOTHING: Mapping[int, int] = {}
+
+
+def open_output(options: Mapping[str, Any]) -> "JsonLines":
+    """Lines on stdout; `rate_hz` thins them out."""
+    return JsonLines(STDOUT, **options)
 
 
 class JsonLines:
@@ -35,45 +46,50 @@ class JsonLines:
         self.fd = fd
         self._every_s = 1.0 / rate_hz if rate_hz else 0.0
         self._due_s = float("-inf")
-        self._batch: list[str] = []
         self._queue: deque[bytes] = deque()
         self._queue_bytes = 0
         self._sent = 0
         self._poller = select.poll()
         self._poller.register(fd, select.POLLOUT)
+        self._writable = {fd: select.POLLOUT}
 
-    @property
-    def is_waiting(self) -> bool:
-        """Whether lines are left that the reader has not taken."""
-        return bool(self._queue)
+    def wakes(self) -> Mapping[int, int]:
+        """The descriptor while lines are left that the reader has not taken."""
+        return self._writable if self._queue else NOTHING
 
-    def on_sample(self, corrected: Corrected) -> None:
-        """Queue one line, unless thinning leaves it out."""
-        if self._every_s:
-            t_s = corrected.sample.t_device_s
-            if t_s < self._due_s - SAME_TIME_S:
-                return
-            self._due_s = self._due_s + self._every_s if t_s < self._due_s + self._every_s else t_s + self._every_s
-        self._batch.append(json_line(corrected))
-
-    def flush(self) -> None:
-        """Write as much as the reader takes now."""
-        if self._batch:
-            self.lines += len(self._batch)
-            self._enqueue()
-            self._batch.clear()
+    def take(self, samples: list[Corrected]) -> None:
+        """Queue a line for each sample that thinning leaves, and write as much as the reader takes now."""
+        lines = [json_line(corrected) for corrected in (self._thinned(samples) if self._every_s else samples)]
+        if lines:
+            self.lines += len(lines)
+            self._enqueue(lines)
         while self._queue and self._poller.poll(0):
             self._write()
 
+    def tick(self, now_s: float) -> None:
+        """Nothing: lines leave as they come, or when the descriptor wakes the service."""
+
+    def stats(self) -> dict[str, Any]:
+        """Lines handed over, and how many of them the reader was too slow for."""
+        return {"lines": self.lines, "lines_dropped": self.dropped}
+
     def close(self) -> None:
         """Give a slow reader a moment to take what is left."""
-        self.flush()
+        self.take([])
         while self._queue and self._poller.poll(LAST_WAIT_MS):
             self._write()
 
-    def _enqueue(self) -> None:
-        piece = self._batch[0]
-        for line in self._batch[1:]:
+    def _thinned(self, samples: list[Corrected]) -> Iterator[Corrected]:
+        """Those that are due, in device time."""
+        for corrected in samples:
+            t_s = corrected.sample.t_device_s
+            if t_s >= self._due_s - SAME_TIME_S:
+                self._due_s = self._due_s + self._every_s if t_s < self._due_s + self._every_s else t_s + self._every_s
+                yield corrected
+
+    def _enqueue(self, lines: list[str]) -> None:
+        piece = lines[0]
+        for line in lines[1:]:
             if len(piece) + len(line) > PIECE_BYTES:
                 self._append(piece)
                 piece = ""

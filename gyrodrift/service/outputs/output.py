@@ -1,25 +1,19 @@
-"""What every sink is."""
+"""What every output is: a listener of corrected samples that may wait for its reader without keeping others waiting."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 from gyrodrift.sample import Corrected
+from gyrodrift.service.listener import Listener
 
 
 class ReaderGoneError(Exception):
     """Nobody reads any more (the pipe is closed)."""
 
 
-class Sink(Protocol):
-    """Takes every corrected sample; must never wait."""
+class Output(Listener[Corrected], Protocol):
+    """Takes corrected samples and sends them on, as many as its reader takes now."""
 
-    def on_sample(self, corrected: Corrected) -> None:
-        """Take one sample."""
-        ...
-
-    def flush(self) -> None:
-        """The samples that arrived together have all been handed over: send them on."""
-        ...
-
-    def close(self) -> None:
-        """No more will come."""
+    def wakes(self) -> Mapping[int, int]:
+        """Descriptors that it waits for, with the events of `poll`; when one is ready, `take` is called."""
         ...

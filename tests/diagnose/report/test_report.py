@@ -16,8 +16,7 @@ from gyrodrift.cli import main
 from gyrodrift.diagnose.diagnosis import Diagnosis, DiagnosisRequest, diagnose
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.verdict import Deviation, Kind, SimToRealGap
-from gyrodrift.session.files import load_session
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")

@@ -74,7 +74,7 @@ def test_a_hole_longer_than_the_counter_is_counted_by_the_clock() -> None:
 
 
 def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
-    """There the host clock is no witness."""
+    """There the host clock is no cross-check."""
     bench = Bench(has_counter=False)
     for _ in range(300):
         bench.read(host_s=1e-5)
@@ -138,7 +138,7 @@ def test_after_an_outage_a_clock_that_ran_on_keeps_its_true_time() -> None:
     """The cable was pulled, the device was not."""
     bench = Bench()
     bench.read(500)
-    bench.clock.doubt()
+    bench.clock.reconnected()
     bench.skip(6000)
     sample, _ = bench.read(2)
     assert sample.t_device_s == pytest.approx(65.0)
@@ -158,7 +158,7 @@ def test_a_step_of_less_than_a_second_is_told_from_time_that_passed(has_counter:
 
 
 def test_a_fast_replay_believes_the_counter_and_not_a_clock_that_jumped() -> None:
-    """Where the host clock is no witness."""
+    """Where the host clock is no cross-check."""
     bench = Bench()
     for _ in range(300):
         bench.read(host_s=1e-5)
@@ -194,7 +194,7 @@ def test_after_an_outage_a_clock_that_began_anew_is_not_taken_for_a_hole() -> No
     """Even where it reads more than before: it disagrees with how long the host waited."""
     bench = Bench()
     last = bench.read(500)[-1]
-    bench.clock.doubt()
+    bench.clock.reconnected()
     bench.ticks_us, bench.count = 8_000_000, 800
     bench.now_s += 60.0
     samples = bench.read(5)

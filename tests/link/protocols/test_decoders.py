@@ -1,7 +1,7 @@
 """What holds for every decoder: any split, any damage, any noise."""
 
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import islice, pairwise
 from random import Random
 
@@ -9,28 +9,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_sim import wire
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from gyrodrift.link.protocols.csv import CsvDecoder
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.link.protocols.detect import DECODERS, decoder_for
-from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.link.protocols.witmotion import WitmotionDecoder
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.sample import Reading
 
 RIG = Rig(base=Base(bias_dps=0.3))
 
 
-def frames(protocol: str, count: int) -> list[bytes]:
+def frames(protocol: str, count: int) -> list[Frame]:
     """What the simulated device says, one frame, line or triple a measurement."""
-    spoken = wire.PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), seed=3), RIG.base)
-    return [frame.content for frame in islice(spoken, count)]
+    spoken = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), seed=3), RIG.base)
+    return list(islice(spoken, count))
 
 
-STREAMS = {protocol: frames(protocol, 150) for protocol in DECODERS}
-ONE_PUSH = {protocol: decoder_for(protocol).push(b"".join(stream)) for protocol, stream in STREAMS.items()}
+FRAMES = {protocol: frames(protocol, 150) for protocol in PROTOCOLS}
+STREAMS = {protocol: [frame.content for frame in spoken] for protocol, spoken in FRAMES.items()}
+ONE_PUSH = {protocol: PROTOCOLS[protocol].decoder().push(b"".join(stream)) for protocol, stream in STREAMS.items()}
 
 
 def pieces(stream: bytes, cuts: list[int]) -> Iterator[bytes]:
@@ -43,21 +42,32 @@ def pushed(decoder: Decoder, chunks: Iterator[bytes]) -> list[str]:
     return [repr(reading) for chunk in chunks for reading in decoder.push(chunk)]
 
 
-protocols = st.sampled_from(sorted(DECODERS))
+protocols = st.sampled_from(sorted(PROTOCOLS))
 cuts = st.lists(st.integers(0, 1 << 20), max_size=40)
 
 
-@pytest.mark.parametrize("protocol", DECODERS)
+@pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_everything_the_device_says_is_read(protocol: str) -> None:
     """None missing, none invented."""
-    expected = sum(1 for frame in STREAMS[protocol] if not frame.startswith(b"#")) - (protocol == "native") * 2
-    assert len(ONE_PUSH[protocol]) == expected
+    assert len(ONE_PUSH[protocol]) == sum(frame.rows for frame in FRAMES[protocol])
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_protocol_says_whether_it_has_a_clock(protocol: str) -> None:
+    """And its readings bear it out: the link chooses its clock by it."""
+    assert {reading.t_us is not None for reading in ONE_PUSH[protocol]} == {PROTOCOLS[protocol].has_clock}
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_decoder_has_the_name_of_its_protocol(protocol: str) -> None:
+    """By which the log and a recording call it."""
+    assert PROTOCOLS[protocol].decoder().name == protocol
 
 
 @given(protocols, cuts)
 def test_any_split_of_the_stream_gives_the_same_readings(protocol: str, cuts: list[int]) -> None:
     """Down to single bytes."""
-    split = pushed(decoder_for(protocol), pieces(b"".join(STREAMS[protocol]), cuts))
+    split = pushed(PROTOCOLS[protocol].decoder(), pieces(b"".join(STREAMS[protocol]), cuts))
     assert split == [repr(reading) for reading in ONE_PUSH[protocol]]
 
 
@@ -70,7 +80,7 @@ def test_any_split_of_a_damaged_stream_gives_the_same_readings_and_counts(
     for place, junk in damage:
         start = place % len(stream)
         stream[start : start + len(junk)] = junk
-    whole, split = decoder_for(protocol), decoder_for(protocol)
+    whole, split = PROTOCOLS[protocol].decoder(), PROTOCOLS[protocol].decoder()
     assert pushed(whole, iter([bytes(stream)])) == pushed(split, pieces(bytes(stream), cuts))
     assert whole.counters == split.counters
 
@@ -83,7 +93,7 @@ def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
     stream = list(STREAMS[protocol])
     broken = bytearray(stream[index])
     broken[place % len(broken)] ^= flip
-    readings = decoder_for(protocol).push(b"".join([*stream[:index], bytes(broken), *stream[index + 1 :]]))
+    readings = PROTOCOLS[protocol].decoder().push(b"".join([*stream[:index], bytes(broken), *stream[index + 1 :]]))
     assert len(readings) >= len(ONE_PUSH[protocol]) - 2
     assert readings[-20:] == ONE_PUSH[protocol][-20:] or protocol == "witmotion"
     assert [reading.rate_dps for reading in readings[-20:]] == [r.rate_dps for r in ONE_PUSH[protocol][-20:]]
@@ -93,16 +103,16 @@ def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
 @settings(max_examples=300)
 def test_noise_is_never_more_than_counted(protocol: str, noise: bytes) -> None:
     """No exception, whatever comes."""
-    decoder = decoder_for(protocol)
+    decoder = PROTOCOLS[protocol].decoder()
     decoder.push(noise)
     assert decoder.counters.damaged >= 0
 
 
-@pytest.mark.parametrize("protocol", DECODERS)
+@pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_after_a_hundred_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> None:
     """In bounded memory; half the noise has no line end and no zero."""
     random = Random(5)
-    decoder = decoder_for(protocol)
+    decoder = PROTOCOLS[protocol].decoder()
     decoder.push(b"".join(STREAMS[protocol][:5]))
     any_byte = random.randbytes(1 << 20)
     no_end = bytes(byte or 1 for byte in any_byte.replace(b"\n", b"x"))
@@ -118,13 +128,13 @@ def test_after_a_hundred_megabytes_of_noise_the_next_good_frame_counts(protocol:
     assert decoder.counters.damaged > 0
 
 
-@pytest.mark.parametrize("make", [NativeDecoder, CsvDecoder, WitmotionDecoder])
-def test_half_a_frame_at_the_end_waits_for_its_other_half(make: Callable[[], Decoder]) -> None:
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_half_a_frame_at_the_end_waits_for_its_other_half(protocol: str) -> None:
     """And is no damage."""
-    decoder = make()
+    decoder = PROTOCOLS[protocol].decoder()
     *whole, last = STREAMS[decoder.name]
-    before = len(decoder.push(b"".join(whole) + last[:5]))
-    after = decoder.push(last[5:])
+    before = len(decoder.push(b"".join(whole) + last[: len(last) // 2]))
+    after = decoder.push(last[len(last) // 2 :])
     assert (before + 1, len(after)) == (len(ONE_PUSH[decoder.name]), 1)
     assert decoder.counters.damaged == 0
     assert isinstance(after[0], Reading)

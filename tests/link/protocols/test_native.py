@@ -7,19 +7,19 @@ import pytest
 from golden_frames import NativeSample
 from support import near
 
-from firmware_sim.wire import native_frame
-from gyrodrift.link.protocols.decoder import DeviceFacts
+from firmware_sim.wire.native import native_frame
+from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.native import NativeDecoder
 
 LSB = 0.007629999890923500
 """0.00763 as the nearest 32-bit float."""
 
 
-def test_hello_tells_the_facts() -> None:
+def test_hello_describes_the_device() -> None:
     """Of the device and its scale."""
     decoder = NativeDecoder()
     assert decoder.push(golden.HELLO) == []
-    assert decoder.facts == DeviceFacts("firmware_sim", 100.0, near(LSB), 36000)
+    assert decoder.device == DeviceDescription("firmware_sim", 100.0, near(LSB), 36000)
 
 
 @pytest.mark.parametrize("sample", golden.SAMPLES)
@@ -72,5 +72,5 @@ def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None
     decoder = NativeDecoder()
     body = b"\x00d\x00\x00\x00\x00\x00" + b"\x00" * 20
     decoder.push(native_frame(b"\x01\x02" + body[1:]) + native_frame(b"\x01\x01" + body[1:]))
-    assert decoder.facts == DeviceFacts()
+    assert decoder.device == DeviceDescription()
     assert decoder.push(next(iter(golden.SAMPLES.values()))) == []

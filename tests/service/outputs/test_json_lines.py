@@ -56,56 +56,53 @@ def test_a_line_is_json_with_every_digit_and_without_what_is_absent(
 )
 def test_thinning_keeps_to_the_rate_in_device_time(pipe: Pipe, rate_hz: float | None, expected: int) -> None:
     """Ten seconds at 100 Hz, both ends included."""
-    sink = JsonLines(pipe[1], rate_hz)
-    for i in range(1001):
-        sink.on_sample(corrected(i, i / 100))
-    assert len(sink._batch) == pytest.approx(expected, abs=1)
+    output = JsonLines(pipe[1], rate_hz)
+    output.take([corrected(i, i / 100) for i in range(1001)])
+    assert output.stats()["lines"] == pytest.approx(expected, abs=1)
 
 
 def test_thinning_goes_on_after_a_hole(pipe: Pipe) -> None:
     """It does not make up for lines that were not due."""
-    sink = JsonLines(pipe[1], 10.0)
+    output = JsonLines(pipe[1], 10.0)
     for t_s in (0.0, 0.1, 60.0, 60.01, 60.05, 60.1):
-        sink.on_sample(corrected(0, t_s))
-    assert [json.loads(line)["t_s"] for line in sink._batch] == [0.0, 0.1, 60.0, 60.1]
+        output.take([corrected(0, t_s)])
+    lines = os.read(pipe[0], 1 << 16).splitlines()
+    assert [json.loads(line)["t_s"] for line in lines] == [0.0, 0.1, 60.0, 60.1]
 
 
 def test_a_reader_who_sleeps_loses_the_oldest_whole_lines_and_is_told_how_many(
     pipe: Pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The sink never waits, and what arrives is whole."""
+    """The output never waits, and what arrives is whole."""
     monkeypatch.setattr(json_lines, "LONGEST_QUEUE_BYTES", 50_000)
-    sink = JsonLines(pipe[1])
+    output = JsonLines(pipe[1])
     for i in range(10_000):
-        sink.on_sample(corrected(i))
-        sink.flush()
+        output.take([corrected(i)])
     read = b""
-    while sink.is_waiting:
+    while output.wakes():
         read += os.read(pipe[0], 1 << 16)
-        sink.flush()
+        output.take([])
     read += os.read(pipe[0], 1 << 16)
     seqs = [json.loads(line)["seq"] for line in read.splitlines()]
-    assert sink.dropped > 0
-    assert len(seqs) == 10_000 - sink.dropped
+    assert output.dropped > 0
+    assert len(seqs) == 10_000 - output.dropped
     assert seqs == sorted(seqs)
     assert seqs[-1] == 9_999
 
 
 def test_a_reader_who_left_is_noticed(pipe: Pipe) -> None:
     """As `head` does when it has enough."""
-    sink = JsonLines(pipe[1])
+    output = JsonLines(pipe[1])
     os.close(pipe[0])
-    sink.on_sample(corrected(0))
     with pytest.raises(ReaderGoneError):
-        sink.flush()
+        output.take([corrected(0)])
 
 
 def test_a_file_takes_everything(tmp_path: Path) -> None:
     """Files are always ready."""
     with (tmp_path / "out.jsonl").open("wb") as file:
-        sink = JsonLines(file.fileno())
-        for i in range(20_000):
-            sink.on_sample(corrected(i))
-        sink.close()
+        output = JsonLines(file.fileno())
+        output.take([corrected(i) for i in range(20_000)])
+        output.close()
     lines = (tmp_path / "out.jsonl").read_text().splitlines()
     assert [json.loads(line)["seq"] for line in lines] == list(range(20_000))

@@ -1,0 +1,46 @@
+"""The csv protocol: text lines, as a hobby sketch prints them."""
+
+from collections.abc import Iterable, Iterator
+from math import floor, log10
+
+from firmware_sim.measure import Block
+from firmware_sim.rig import Base
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+
+LINE_END = b"\r\n"
+BANNER = b"# t_us,rate_dps,encoder_deg,temp_c" + LINE_END
+
+
+def csv_line(t_us: int, rate_dps: float, encoder_deg: float | None, temp_c: float | None) -> bytes:
+    """A line with the fewest digits that tell each number from all others; what is absent before a value is nan."""
+    values = [rate_dps, encoder_deg, temp_c]
+    while values[-1] is None:
+        values.pop()
+    texts = ("nan" if value is None else repr(value) for value in values)
+    return f"{t_us & 0xFFFFFFFF},{','.join(texts)}".encode() + LINE_END
+
+
+def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
+    """A banner, then a line for each measurement."""
+    yield Frame(0.0, BANNER, 0, LINE_END)
+    deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
+    rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
+    for block in blocks:
+        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts in block.rows():
+            angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
+            line = csv_line(t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0)
+            yield Frame(t_host_s, line, 1, LINE_END)
+
+
+def _digits(step: float) -> int:
+    """Decimals that tell every multiple of a step from the next, with one to spare."""
+    return max(4, 2 - floor(log10(step)))
+
+
+def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
+    """A line for each sample, with every digit."""
+    for m in measurements:
+        yield Frame(m.due_s, csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c), 1, LINE_END)
+
+
+ENCODER = WireEncoder("csv", frames, recorded)

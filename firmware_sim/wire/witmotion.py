@@ -1,0 +1,47 @@
+"""The frames of a WT901: acceleration, rates and angles of each measurement; it has no clock, and no encoder."""
+
+import struct
+from collections.abc import Iterable, Iterator
+from math import isfinite, isnan
+
+from firmware_sim.measure import Block
+from firmware_sim.rig import Base
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+
+DPS_PER_LSB = 2000.0 / 32768.0
+GRAVITY_RAW = 2048
+"""1 g at the ±16 g range over 16 bits: what a level device says on its z axis."""
+
+
+def wt901_frame(kind: int, *values: int) -> bytes:
+    """0x55, kind, four 16-bit values, and the low byte of the sum of all before."""
+    frame = struct.pack("<BBhhhh", 0x55, kind, *values)
+    return frame + bytes((sum(frame) & 0xFF,))
+
+
+def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
+    """Acceleration, rates and angles of one measurement, as a WT901 sends them."""
+    raw = max(-32768, min(32767, round(rate_dps / DPS_PER_LSB)))
+    return (
+        wt901_frame(0x51, 0, 0, GRAVITY_RAW, temp_centi_c)
+        + wt901_frame(0x52, 0, 0, raw, temp_centi_c)
+        + wt901_frame(0x53, 0, 0, 0, temp_centi_c)
+    )
+
+
+def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
+    """Three frames for each measurement."""
+    for block in blocks:
+        for _, _, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+            yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
+
+
+def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
+    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    for m in measurements:
+        if isfinite(m.rate_dps):
+            temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0
+            yield Frame(m.due_s, wt901_sample(m.rate_dps, round(temp_c * 100.0)), 1)
+
+
+ENCODER = WireEncoder("witmotion", frames, recorded)
