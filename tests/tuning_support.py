@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.evaluation.curves import YawCurves
-from gyrodrift.evaluation.dataset import SessionDescription, Split
+from gyrodrift.evaluation.dataset import SessionSummary, Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.hdr import HdrParams
@@ -28,7 +28,7 @@ def of_e(e_deg: float) -> Score:
 
 
 def score(name: str, split: Split = Split.TRAIN, e_tuned_deg: float = 0.5) -> SessionScore:
-    session = SessionDescription(name, "", MINUTES, 100.0)
+    session = SessionSummary(name, "", MINUTES, 100.0)
     return SessionScore(session, split, of_e(56.4), of_e(e_tuned_deg), of_e(0.75), curve())
 
 

@@ -11,7 +11,7 @@ from gyrodrift.compare.tuning import tuned
 from gyrodrift.evaluation.curves import YawCurves, yaw_curves
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
-    SessionDescription,
+    SessionSummary,
     Source,
     folder_names,
     load_with_reference,
@@ -67,7 +67,7 @@ class Entry:
 class ComparedSession:
     """A session with a score for every entry, in their order; `curves` have a yaw for each, where it is plotted."""
 
-    session: SessionDescription
+    session: SessionSummary
     folder: str
     scores: tuple[Score, ...]
     curves: YawCurves | None = None

@@ -27,7 +27,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
-from gyrodrift.evaluation.dataset import SessionDescription, Source, load_with_reference
+from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_reference
 from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
@@ -52,7 +52,7 @@ class Batch:
     """
 
     references: tuple[Reference, ...]
-    descriptions: tuple[SessionDescription, ...]
+    descriptions: tuple[SessionSummary, ...]
     counts: Floats
 
     def __sizeof__(self) -> int:
@@ -84,7 +84,7 @@ def load_batch(sources: Sequence[Source], version: str) -> Batch:
     return Batch(tuple(references), tuple(descriptions), counts)
 
 
-def descriptions_of(batch: Batch) -> tuple[SessionDescription, ...]:
+def descriptions_of(batch: Batch) -> tuple[SessionSummary, ...]:
     """What is known of the sessions of a batch."""
     return batch.descriptions
 
@@ -143,7 +143,7 @@ class ClusterCost:
         except BaseException:
             self.close()
             raise
-        self.descriptions: tuple[SessionDescription, ...] = tuple(chain.from_iterable(found))
+        self.descriptions: tuple[SessionSummary, ...] = tuple(chain.from_iterable(found))
 
     def __enter__(self) -> Self:
         return self

@@ -41,7 +41,7 @@ class Source:
 
 
 @dataclass(frozen=True, slots=True)
-class SessionDescription:
+class SessionSummary:
     """What is known of a session without holding it.
 
     digest
@@ -68,7 +68,7 @@ class LoadedSession:
     """
 
     reference: Reference
-    description: SessionDescription
+    description: SessionSummary
     t_s: Floats
 
 
@@ -87,7 +87,7 @@ def load_with_reference(source: Source) -> LoadedSession:
         raise DataError(f"{source.path}: {str(error).removeprefix(f'{session.name}: ')}") from error
     warnings = () if source.is_still else tuple(_warnings(source, reference))
     digest = digest_of(source.path)
-    described = SessionDescription(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)
+    described = SessionSummary(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)
     return LoadedSession(reference, described, t_s)
 
 
@@ -132,7 +132,7 @@ def rates_differ(rates_hz: Sequence[float]) -> bool:
     return max(rates_hz) > min(rates_hz) * (1.0 + RATE_TOLERANCE)
 
 
-def check_rates(sessions: Sequence[SessionDescription], sample_counted: str) -> list[str]:
+def check_rates(sessions: Sequence[SessionSummary], sample_counted: str) -> list[str]:
     """A warning where sample rates differ, with the parameters that count samples: they belong to one rate."""
     rates = [about.sample_rate_hz for about in sessions]
     if not rates_differ(rates):

@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.curves import YawCurves
-from gyrodrift.evaluation.dataset import SessionDescription, Split
+from gyrodrift.evaluation.dataset import SessionSummary, Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import Filter, FilterParams
@@ -20,7 +20,7 @@ class SessionScore:
         Yaw by plain integration and by the tuned filter, in this order; None where the session is not plotted.
     """
 
-    session: SessionDescription
+    session: SessionSummary
     split: Split
     euler: Score
     tuned: Score

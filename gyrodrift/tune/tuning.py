@@ -11,7 +11,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.cost import Scores
 from gyrodrift.evaluation.curves import YawCurves, yaw_curves
-from gyrodrift.evaluation.dataset import LoadedSession, SessionDescription, Split, check_rates
+from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, Split, check_rates
 from gyrodrift.evaluation.integration import euler
 from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.score import Score
@@ -62,7 +62,7 @@ class TuningRun:
 
     plan: Plan
     costs: Costs
-    sessions: Sequence[SessionDescription]
+    sessions: Sequence[SessionSummary]
     splits: Sequence[Split]
     loaded: Callable[[int], LoadedSession]
     journal: Journal

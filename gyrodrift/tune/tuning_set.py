@@ -11,7 +11,7 @@ from typing import Self
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
-    SessionDescription,
+    SessionSummary,
     Source,
     Split,
     load_with_reference,
@@ -46,7 +46,7 @@ class TuningSet:
     ) -> None:
         self._sources = split_sources(sources, seed)
         self.splits = [source.split or Split.TRAIN for source in self._sources]
-        self.sessions: list[SessionDescription] = []
+        self.sessions: list[SessionSummary] = []
         self.costs: Costs
         self._close: Callable[[], None]
         if cluster is None:
@@ -90,7 +90,7 @@ def identity(plan: Plan, tuning_set: TuningSet) -> str:
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def _with_folders(sessions: Sequence[SessionDescription], sources: Sequence[Source]) -> list[SessionDescription]:
+def _with_folders(sessions: Sequence[SessionSummary], sources: Sequence[Source]) -> list[SessionSummary]:
     """Sessions of one name carry the name of their folder too."""
     counts = Counter(one.name for one in sessions)
     return [

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.evaluation.curves import yaw_curves
-from gyrodrift.evaluation.dataset import LoadedSession, SessionDescription
+from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary
 from gyrodrift.evaluation.reference import timed_reference_of
 from gyrodrift.session.session import Session
 
@@ -14,7 +14,7 @@ def loaded() -> LoadedSession:
     encoder_deg = np.linspace(10.0, 490.0, 5)
     encoder_deg[2] = np.nan
     times_s, reference = timed_reference_of(Session("turn", t_s, np.full(5, 2.0), encoder_deg=encoder_deg))
-    return LoadedSession(reference, SessionDescription("turn", "", 4.0, 1.0 / 60.0), times_s)
+    return LoadedSession(reference, SessionSummary("turn", "", 4.0, 1.0 / 60.0), times_s)
 
 
 def test_yaws_stand_at_the_samples_that_have_a_reference() -> None:

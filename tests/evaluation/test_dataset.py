@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.errors import DataError
-from gyrodrift.evaluation.dataset import SessionDescription, Source, Split, check_rates, split_sources
+from gyrodrift.evaluation.dataset import SessionSummary, Source, Split, check_rates, split_sources
 
 
 def sources(count: int, tests: int = 0) -> list[Source]:
@@ -40,8 +40,8 @@ def test_none_to_train_with_is_told(count: int, tests: int) -> None:
 def test_rates_may_differ_by_a_crystal_and_no_more() -> None:
     """Two percent."""
 
-    def sessions(*rates_hz: float) -> list[SessionDescription]:
-        return [SessionDescription(f"at {rate_hz:g}", "", 1.0, rate_hz) for rate_hz in rates_hz]
+    def sessions(*rates_hz: float) -> list[SessionSummary]:
+        return [SessionSummary(f"at {rate_hz:g}", "", 1.0, rate_hz) for rate_hz in rates_hz]
 
     assert check_rates(sessions(100.0, 101.0, 99.5), "steps") == []
     (said,) = check_rates(sessions(100.0, 50.0, 100.0), "steps")

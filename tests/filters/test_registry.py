@@ -3,7 +3,6 @@
 import csv
 import importlib.util
 import json
-import os
 import re
 import sys
 from collections.abc import Iterator
@@ -23,7 +22,6 @@ from gyrodrift.filters.registry import FILTERS, register, unregister
 from gyrodrift.log import open_log
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.filtering import Filtering
-from gyrodrift.service.outputs.json_lines import JsonLines
 
 PAGE = Path(__file__).parents[2] / "docs" / "extending-filter.md"
 RATE_HZ = 50
@@ -125,16 +123,22 @@ def test_the_command_filter_writes_its_columns(tmp_path: Path, capsys: pytest.Ca
 
 
 class Kept:
-    """A sink that keeps what it is given."""
+    """An output that keeps what it is given."""
 
     def __init__(self) -> None:
         self.given: list[Corrected] = []
 
-    def on_sample(self, corrected: Corrected) -> None:
-        self.given.append(corrected)
+    def take(self, samples: list[Corrected]) -> None:
+        self.given += samples
 
-    def flush(self) -> None:
-        """Nothing waits."""
+    def tick(self, now_s: float) -> None:
+        """Nothing is due."""
+
+    def stats(self) -> dict[str, Any]:
+        return {}
+
+    def wakes(self) -> dict[int, int]:
+        return {}
 
     def close(self) -> None:
         """Nothing is open."""
@@ -144,9 +148,8 @@ class Kept:
 def test_the_service_changes_over_to_it_and_keeps_yaw(tmp_path: Path) -> None:
     """A second at 1 deg/s by the one filter, a second with 0.5 deg/s taken off by the other: 1.5 deg."""
     plain = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
-    watch, sink = ConfigWatch(config_of(tmp_path, plain)), Kept()
-    null = os.open(os.devnull, os.O_WRONLY)
-    filtering = Filtering(cast("Any", None), JsonLines(null), open_log("error", "json"), watch, [sink])
+    watch, output = ConfigWatch(config_of(tmp_path, plain)), Kept()
+    filtering = Filtering(cast("Any", None), [output], open_log("error", "json"), watch)
 
     def second_from(start_s: int) -> None:
         times_s = [start_s + n / RATE_HZ for n in range(RATE_HZ + 1)]
@@ -156,10 +159,9 @@ def test_the_service_changes_over_to_it_and_keeps_yaw(tmp_path: Path) -> None:
     config_of(tmp_path, CONFIG.format(bias_dps=0.5))
     filtering._follow_config(watch)
     second_from(1)
-    os.close(null)
-    assert sink.given[RATE_HZ].yaw_deg == pytest.approx(1.0)
-    assert sink.given[-1].yaw_deg == pytest.approx(1.5)
-    assert (sink.given[-1].bias_dps, sink.given[-1].corrected_dps) == (0.5, 0.5)
+    assert output.given[RATE_HZ].yaw_deg == pytest.approx(1.0)
+    assert output.given[-1].yaw_deg == pytest.approx(1.5)
+    assert (output.given[-1].bias_dps, output.given[-1].corrected_dps) == (0.5, 0.5)
 
 
 @pytest.mark.usefixtures("constant")
