@@ -8,7 +8,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Response, Statistic
 from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, COUNTS_ABOVE_ONE, JUMPS
-from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
+from gyrodrift.diagnose.recording.outliers import Cleaned
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class AngleValues:
 
 
 def _log2_step(angle: AngleValues) -> float:
-    return float(np.log2(max(granularity(angle.seen.recording.encoder_deg) / angle.count_deg, 1.0)))
+    return float(np.log2(max(angle.seen.step_deg / angle.count_deg, 1.0)))
 
 
 def _log_scatter(angle: AngleValues) -> float:

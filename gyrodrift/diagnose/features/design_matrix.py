@@ -20,7 +20,7 @@ from gyrodrift.diagnose.features.spreads import SpreadPlaces, spread_places_of
 from gyrodrift.diagnose.features.warming import warming_basis
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.recording.outliers import Cleaned, motion_behind
 
 BLOCK_S = 1.0
 """Over a second an encoder of 0.01 degrees knows the mean rate to some 0.004 deg/s."""
@@ -73,7 +73,7 @@ class DesignMatrix:
 
 def design_matrix_of(real: Cleaned) -> DesignMatrix:
     """The design matrix of a recording."""
-    motion = real.motion
+    motion = motion_behind(real)
     samples, period_s = len(motion.rate_dps), real.recording.period_s
     block = max(1, round(BLOCK_S / period_s))
     regimes = regimes_of(motion, block)
