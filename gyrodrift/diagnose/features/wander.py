@@ -89,6 +89,8 @@ def excess_kurtosis(dps: Floats) -> float:
 def log_kurtosis_of_steps(dps: Floats) -> float:
     """Logarithm of one more than the fourth moment of steps over their squared variance: ln 4 for normal ones."""
     steps_dps = np.diff(block_means(dps, JUMP_MEAN))
+    if not len(steps_dps):
+        return 0.0
     spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
     return float(np.log1p(np.mean(steps_dps**4) / spread**2))
 
