@@ -8,7 +8,7 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, STRANGE_COLUMNS
+from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.simulate import nuisance as strangers
 
 GROUPS: Mapping[str, str] = {
@@ -189,12 +189,12 @@ def candidates(hints: Hints) -> list[Candidate]:
 def _strangers(hints: Hints) -> Iterator[Candidate]:
     """Of regressors the size is in multiples of what does not matter."""
     for column in COLUMNS:
-        if column.feature.name in STRANGE_COLUMNS:
-            up = column.floor * _between(3.0, 3000.0)
+        if not column.in_catalogue:
+            up = column.threshold * _between(3.0, 3000.0)
             sizes = np.concatenate([-up[::-1], up])
-            shape = strangers.regressor(column.feature.name)
-            nodes = column.floor * np.array([-100.0, 100.0])
-            yield Candidate(f"?{column.feature.name}", "", _no_effect, "size", nodes, sizes, shape=shape)
+            shape = strangers.regressor(column.name)
+            nodes = column.threshold * np.array([-100.0, 100.0])
+            yield Candidate(f"?{column.name}", "", _no_effect, "size", nodes, sizes, shape=shape)
     periodic = {
         "?swing": strangers.swing(hints.swing_s),
         "?ripple": strangers.ripple(hints.ripple_order),

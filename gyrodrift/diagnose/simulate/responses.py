@@ -10,8 +10,11 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import residuals as residual
+from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import TURN_ORDERS
-from gyrodrift.diagnose.features.noise import NEAR_ZERO_DPS, line_of, smallest
+from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
+from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
+from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.recording.outliers import Cleaned, step_of
 from gyrodrift.diagnose.recording.recording import Recording
@@ -90,7 +93,7 @@ def table_of(recording: Recording, subject: Subject, asked: Sequence[Candidate])
             answers[key(candidate)] = np.array(nodes)
     base = runs.mean(axis=0)
     nulls = np.array([_null(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
-    return ResponseTable(recording.name, own.values - base, own.floors, runs, nulls, answers)
+    return ResponseTable(recording.name, own.values - base, own.thresholds, runs, nulls, answers)
 
 
 def _answers(
@@ -139,13 +142,13 @@ def _order(shares: Floats) -> int:
 
 def hints_of(seen: Sequence[tuple[Cleaned, Subject]]) -> Hints:
     """The middle of what the sessions show, or what is usual where they show nothing."""
-    lines = [line_of(cleaned, subject.design)[1] for cleaned, subject in seen]
+    lines = [spectral_line(cleaned, subject.design).frequency_hz for cleaned, subject in seen]
     slow = [_near_zero(cleaned) for cleaned, _ in seen]
     spikes = np.concatenate([np.abs(cleaned.spikes_dps) for cleaned, _ in seen])
     slips = np.concatenate([np.abs(cleaned.slips_deg) for cleaned, _ in seen])
-    lefts = [(residual.left_dps(cleaned, subject.design), subject.design) for cleaned, subject in seen]
-    turns = np.mean([residual.ripple_of(left, design.turn_basis) for left, design in lefts], axis=0)
-    angles = np.mean([residual.ripple_of(left, design.turn_rate_basis) for left, design in lefts], axis=0)
+    lefts = [(unexplained_dps(cleaned, subject.design), subject.design) for cleaned, subject in seen]
+    turns = np.mean([angle_shares(left, design.turn_basis) for left, design in lefts], axis=0)
+    angles = np.mean([angle_shares(left, design.turn_rate_basis) for left, design in lefts], axis=0)
     return Hints(
         line_hz=float(np.median(lines)) or LINE_HZ,
         rate_step_dps=float(np.median([step_of(rates) for rates in slow])),
@@ -154,7 +157,7 @@ def hints_of(seen: Sequence[tuple[Cleaned, Subject]]) -> Hints:
         largest_dps=max(float(np.abs(cleaned.rate_dps).max()) for cleaned, _ in seen),
         spike_dps=float(np.median(spikes)) if len(spikes) else SPIKE_DPS,
         slip_deg=float(np.median(slips)) if len(slips) else SLIP_DEG,
-        swing_s=float(np.median([residual.swing_of(left)[1] for left, _ in lefts])) or SWING_S,
+        swing_s=float(np.median([periodic_component(left)[1] for left, _ in lefts])) or SWING_S,
         ripple_order=_order(turns),
         angle_ripple_order=_order(angles),
     )

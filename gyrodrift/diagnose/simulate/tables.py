@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.diagnose.recording.checks import Passed, pass_gates
+from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recording
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidates import Hints, candidates
 from gyrodrift.diagnose.simulate.responses import ResponseTable, table_of
@@ -28,15 +28,15 @@ class SessionTask(NamedTuple):
     names: frozenset[str]
 
 
-def passed(path: Path) -> Passed:
-    """A session behind the gates.
+def passed(path: Path) -> CheckedRecording:
+    """A session after the recording checks.
 
     Raises
     ------
     DataError
         Where it cannot be read, or has no encoder.
     """
-    return pass_gates(recording_of(load_session(path)))
+    return check_recording(recording_of(load_session(path)))
 
 
 def work_out(work: SessionTask) -> ResponseTable:

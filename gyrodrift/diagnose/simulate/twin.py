@@ -10,10 +10,10 @@ from firmware_sim.measure import measure as play
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import timing as clock
-from gyrodrift.diagnose.features.design_matrix import Design, design_of
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.feature import Measured
-from gyrodrift.diagnose.features.noise import white_dps
-from gyrodrift.diagnose.features.residuals import block_residual_dps
+from gyrodrift.diagnose.features.spectral_line import white_dps
 from gyrodrift.diagnose.features.vector import Facts, measure
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
@@ -30,7 +30,7 @@ class Subject:
     """A recording with its design, and the rig calibrated to it: sample rate, noise and bias of the session."""
 
     seen: Cleaned
-    design: Design
+    design: DesignMatrix
     rig: Rig
 
     @property
@@ -100,10 +100,10 @@ class Subject:
 def subject_of(recording: Recording, rig: Rig) -> Subject:
     """Rebuild the motion, and calibrate the rig."""
     seen = cleaned(recording)
-    design = design_of(seen)
+    design = design_matrix_of(seen)
     residual_dps = block_residual_dps(seen, design)
     # A dead band hides the bias where it rests.
-    moving = residual_dps[~design.block_at_rest]
+    moving = residual_dps[~design.regimes.block_at_rest]
     bias_dps = float(np.median(moving if len(moving) > len(residual_dps) // 10 else residual_dps))
     sigma_dps = white_dps(seen, design, rig.base.dps_per_lsb)
     base = rig.base.model_copy(
