@@ -18,14 +18,16 @@ from gyrodrift.diagnose.inference.search import Attribution, Cause, Found
 from gyrodrift.diagnose.inference.verdict import Verdict, detectable, verdict_of
 from gyrodrift.diagnose.inference.yaw_impact import Worth, worth_of
 from gyrodrift.diagnose.recording.recording import Recording
-from gyrodrift.diagnose.simulate.candidates import Candidate, candidates
-from gyrodrift.diagnose.simulate.responses import ResponseTable, hints_of
-from gyrodrift.diagnose.simulate.tables import SessionTask, gathered, passed
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
+from gyrodrift.diagnose.simulate.distribute import SimulationPlan, checked_recording, response_tables
+from gyrodrift.diagnose.simulate.hints import hints_of
+from gyrodrift.diagnose.simulate.responses import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 
 RUNS_OF_CHANCE = 4
-"""Throws of the dice of an effect in which chance plays a part."""
+"""Realisations of an effect in which chance plays a part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,11 +82,10 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     paths, recordings, remarks = _recordings(asked.paths)
     remarks += _beyond_the_rig(recordings, asked.rig.base)
     subjects = [subject_of(recording, asked.rig) for recording in recordings]
-    hints = hints_of([(subject.seen, subject) for subject in subjects])
+    hints = hints_of(subjects)
     tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
-    names = frozenset(candidate.name for candidate in tried)
-    works = [SessionTask(path.resolve(), asked.rig, hints, names) for path in paths]
-    tables = gathered(works, asked.jobs, asked.cluster, asked.progress)
+    plan = SimulationPlan(tuple(paths), tuple(subjects), asked.rig, hints, tuple(tried))
+    tables = response_tables(plan, asked.jobs, asked.cluster, asked.progress)
     evidence = evidence_of(tables, tried)
     attribution = Attribution(evidence, lambda causes: _simulated(causes, subjects, tables))
     found = attribution.search()
@@ -106,7 +107,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         seconds=time.monotonic() - begun_s,
         sessions=tuple(recording.name for recording in recordings),
         rig=asked.rig.model_copy(update={"effects": (*asked.rig.effects, *(cause.effect for cause in verdict.causes))}),
-        drawn=Drawn(tuple(subjects), tuple(tables), attribution, found, tuple(sorted(asked.withheld))),
+        drawn=Drawn(tuple(subjects), tables, attribution, found, tuple(sorted(asked.withheld))),
     )
 
 
@@ -116,7 +117,7 @@ def _recordings(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], lis
     recordings: list[Recording] = []
     remarks: list[str] = []
     for path in asked:
-        one = passed(path)
+        one = checked_recording(path)
         remarks += one.remarks
         if one.recording is not None:
             paths.append(path)
@@ -157,7 +158,7 @@ def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Seq
     """(sessions, F) what a whole set of causes does to the features."""
     effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes if not cause.is_strange)
     share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
-    runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE
+    runs = 1 if all(cause.answer.candidate.realisations == 1 for cause in causes) else RUNS_OF_CHANCE
 
     def played(subject: Subject, seed: int) -> Floats:
         seen = subject.with_noise(share).replayed(effects, seed)
@@ -188,7 +189,7 @@ def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Rec
     tied = [cause for cause in verdict.causes if cause.tied_with]
     if tied:
         names = ", ".join([tied[0].effect.name, *tied[0].tied_with])
-        return f"To tell {names} apart, {SEPARATED_BY.get(tied[0].group, RICHER)}."
+        return f"To tell {names} apart, {KINDS[tied[0].effect.name].looks_like.separated_by}."
     if len(recordings) < ENOUGH_SESSIONS:
         return "Record more sessions: with three and more the fit can be checked on what it has not seen."
     if untestable:
@@ -201,16 +202,3 @@ def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Rec
 
 
 ENOUGH_SESSIONS = 3
-RICHER = "record other speeds, both directions and longer rests"
-SEPARATED_BY = {
-    "scale": "record with host times, and an index pulse on the encoder",
-    "slow bias": "heat and cool within one session, and switch the power off and on between sessions",
-    "lag": "play a chirp or multisine up to half the sample rate, and a minute at rest",
-    "stochastic bias": "record longer stills, an hour or more",
-    "even in rate": "turn at several speeds in both directions",
-    "once per turn": "make whole turns at two very different speeds",
-    "times": "keep the raw bytes with their arrival times",
-    "coarse values": "play a slow ramp through zero, and rest",
-    "outliers": "record longer, until a few more of them have come",
-    "reversal": "reverse sharply and often, at several speeds",
-}

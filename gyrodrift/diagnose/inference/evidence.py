@@ -8,7 +8,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES, WARMING_FEATURES
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.simulate.candidates import Candidate
+from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.responses import ResponseTable, key, simulated_key
 
 STATIC = len(COLUMNS)
@@ -96,8 +96,8 @@ def evidence_of(tables: Sequence[ResponseTable], asked: Sequence[Candidate]) -> 
 def _answer(tables: Sequence[ResponseTable], candidate: Candidate) -> Answer:
     if candidate.phase_deg is not None:
         return _turned(tables, candidate)
-    seen = np.array([table.answers[key(candidate)] for table in tables])  # sessions, nodes, dice, F
-    if candidate.dice > 1:
+    seen = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, dice, F
+    if candidate.realisations > 1:
         return _random(seen, candidate)
     nodes = seen[:, :, 0].transpose(1, 0, 2)
     return Answer(candidate, _at_sizes(candidate, nodes), np.zeros((len(candidate.sizes), seen.shape[-1])))
@@ -116,22 +116,22 @@ def _turned(tables: Sequence[ResponseTable], candidate: Candidate) -> Answer:
     """A sine of any phase out of those of 0 and 90 degrees: exact where features are linear."""
     phase = np.deg2rad(candidate.phase_deg or 0.0)
     at_0, at_90 = (
-        np.array([table.answers[simulated_key(candidate, deg)][0, 0] for table in tables]) for deg in (0.0, 90.0)
+        np.array([table.responses[simulated_key(candidate, deg)][0, 0] for table in tables]) for deg in (0.0, 90.0)
     )
     node = np.where(LINEAR, np.cos(phase) * at_0 + np.sin(phase) * at_90, 0.5 * (at_0 + at_90))
-    share = candidate.sizes / candidate.nodes[0]
+    share = candidate.sizes / candidate.grid_points[0]
     return Answer(candidate, _scaled(node, share), np.zeros((len(share), node.shape[-1])))
 
 
 def _at_sizes(candidate: Candidate, nodes: Floats) -> Floats:
     """Changes at a candidate's nodes, (nodes, …, F), taken to all of its sizes."""
-    if candidate.nodes[0] < 0.0:
-        up = _scaled(nodes[1], candidate.sizes[candidate.sizes > 0.0] / candidate.nodes[1])
-        down = _scaled(nodes[0], candidate.sizes[candidate.sizes < 0.0] / candidate.nodes[0])
+    if candidate.grid_points[0] < 0.0:
+        up = _scaled(nodes[1], candidate.sizes[candidate.sizes > 0.0] / candidate.grid_points[1])
+        down = _scaled(nodes[0], candidate.sizes[candidate.sizes < 0.0] / candidate.grid_points[0])
         return np.concatenate([down, up])
-    if len(candidate.nodes) == 1:
+    if len(candidate.grid_points) == 1:
         return nodes
-    place = np.interp(np.log(candidate.sizes), np.log(candidate.nodes), np.arange(len(candidate.nodes)))
+    place = np.interp(np.log(candidate.sizes), np.log(candidate.grid_points), np.arange(len(candidate.grid_points)))
     left = np.minimum(place.astype(np.int64), len(nodes) - 2)
     part = (place - left).reshape(-1, *([1] * (nodes.ndim - 1)))
     found: Floats = (1.0 - part) * nodes[left] + part * nodes[left + 1]

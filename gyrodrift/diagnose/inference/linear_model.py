@@ -16,6 +16,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import Design, means
 from gyrodrift.diagnose.features.residuals import block_residual_dps
 from gyrodrift.diagnose.inference.verdict import Verdict, unit_of
+from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
 
 GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
@@ -24,19 +25,6 @@ GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
 WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
 CLEAR = 12.0
 """Of the logarithm of the likelihood: what an effect has to add."""
-
-MATTERS = {
-    "scale_factor": 0.06,
-    "scale_asymmetry": 0.03,
-    "vibration_rectification": 0.006,
-    "nonlinearity": 0.02,
-    "temp_bias": 0.0012,
-    "temp_scale": 0.006,
-    "warmup": 0.012,
-    "g_sensitivity": 0.004,
-    "encoder_eccentricity": 0.02,
-}
-"""Sizes below which an effect, however clear, is nobody's trouble."""
 
 Regressors = list[tuple[str, str, float, tuple[Floats, ...]]]
 """Effect, parameter, from the coefficient to the parameter, and its one or two columns."""
@@ -69,7 +57,7 @@ def second_opinion(subjects: Sequence[Subject], verdict: Verdict) -> SecondOpini
     fits = [_fit([session[number] for session in whitened]) for number in range(len(whitened[0]))]
     names = [(effect, parameter, factor) for effect, parameter, factor, _ in _regressors(subjects[0].design)]
     sizes = [abs(coefficient * factor) for (_, coefficient, _), (_, _, factor) in zip(fits, names, strict=True)]
-    matters = [size > MATTERS[effect] for size, (effect, _, _) in zip(sizes, names, strict=True)]
+    matters = [size > (KINDS[effect].matters_from or 0.0) for size, (effect, _, _) in zip(sizes, names, strict=True)]
     best = int(np.argmax([fit[0] if matter else 0.0 for fit, matter in zip(fits, matters, strict=True)]))
     gain, coefficient, error = fits[best] if matters[best] else (0.0, 0.0, 0.0)
     effect, parameter, factor = names[best]

@@ -52,7 +52,7 @@ class Cause:
     @property
     def is_strange(self) -> bool:
         """Whether it is no effect of the catalogue."""
-        return self.answer.candidate.is_strange
+        return self.answer.candidate.is_out_of_catalogue
 
     @property
     def size(self) -> float:

@@ -230,7 +230,7 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
         )
         rivals = _rivals(attribution, found, cause, kept, lost)
         weight = float(np.exp([rival[1] / 2.0 for rival in rivals]).sum())
-        tells = Tells(weight, left, is_random=cause.answer.candidate.dice > 1)
+        tells = Tells(weight, left, is_random=cause.answer.candidate.realisations > 1)
         named.append(
             NamedCause(
                 cause=cause,
@@ -242,7 +242,7 @@ def _named(attribution: Attribution, found: Found, before: Floats, after: Floats
             )
         )
     # Of causes that are as good as equally probable, first what is not left to chance.
-    return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.answer.candidate.dice)))
+    return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.answer.candidate.realisations)))
 
 
 class Tells(NamedTuple):
@@ -387,7 +387,7 @@ def detectable(attribution: Attribution) -> dict[str, dict[str, float | str]]:
     """Of each effect, the smallest size that these sessions would have shown."""
     found: dict[str, dict[str, float | str]] = {}
     sigma = attribution.evidence.sigma
-    for answer in (one for one in attribution.answers if not one.candidate.is_strange):
+    for answer in (one for one in attribution.answers if not one.candidate.is_out_of_catalogue):
         gains = 2.5 * np.log1p(np.square(answer.mean) / (4.0 * sigma**2)).sum(axis=(1, 2))
         at = np.flatnonzero(gains > 2.0 * GAIN)
         if not len(at):

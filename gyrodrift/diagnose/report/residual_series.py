@@ -56,7 +56,7 @@ def seconds_of(diagnosis: Diagnosis) -> list[Seconds]:
 
 def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> Seconds:
     design = subject.design
-    certain = tuple(cause for cause in causes if cause.cause.answer.candidate.dice == 1)
+    certain = tuple(cause for cause in causes if cause.cause.answer.candidate.realisations == 1)
     before, after, steady = _replays(subject, [(), causes, certain], number)
     real_dps = block_residual_dps(subject.seen, design)
     slow, quick = spectra_of(subject, before, after)

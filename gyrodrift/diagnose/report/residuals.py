@@ -27,7 +27,7 @@ def shape(diagnosis: Diagnosis) -> str:
     """The section."""
     sessions, has_causes = seconds_of(diagnosis), bool(diagnosis.verdict.causes)
     every = against(sessions)
-    is_random = any(cause.cause.answer.candidate.dice > 1 for cause in diagnosis.verdict.causes)
+    is_random = any(cause.cause.answer.candidate.realisations > 1 for cause in diagnosis.verdict.causes)
     return section(
         "What the difference looks like" if diagnosis.verdict.where else "What rate errors look like",
         paragraph(_introduction(diagnosis, sessions)),
