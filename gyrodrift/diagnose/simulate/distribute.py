@@ -100,15 +100,21 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: Progress) -> tuple
     workers = ClusterWorkers(address, "a diagnosis")
     try:
         progress("sessions replayed by the cluster", 0, len(tasks))
-        found: list[ResponseTable] = workers.results(workers.submit(_read_and_simulate, tasks))
+        found: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
         progress("sessions replayed by the cluster", len(tasks), len(tasks))
     finally:
         workers.close()
     return tuple(found)
 
 
-def _read_and_simulate(task: SessionTask) -> ResponseTable:
-    """On a worker of a cluster."""
+def read_and_simulate(task: SessionTask) -> ResponseTable:
+    """A session on a worker of a cluster.
+
+    Raises
+    ------
+    DataError
+        Where it cannot be read, or does not go through the checks any more.
+    """
     recording = checked_recording(task.path).recording
     if recording is None:
         raise DataError(f"{task.path}: changed while it was being diagnosed")
