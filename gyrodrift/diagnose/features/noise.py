@@ -1,223 +1,192 @@
-"""Noise and numbers: how the rate scatters within a second at rest and in motion, and which values it takes."""
+"""Noise of the rate within a second, at rest and in motion: its level by averaging, a spectral line, bursts, tails."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.design_matrix import Design, means
-from gyrodrift.diagnose.features.feature import Feature, Measured
-from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
+from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
+from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
+from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
+from gyrodrift.diagnose.recording.outliers import Cleaned
 
-REST_POINTS = (1, 2, 4, 8, 16, 32)
-MOVING_POINTS = (1, 2, 4)
-WINDOW = 256
-FEW_WINDOWS = 8
-LINE_POINTS = 31
 TAIL_SIGMAS = 5.0
-NEAR_ZERO_DPS = 3.0
-SMALLEST = 3
-"""A dead band may leak twice."""
+MEDIAN_TO_SIGMA = 0.6745
+"""Median of the absolute values of normal numbers, in standard deviations."""
 
-WHITE_BAND = (0.02, 0.12)
-"""Shares of the sample rate: above what 1/f noise adds at rest, below what most filters take away."""
-
-GRAIN_OF_NOISE = 0.3
-"""Noise that is less than this share of a count does not show at rest."""
+LEAST_SIGMA_DPS = 1e-9
+"""Keeps equal values from being tails of each other."""
 
 LEAST_POINTS, FEW_SECONDS = 25, 20
+"""Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
 
-LEAST_POWER = 1e-6
-"""Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a tone to stand out of."""
+CALM_SHARE = 0.9
+"""Of its samples, that rest or turn steadily in a second without motion."""
 
-FEATURES = (
-    *(
-        Feature(
-            f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape"
-        )
-        for points in REST_POINTS
-    ),
-    *(
-        Feature(f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs")
-        for points in MOVING_POINTS
-    ),
-    *(
-        Feature(f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs")
-        for points in MOVING_POINTS
-    ),
-    Feature("line", "sensor", "rest", "a tone stands out of the noise at rest"),
-    Feature("noise_uneven", "sensor", "rest", "the noise comes in bursts"),
-    Feature("tails_rest", "sensor", "rest", "the noise at rest has wild values"),
-    Feature("tails_moving", "sensor", "moving", "the noise in motion has wild values"),
-    Feature("spike_share", "sensor", "always", "single samples are wild"),
-    Feature("equal_rest", "sensor", "rest", "neighbouring samples at rest are equal too often"),
-    Feature("equal_moving", "link", "moving", "neighbouring samples in motion are equal too often"),
-    Feature("equal_quick", "link", "accelerating", "samples repeat while the rate is changing"),
-    Feature("zero_share", "sensor", "slow", "the rate reads exactly zero too often"),
-    Feature("least_rate", "sensor", "slow", "small rates do not occur"),
-    Feature("rate_step", "sensor", "always", "the rate comes in coarser steps than the rig says"),
-    Feature("values", "sensor", "always", "fewer different values come than should"),
-    Feature("reach", "sensor", "fast", "the largest rates do not reach those of the encoder"),
-    Feature("angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says"),
-    Feature("angle_noise", "encoder", "moving", "the angle scatters from sample to sample"),
-    Feature("slip_count", "encoder", "always", "the angle jumps"),
-    Feature("slip_size", "encoder", "always", "the jumps of the angle are large"),
-)
-
-FLOORS = np.array(
-    [0.08] * len(REST_POINTS)
-    + [0.1] * len(MOVING_POINTS)
-    + [0.22] * len(MOVING_POINTS)
-    + [0.5, 0.15, 0.01, 0.01, 0.008, 0.02, 0.01, 0.035, 0.01, 0.5, 0.15, 0.15, 0.005, 0.15, 0.2, 0.4, 0.3]
-)
+MIDDLE = (2, 3)
+"""Of REST_POINTS: means of 4 and 8 samples, whose mean is the level that all others are compared with."""
 
 
-def white_dps(seen: Cleaned, design: Design, dps_per_lsb: float) -> float:
-    """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any tone in it."""
-    windows = _windows(seen.rate_dps, design.at_rest)
-    if len(windows) >= FEW_WINDOWS:
-        first, last = (round(share * WINDOW) for share in WHITE_BAND)
-        level = float(np.median(_spectrum(windows)[:, first:last]) / np.log(2.0))
-        found = np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2))
-        if found > GRAIN_OF_NOISE * dps_per_lsb:
-            return float(found)
-    spread = [_spread(seen.rate_dps, design.at_rest, points, 2) * points / 6.0 for points in (4, 8)]
-    found = float(np.sqrt(max(sum(spread) / len(spread), 0.0)))
-    return (
-        found
-        if found > GRAIN_OF_NOISE * dps_per_lsb
-        else float(np.sqrt(_spread(seen.rate_dps, design.is_slow, 4, 3) / 5.0))
-    )
+@dataclass(frozen=True, slots=True)
+class SampleNoise:
+    """Noise of a recording or simulation.
+
+    rest, slow, fast
+        Logarithm of the variance of means of REST_POINTS or MOVING_POINTS samples, taken to single samples as if it
+        were white, less that of the middle at rest.
+    bends_dps
+        Second differences of the rate, shape (n − 2,).
+    """
+
+    seen: Cleaned
+    design: DesignMatrix
+    rest: tuple[float, ...]
+    slow: tuple[float, ...]
+    fast: tuple[float, ...]
+    bends_dps: Floats
 
 
-def measure(seen: Cleaned, design: Design, dps_per_lsb: float, cpr: int) -> Measured:
-    """FEATURES of a recording or of a simulation; the rig's facts say what steps are fine."""
+def sample_noise_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> SampleNoise:
+    """What the features of noise are computed from; rounding to counts is a noise that is always there."""
     grain = dps_per_lsb**2 / 12.0
-    rest = [_log(_spread(seen.rate_dps, design.at_rest, n, 2) * n / 6.0, grain) for n in REST_POINTS]
-    slow = [_log(_spread(seen.rate_dps, design.is_slow, n, 3) * n / 20.0, grain) for n in MOVING_POINTS]
-    fast = [_log(_spread(seen.rate_dps, design.is_fast, n, 3) * n / 20.0, grain) for n in MOVING_POINTS]
-    level = 0.5 * (rest[2] + rest[3])
-    values = [
-        *(value - level for value in rest),
-        *(value - level for value in slow),
-        *(value - level for value in fast),
-        line_of(seen, design)[0],
-        _uneven(seen.rate_dps, design),
-        _tails(seen.rate_dps, design.at_rest),
-        _tails(seen.rate_dps, design.is_steady),
-        _root_share(len(seen.spikes_dps), design.samples),
-        *_numbers(seen, design, dps_per_lsb),
-        *_angles(seen, design, cpr),
-    ]
-    return Measured(np.array(values), FLOORS)
+    spreads = spreads_of(seen.rate_dps, design.spread_places)
+    rest, slow, fast = (_logs(spread, grain) for spread in (spreads.rest, spreads.slow, spreads.fast))
+    level = 0.5 * (rest[MIDDLE[0]] + rest[MIDDLE[1]])
+    rest, slow, fast = (tuple(value - level for value in values) for values in (rest, slow, fast))
+    return SampleNoise(seen, design, rest, slow, fast, np.diff(seen.rate_dps, 2))
 
 
-def line_of(seen: Cleaned, design: Design) -> tuple[float, float, float]:
-    """The strongest tone at rest: logarithm of its height over its neighbours', frequency in Hz, amplitude in deg/s."""
-    windows = _windows(seen.rate_dps, design.at_rest)
-    if len(windows) < FEW_WINDOWS:
-        windows = _windows(seen.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
-    if not len(windows):
-        return 0.0, 0.0, 0.0
-    power = np.median(_spectrum(windows), axis=0)[3:]
-    around = median_filter(power, LINE_POINTS, mode="nearest") + LEAST_POWER
-    best = int(np.argmax(power / around))
-    amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()
-    return float(np.log(power[best] / around[best] + 1.0)), (best + 3) / (WINDOW * design.period_s), float(amplitude)
+def root_share(count: int, of: int) -> float:
+    """Square root of a share: small shares scatter equally in it."""
+    return float(np.sqrt(count / max(of, 1)))
 
 
-def _windows(values: Floats, allowed: Mask) -> Floats:
-    """Half-overlapping windows that lie within the allowed samples, shape (windows, WINDOW)."""
-    starts = np.arange(0, len(values) - WINDOW + 1, WINDOW // 2)
-    total = np.concatenate([[0], np.cumsum(allowed)])
-    inside = starts[total[starts + WINDOW] - total[starts] == WINDOW]
-    windows: Floats = values[inside[:, None] + np.arange(WINDOW)]
-    return windows
+def _logs(spreads: Iterable[float], grain: float) -> tuple[float, ...]:
+    return tuple(float(np.log(spread + grain)) for spread in spreads)
 
 
-def _spectrum(windows: Floats) -> Floats:
-    """Power of each, shape (windows, frequencies)."""
-    level = windows - windows.mean(axis=1, keepdims=True)
-    power: Floats = np.abs(np.fft.rfft(level * np.hanning(WINDOW))) ** 2
-    return power
-
-
-def _uneven(rate_dps: Floats, design: Design) -> float:
+def _burst_ratio(noise: SampleNoise) -> float:
     """Logarithm of how much more than usual the noisiest tenth of all seconds scatters."""
-    points = max(design.block, LEAST_POINTS)
-    calm = means((design.at_rest | design.is_steady)[2:].astype(np.float64), points) > 0.9
-    squares = means(np.square(np.diff(rate_dps, 2)), points)[calm]
+    points, regimes = max(noise.design.block, LEAST_POINTS), noise.design.regimes
+    calm = block_means((regimes.at_rest | regimes.is_steady)[2:].astype(np.float64), points) > CALM_SHARE
+    squares = block_means(np.square(noise.bends_dps), points)[calm]
     if len(squares) < FEW_SECONDS:
         return 0.0
     usual, much = np.quantile(squares, [0.5, 0.9])
     return float(np.log((much + LEAST_POWER) / (usual + LEAST_POWER)))
 
 
-def _spread(values: Floats, allowed: Mask, points: int, order: int) -> float:
-    """Mean square of differences of an order between neighbouring means, of those that lie within allowed samples."""
-    count = len(values) // points
-    means = values[: count * points].reshape(count, points).mean(axis=1)
-    inside = allowed[: count * points].reshape(count, points)[:, 0]
-    kept = inside[order:] & inside[:-order]
-    for between in range(1, order):
-        kept = kept & inside[between : between - order]
-    squares = np.square(np.diff(means, order)[kept])
-    if not len(squares):
+def _tails(noise: SampleNoise, allowed: Mask) -> float:
+    """Root of the share of second differences beyond TAIL_SIGMAS."""
+    sizes = np.abs(noise.bends_dps[allowed[2:]])
+    if not len(sizes):
         return 0.0
-    limit = 30.0 * float(np.median(squares)) + 1e-12
-    return float(np.minimum(squares, limit).mean())
+    sigma = float(np.median(sizes)) / MEDIAN_TO_SIGMA + LEAST_SIGMA_DPS
+    return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 
-def _log(variance: float, grain: float) -> float:
-    return float(np.log(variance + grain))
+def _rest(number: int, points: int) -> Statistic[SampleNoise]:
+    return Statistic(
+        f"noise_rest_{points}",
+        "sensor",
+        "rest",
+        f"at rest the noise of {points}-sample means differs in shape",
+        0.08,
+        "0.08 in ln of a variance: 4 % of the amplitude",
+        reading=OVER_MIDDLE,
+        response=Response.LOG_VARIANCE,
+        compute=lambda noise: noise.rest[number],
+    )
 
 
-def _tails(rate_dps: Floats, allowed: Mask) -> float:
-    bent = np.abs(np.diff(rate_dps, 2)[allowed[2:]])
-    if not len(bent):
-        return 0.0
-    sigma = float(np.median(bent)) / 0.6745 + 1e-9
-    return _root_share(int(np.count_nonzero(bent > TAIL_SIGMAS * sigma)), len(bent))
+def _slow(number: int, points: int) -> Statistic[SampleNoise]:
+    return Statistic(
+        f"noise_slow_{points}",
+        "sensor",
+        "slow",
+        f"in slow motion the noise of {points}-sample means differs",
+        0.1,
+        "0.1 in ln of a variance: 5 % of the amplitude",
+        reading=OVER_MIDDLE,
+        response=Response.LOG_VARIANCE,
+        is_blurred=True,
+        compute=lambda noise: noise.slow[number],
+    )
 
 
-def _root_share(count: int, of: int) -> float:
-    return float(np.sqrt(count / max(of, 1)))
+def _fast(number: int, points: int) -> Statistic[SampleNoise]:
+    return Statistic(
+        f"noise_fast_{points}",
+        "sensor",
+        "fast",
+        f"in fast motion the noise of {points}-sample means differs",
+        0.22,
+        "0.22 in ln of a variance: 11 % of the amplitude",
+        reading=OVER_MIDDLE,
+        response=Response.LOG_VARIANCE,
+        is_blurred=True,
+        compute=lambda noise: noise.fast[number],
+    )
 
 
-def _numbers(seen: Cleaned, design: Design, dps_per_lsb: float) -> list[float]:
-    """Which values the rate takes; only of samples that came, not of those that were filled in."""
-    rate_dps = seen.recording.rate_dps
-    there = np.isfinite(rate_dps)
-    counts = np.rint(np.where(there, rate_dps, 0.0) / dps_per_lsb)
-    both = there[1:] & there[:-1]
-    equal = (counts[1:] == counts[:-1]) & both
-    shares = [
-        _root_share(int(np.count_nonzero(equal & regime[1:])), int(np.count_nonzero(both & regime[1:])))
-        for regime in (design.at_rest, design.is_fast | design.is_slow, design.is_quick)
-    ]
-    near = there & (np.abs(rate_dps) < NEAR_ZERO_DPS) if there.any() else there
-    small = np.abs(counts[near])
-    nonzero = small[small > 0.0]
-    least = smallest(nonzero) if len(nonzero) else 1.0
-    step = granularity(counts[near]) if near.any() else 1.0
-    clean = np.abs(seen.rate_dps) / dps_per_lsb
-    top = float(clean.max(initial=1.0))
-    fastest = float(np.abs(design.speed_dps).max())
-    reach = (top * dps_per_lsb + 1.0) / (fastest + 1.0)
-    zeros = _root_share(int(np.count_nonzero(small == 0.0)), len(small))
-    different = np.log(len(np.unique(counts[there])) + 1.0)
-    return [*shares, zeros, np.log2(max(least, 1.0)), np.log2(max(step, 1.0)), different, np.log(reach)]
-
-
-def smallest(sizes: Floats) -> float:
-    """The smallest of some numbers above 0, but for a few that may be chance."""
-    return float(np.partition(sizes, SMALLEST - 1)[SMALLEST - 1]) if len(sizes) >= SMALLEST else float(sizes.min())
-
-
-def _angles(seen: Cleaned, design: Design, cpr: int) -> list[float]:
-    """Steps, scatter and jumps of the angle."""
-    count_deg = 360.0 / cpr
-    step = max(granularity(seen.recording.encoder_deg) / count_deg, 1.0)
-    scatter = _log(_spread(seen.encoder_deg, design.is_fast | design.is_slow, 1, 3) / 20.0, count_deg**2 / 12.0)
-    slips = np.abs(seen.slips_deg)
-    size = float(np.log2(1.0 + np.median(slips) / count_deg)) if len(slips) else 0.0
-    return [np.log2(step), scatter, np.sqrt(len(slips)), size]
+NOISE: tuple[Statistic[SampleNoise], ...] = (
+    *(_rest(number, points) for number, points in enumerate(REST_POINTS)),
+    *(_slow(number, points) for number, points in enumerate(MOVING_POINTS)),
+    *(_fast(number, points) for number, points in enumerate(MOVING_POINTS)),
+    Statistic(
+        "line",
+        "sensor",
+        "rest",
+        "a tone stands out of the noise at rest",
+        0.5,
+        "0.5 in ln: two thirds more than its neighbours",
+        reading=OVER_NEIGHBOURS,
+        response=Response.LOG_VARIANCE,
+        compute=lambda noise: spectral_line(noise.seen, noise.design).log_height,
+    ),
+    Statistic(
+        "noise_uneven",
+        "sensor",
+        "rest",
+        "the noise comes in bursts",
+        0.15,
+        "0.15 in ln of a variance: 8 % of the amplitude",
+        reading=OVER_USUAL,
+        response=Response.LOG_VARIANCE,
+        compute=_burst_ratio,
+    ),
+    Statistic(
+        "tails_rest",
+        "sensor",
+        "rest",
+        "the noise at rest has wild values",
+        0.01,
+        "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
+    ),
+    Statistic(
+        "tails_moving",
+        "sensor",
+        "moving",
+        "the noise in motion has wild values",
+        0.01,
+        "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
+    ),
+    Statistic(
+        "spike_share",
+        "sensor",
+        "always",
+        "single samples are wild",
+        0.008,
+        "one sample in 16,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
+    ),
+)

@@ -1,4 +1,4 @@
-"""What a feature reads in units that a person knows; in the vector it is what the statistics like best."""
+"""Units of features for people; a value itself is what the statistics like best."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,15 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES, WARMING_FEATURES
 
-REGRESSIONS = frozenset(one.name for one in (*(column.feature for column in COLUMNS), *LAG_FEATURES, *WARMING_FEATURES))
-LARGEST = 50.0
-"""An exponent beyond which a number is no longer read as one."""
+LARGEST_EXPONENT = 50.0
+"""Beyond it a number is no longer read as one; it bounds what a report may show."""
 
 
 class Reading(NamedTuple):
-    """A unit, and how the value of a feature is taken to it; rising or falling throughout."""
+    """A unit, and how the value of a feature is taken to it; rising throughout."""
 
     unit: str
     of: Callable[[Floats], Floats]
@@ -25,7 +23,7 @@ def _as_it_is(value: Floats) -> Floats:
 
 
 def _exponential(value: Floats) -> Floats:
-    grown: Floats = np.exp(np.clip(value, -LARGEST, LARGEST))
+    grown: Floats = np.exp(np.clip(value, -LARGEST_EXPONENT, LARGEST_EXPONENT))
     return grown
 
 
@@ -37,7 +35,7 @@ def _above_one(log_ratio: Floats) -> Floats:
     return _exponential(log_ratio) - 1.0
 
 
-def _ms(log_s: Floats) -> Floats:
+def _milli(log_s: Floats) -> Floats:
     return 1e3 * _exponential(log_s)
 
 
@@ -58,44 +56,29 @@ def _doubled_above_one(log2: Floats) -> Floats:
     return _doubled(log2) - 1.0
 
 
-def _ppm(ratio: Floats) -> Floats:
+def _millionths(ratio: Floats) -> Floats:
     return 1e6 * ratio
 
 
-OTHERS = Reading("", _as_it_is)
-REGRESSED = Reading("deg/s RMS", _as_it_is)
-READINGS = (
-    ("walk_levels", Reading("excess kurtosis", _as_it_is)),
-    ("walk_jumps", Reading("kurtosis of steps", _above_one)),
-    (("wander", "walk"), Reading("deg/s", _amplitude)),
-    ("scatter", Reading("times as at rest", _amplitude)),
-    ("noise_uneven", Reading("times as usual", _exponential)),
-    ("noise", Reading("times its middle", _amplitude)),
-    ("angle_noise", Reading("deg", _amplitude)),
-    ("line", Reading("times its neighbours", _above_one)),
-    ("swing", Reading("times what it leaves", _exponential)),
-    (("ripple", "angle_ripple"), Reading("times as by chance", _exponential)),
-    ("values", Reading("values", _exponential)),
-    (("tails", "spike_share", "equal", "zero_share"), Reading("% of samples", _percent)),
-    (("drop_share", "repeat_share", "disorder_share"), Reading("% of samples", _percent)),
-    ("drop_runs", Reading("samples", _exponential)),
-    (("least_rate", "rate_step", "angle_step"), Reading("counts", _doubled)),
-    ("reach", Reading("of the encoder's", _exponential)),
-    ("slip_count", Reading("jumps", _square)),
-    ("slip_size", Reading("counts", _doubled_above_one)),
-    ("clock_ratio", Reading("ppm", _ppm)),
-    ("stamp_tails", Reading("% of samples", _percent)),
-    ("stamp", Reading("ms", _ms)),
-    ("arrival_gap", Reading("sample periods", _as_it_is)),
-    ("arrival", Reading("ms", _ms)),
-    ("step", Reading("standard errors", _as_it_is)),
-    ("two_levels", Reading("excess kurtosis", _as_it_is)),
-)
-"""By how names begin; the first that fits."""
-
-
-def reading_of(name: str) -> Reading:
-    """Of a feature by its name; one that is not known here is read as it is."""
-    if name in REGRESSIONS:
-        return REGRESSED
-    return next((reading for starts, reading in READINGS if name.startswith(starts)), OTHERS)
+RMS_DPS = Reading("deg/s RMS", _as_it_is)
+AMPLITUDE_DPS = Reading("deg/s", _amplitude)
+AMPLITUDE_DEG = Reading("deg", _amplitude)
+STANDARD_ERRORS = Reading("standard errors", _as_it_is)
+EXCESS_KURTOSIS = Reading("excess kurtosis", _as_it_is)
+KURTOSIS_OF_STEPS = Reading("kurtosis of steps", _above_one)
+OVER_REST = Reading("times as at rest", _amplitude)
+OVER_USUAL = Reading("times as usual", _exponential)
+OVER_MIDDLE = Reading("times its middle", _amplitude)
+OVER_NEIGHBOURS = Reading("times its neighbours", _above_one)
+OVER_REMAINDER = Reading("times what it leaves", _exponential)
+OVER_CHANCE = Reading("times as by chance", _exponential)
+OVER_ENCODER = Reading("of the encoder's", _exponential)
+PERCENT_OF_SAMPLES = Reading("% of samples", _percent)
+SAMPLES = Reading("samples", _exponential)
+VALUES = Reading("values", _exponential)
+COUNTS = Reading("counts", _doubled)
+COUNTS_ABOVE_ONE = Reading("counts", _doubled_above_one)
+JUMPS = Reading("jumps", _square)
+PPM = Reading("ppm", _millionths)
+MILLISECONDS = Reading("ms", _milli)
+SAMPLE_PERIODS = Reading("sample periods", _as_it_is)

@@ -1,23 +1,40 @@
-"""All features of a recording, in one vector."""
+"""All features of a recording, in one vector; masks and thresholds are derived from their records."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.diagnose.features import noise
-from gyrodrift.diagnose.features import residuals as residual
-from gyrodrift.diagnose.features import timing as clock
-from gyrodrift.diagnose.features.design_matrix import Design
-from gyrodrift.diagnose.features.feature import Measured
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features import residuals, timing
+from gyrodrift.diagnose.features.angle_values import ANGLE_VALUES, AngleValues
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
+from gyrodrift.diagnose.features.feature import Feature, Measured, Response, numbers_of
+from gyrodrift.diagnose.features.noise import NOISE, sample_noise_of
+from gyrodrift.diagnose.features.rate_values import RATE_VALUES, rate_values_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
-FEATURES = (*residual.FEATURES, *noise.FEATURES, *clock.FEATURES)
-NUMBER = {feature.name: number for number, feature in enumerate(FEATURES)}
+SAMPLE_FEATURES: tuple[Feature, ...] = (*NOISE, *RATE_VALUES, *ANGLE_VALUES)
+FEATURES: tuple[Feature, ...] = (*residuals.FEATURES, *SAMPLE_FEATURES, *timing.FEATURES)
+NUMBER = numbers_of(FEATURES)
+
+STATIC = len(COLUMNS)
+"""The first features: coefficients on one orthonormal basis, all in deg/s."""
 
 
-BLURRED = np.array([s.name.startswith(("lag", "noise_slow", "noise_fast")) for s in FEATURES])
-COARSE_FLOORS = 6.0
-"""Where the angle comes in coarse steps, the motion within a second is rebuilt from the gyro itself."""
+def _mask(is_such: Callable[[Feature], bool]) -> Mask:
+    return np.array([is_such(feature) for feature in FEATURES])
+
+
+LINEAR = _mask(lambda feature: feature.response is Response.LINEAR)
+IS_LOG = _mask(lambda feature: feature.response is Response.LOG_VARIANCE)
+BLURRED = _mask(lambda feature: feature.is_blurred)
+
+SAMPLE_THRESHOLDS = np.array([feature.threshold for feature in SAMPLE_FEATURES])
+
+COARSE_THRESHOLDS = 6.0
+"""Where the angle comes in coarse steps, the motion within a second is rebuilt from the gyro itself: what is BLURRED
+matters from so many times its threshold on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +45,32 @@ class Facts:
     encoder_cpr: int
 
 
-def measure(seen: Cleaned, design: Design, facts: Facts) -> Measured:
-    """FEATURES of a recording, or of a simulation driven through its motion, against the recording's design."""
-    parts = (
-        residual.measure(seen, design),
-        noise.measure(seen, design, facts.dps_per_lsb, facts.encoder_cpr),
-        clock.measure(seen.recording),
+def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+    """FEATURES of a recording, or of a simulation driven through its motion, against the recording's design matrix."""
+    parts = (residuals.measure(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording))
+    values, thresholds = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Measured(
+        values, np.where(BLURRED, COARSE_THRESHOLDS * thresholds, thresholds) if design.is_coarse else thresholds
     )
-    values, floors = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Measured(values, np.where(BLURRED, COARSE_FLOORS * floors, floors) if design.is_coarse else floors)
+
+
+def rms_scale(design: DesignMatrix) -> Floats:
+    """By which coefficients on an orthonormal basis are divided to be RMS over a session, else 1; shape (features,)."""
+    scale = np.ones(len(FEATURES))
+    lags = STATIC + design.lag.vectors.shape[1]
+    scale[:STATIC] = np.sqrt(len(design.static.vectors))
+    scale[STATIC:lags] = np.sqrt(len(design.lag.vectors))
+    return scale
+
+
+def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+    """Of these SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
+    noise = sample_noise_of(seen, design, facts.dps_per_lsb)
+    rates = rate_values_of(seen, design, facts.dps_per_lsb)
+    angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
+    values = [
+        *(statistic.compute(noise) for statistic in NOISE),
+        *(statistic.compute(rates) for statistic in RATE_VALUES),
+        *(statistic.compute(angle) for statistic in ANGLE_VALUES),
+    ]
+    return Measured(np.array(values), SAMPLE_THRESHOLDS)

@@ -5,28 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES, WARMING_FEATURES
-from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.responses import ResponseTable, key, simulated_key
-
-STATIC = len(COLUMNS)
-"""The first features: coefficients on one orthonormal basis, all in deg/s."""
-
-LINEAR: Mask = np.array(
-    [
-        number < STATIC + len(LAG_FEATURES) + len(WARMING_FEATURES) or s.name == "clock_ratio"
-        for number, s in enumerate(FEATURES)
-    ]
-)
-LOGARITHMS = (
-    "wander",
-    *("walk_1", "walk_2", "walk_5", "walk_6"),
-    *("noise", "angle_noise", "ripple", "angle_ripple", "swing", "scatter", "line"),
-    *("stamp_scatter", "arrival_scatter"),
-)
-IS_LOG: Mask = np.array([s.name.startswith(LOGARITHMS) for s in FEATURES])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

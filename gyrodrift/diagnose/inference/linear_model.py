@@ -13,8 +13,9 @@ import numpy as np
 from scipy.signal import lfilter
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import Design, means
-from gyrodrift.diagnose.features.residuals import block_residual_dps
+from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.verdict import Verdict, unit_of
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -80,7 +81,7 @@ def second_opinion(subjects: Sequence[Subject], verdict: Verdict) -> SecondOpini
     )
 
 
-def _regressors(design: Design) -> Regressors:
+def _regressors(design: DesignMatrix) -> Regressors:
     """Of the linear effects, block by block."""
     motion, block = design.motion, design.block
     rate, turn = motion.rate_dps, np.deg2rad(motion.angle_deg)
@@ -88,7 +89,7 @@ def _regressors(design: Design) -> Regressors:
     powered_s = np.arange(len(rate)) * motion.period_s + motion.powered_s
 
     def column(values: Floats) -> Floats:
-        return means(values, block)
+        return block_means(values, block)
 
     return [
         ("scale_factor", "error_percent", 100.0, (column(rate),)),

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.evidence import IS_LOG, STATIC, Answer, Evidence
+from gyrodrift.diagnose.features.vector import IS_LOG, STATIC
+from gyrodrift.diagnose.inference.evidence import Answer, Evidence
 
 FREEDOM = 4.0
 OFF, LEAK = 0.1, 0.04

@@ -1,5 +1,9 @@
-"""What has to be right before anything is compared: sign, unit, axis, alignment, motion; put right where it can be."""
+"""What has to be right before anything is compared: length, motion, clocks, axis, alignment, sign, unit.
 
+Each check looks at a recording and finds nothing, or one thing: it refuses it, puts it right, or remarks on it.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,12 +13,20 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 LEAST_S = 60.0
+"""Nothing slow shows in less; the slowest periods that are looked for take 200 s."""
+
 GYRO_MOVES_DPS = 10.0
+"""A gyro whose smoothed rate spans more than this moves; bounds the drift and noise of one that rests."""
+
 LIKE = 0.8
 """Rates of gyro and encoder of one axis correlate at least so well."""
 
 SMOOTH_S = 0.1
+"""Standard deviation of the Gaussian through which both rates are compared."""
+
 LAG_MOST_S = 5.0
+"""Lags are looked for up to this."""
+
 LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
 
@@ -24,15 +36,18 @@ UNITS = (
     (1.0 / RADIAN, "is multiplied by 57.3 as if it had been radians"),
 )
 NEAR = 1.35
+"""A gain within this factor of a wrong unit is that unit: a scale error of a third is no unit."""
+
 CLOCKS_APART = 0.2
+"""More than this share between the spans of two clocks is no drift of a clock."""
 
 
 @dataclass(frozen=True, slots=True)
-class Passed:
-    """A recording after the gates.
+class CheckedRecording:
+    """A recording after the checks.
 
     recording
-        Put right where it could be; None where nothing can be said of it.
+        Put right where it could be; None where it was refused.
     remarks
         What was found, each a sentence.
     """
@@ -41,53 +56,120 @@ class Passed:
     remarks: tuple[str, ...]
 
 
-def pass_gates(recording: Recording) -> Passed:
-    """Look at a recording as a whole."""
-    angle_deg = filled(recording.encoder_deg)
-    gyro_dps = _smooth(filled(recording.rate_dps), recording)
-    encoder_dps = _smooth(np.gradient(angle_deg, recording.period_s), recording)
-    name, remarks = recording.name, []
-    if recording.seconds < LEAST_S:
-        return Passed(
-            None, (f"{name}: is {recording.seconds:.0f} s long; nothing is told in less than {LEAST_S:.0f} s",)
-        )
-    if not recording.moves:
-        if np.ptp(gyro_dps) > GYRO_MOVES_DPS:
-            return Passed(None, (f"{name}: the encoder does not move while the gyro does: is it connected?",))
-        remarks.append(f"{name}: nothing moves in it; it tells of rest, clock and link alone")
-        return Passed(recording, tuple(remarks))
-    clocks = _clocks(recording)
-    remarks += [clocks] if clocks else []
-    lag, likeness = _best_lag(gyro_dps, encoder_dps, recording)
+@dataclass(frozen=True, slots=True)
+class RatePair:
+    """A recording with the rates of its gyro and encoder, smoothed, about their means, deg/s, shape (n,) each."""
+
+    recording: Recording
+    gyro_dps: Floats
+    encoder_dps: Floats
+
+    @property
+    def gain(self) -> float:
+        """Of the gyro over the encoder, by least squares."""
+        return float(self.gyro_dps @ self.encoder_dps / (self.encoder_dps @ self.encoder_dps))
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a check found.
+
+    rates
+        What the next check looks at: put right, as it was, or None where the recording is refused.
+    """
+
+    remark: str
+    rates: RatePair | None
+
+
+Check = Callable[[RatePair], Finding | None]
+
+
+def check_recording(recording: Recording) -> CheckedRecording:
+    """Run all checks, the next on what the one before put right, up to the first that refuses."""
+    rates, remarks = _rates_of(recording), []
+    for check in (*CHECKS, *MOTION_CHECKS) if recording.moves else CHECKS:
+        finding = check(rates)
+        if finding is None:
+            continue
+        remarks.append(f"{recording.name}: {finding.remark}")
+        if finding.rates is None:
+            return CheckedRecording(None, tuple(remarks))
+        rates = finding.rates
+    return CheckedRecording(rates.recording, tuple(remarks))
+
+
+def _rates_of(recording: Recording) -> RatePair:
+    encoder_dps = np.gradient(filled(recording.encoder_deg), recording.period_s)
+    return RatePair(recording, _smooth(filled(recording.rate_dps), recording), _smooth(encoder_dps, recording))
+
+
+def _length(rates: RatePair) -> Finding | None:
+    seconds = rates.recording.seconds
+    if seconds >= LEAST_S:
+        return None
+    return Finding(f"is {seconds:.0f} s long; nothing is told in less than {LEAST_S:.0f} s", None)
+
+
+def _motion(rates: RatePair) -> Finding | None:
+    if rates.recording.moves:
+        return None
+    if np.ptp(rates.gyro_dps) > GYRO_MOVES_DPS:
+        return Finding("the encoder does not move while the gyro does: is it connected?", None)
+    return Finding("nothing moves in it; it tells of rest, clock and link alone", rates)
+
+
+def _clocks(rates: RatePair) -> Finding | None:
+    recording = rates.recording
+    if recording.host_s is None:
+        return None
+    device_s = float(np.ptp(recording.device_s[np.isfinite(recording.device_s)]))
+    host_s = float(np.ptp(recording.host_s[np.isfinite(recording.host_s)]))
+    is_apart = host_s <= 0.0 or abs(device_s / host_s - 1.0) > CLOCKS_APART
+    if not is_apart:
+        return None
+    counted = f"the device counted {device_s:.1f} s while the host counted {host_s:.1f} s"
+    return Finding(f"{counted}: which is right?", rates)
+
+
+def _alignment(rates: RatePair) -> Finding | None:
+    recording = rates.recording
+    lag, likeness = _best_lag(rates)
     if abs(likeness) < LIKE:
         why = "the gyro does not feel what the encoder sees: another axis, or encoder and gyro of different times?"
-        return Passed(None, (*remarks, f"{name}: {why} (correlation {likeness:.2f})"))
-    if abs(lag) * recording.period_s > LAG_S:
-        seconds = lag * recording.period_s
-        remarks.append(f"{name}: gyro and encoder are {abs(seconds):.2f} s apart; the encoder was shifted to fit")
-        recording = replace(recording, encoder_deg=_shifted(recording.encoder_deg, lag))
-        encoder_dps = _shifted(encoder_dps, lag)
-    gain = float(gyro_dps @ encoder_dps / (encoder_dps @ encoder_dps))
-    if gain < 0.0:
-        remarks.append(f"{name}: the rate has the sign opposite to the encoder's; it was turned round")
-        recording, gain = replace(recording, rate_dps=-recording.rate_dps), -gain
+        return Finding(f"{why} (correlation {likeness:.2f})", None)
+    lag_s = abs(lag * recording.period_s)
+    if lag_s <= LAG_S:
+        return None
+    shifted = replace(recording, encoder_deg=_shifted(recording.encoder_deg, lag))
+    remark = f"gyro and encoder are {lag_s:.2f} s apart; the encoder was shifted to fit"
+    return Finding(remark, RatePair(shifted, rates.gyro_dps, _shifted(rates.encoder_dps, lag)))
+
+
+def _sign(rates: RatePair) -> Finding | None:
+    is_opposite = rates.gain < 0.0
+    if not is_opposite:
+        return None
+    turned = replace(rates.recording, rate_dps=-rates.recording.rate_dps)
+    remark = "the rate has the sign opposite to the encoder's; it was turned round"
+    return Finding(remark, RatePair(turned, -rates.gyro_dps, rates.encoder_dps))
+
+
+def _unit(rates: RatePair) -> Finding | None:
+    gain = rates.gain
     for unit, what in UNITS:
         if 1.0 / NEAR < gain * unit < NEAR:
-            remarks.append(f"{name}: the rate {what}; it was multiplied by {unit:.4g}")
-            recording = replace(recording, rate_dps=recording.rate_dps * unit)
-    return Passed(recording, tuple(remarks))
+            scaled = replace(rates.recording, rate_dps=rates.recording.rate_dps * unit)
+            remark = f"the rate {what}; it was multiplied by {unit:.4g}"
+            return Finding(remark, RatePair(scaled, rates.gyro_dps * unit, rates.encoder_dps))
+    return None
 
 
-def _clocks(recording: Recording) -> str:
-    if recording.host_s is None:
-        return ""
-    present = np.isfinite(recording.device_s)
-    device_s = float(np.ptp(recording.device_s[present]))
-    host_s = float(np.ptp(recording.host_s[np.isfinite(recording.host_s)]))
-    if host_s <= 0.0 or abs(device_s / host_s - 1.0) > CLOCKS_APART:
-        counted = f"the device counted {device_s:.1f} s while the host counted {host_s:.1f} s"
-        return f"{recording.name}: {counted}: which is right?"
-    return ""
+CHECKS: tuple[Check, ...] = (_length, _motion)
+"""Of every recording."""
+
+MOTION_CHECKS: tuple[Check, ...] = (_clocks, _alignment, _sign, _unit)
+"""Of one that moves."""
 
 
 def _smooth(rate_dps: Floats, recording: Recording) -> Floats:
@@ -96,9 +178,10 @@ def _smooth(rate_dps: Floats, recording: Recording) -> Floats:
     return level
 
 
-def _best_lag(gyro_dps: Floats, encoder_dps: Floats, recording: Recording) -> tuple[int, float]:
+def _best_lag(rates: RatePair) -> tuple[int, float]:
     """Samples by which the gyro comes later, and the correlation there."""
-    most = min(round(LAG_MOST_S / recording.period_s), len(gyro_dps) // 4)
+    gyro_dps, encoder_dps = rates.gyro_dps, rates.encoder_dps
+    most = min(round(LAG_MOST_S / rates.recording.period_s), len(gyro_dps) // 4)
     size = 1 << (2 * len(gyro_dps) - 1).bit_length()
     product = np.fft.irfft(np.fft.rfft(gyro_dps, size) * np.conj(np.fft.rfft(encoder_dps, size)), size)
     lags = np.arange(-most, most + 1)

@@ -1,4 +1,4 @@
-"""Wild samples out of the rate, jumps out of the angle; each is kept as a finding, and all else sees past it."""
+"""Outliers out of the rate, jumps out of the angle; each is kept as a finding, and all else sees past it."""
 
 from dataclasses import dataclass
 
@@ -10,105 +10,130 @@ from gyrodrift.diagnose.recording.motion import COARSE_DPS, ReplayedMotion, moti
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SPIKE_POINTS, SPIKE_SIGMAS = 5, 10.0
+"""An outlier of the rate is this far off the median of so many samples about it."""
+
 SPIKE_OWN = 0.5
-"""A jump of the angle looks like a wild rate beside it; a wild sample is one among its own neighbours too."""
+"""A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
+this share of what it is beside the angle."""
 
 SLIP_POINTS, SLIP_SIGMAS = 9, 7.0
 COUNTS_OF_A_SLIP = 2.5
 """What stands out of the median of its neighbours by so much is no noise; a jump is more than the steps of a coarse
 encoder."""
 
-NINE_TENTHS = 1.645
-"""Nine tenths of normal numbers lie within so many standard deviations; a tenth may be wild, or quick motion."""
+MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
+"""Nine tenths of normal numbers lie within so many standard deviations; a tenth may be outliers, or quick motion."""
+
+LEAST_POINTS = 8
+"""Samples, at least, whose spread counts as that of a second."""
 
 CLOSEST = 4
 """But for so many pairs that are closer by chance, the closest values lie a step apart."""
 
-
 NEXT_LEVEL = 1.6
 """Steps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
+
+DECIMALS = 9
+"""Values that agree in so many are one level: what parsing and unwrapping add is less."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cleaned:
-    """A recording without holes, wild samples and jumps, and what they were.
+    """A recording without holes, outliers and jumps, and what they were.
 
     rate_dps, encoder_deg
         Shape (n,).
+    step_deg
+        The step that the angles come in.
     spikes_dps, slips_deg
-        One entry each, signed.
+        One entry for each outlier of the rate and each jump of the angle, signed.
     """
 
     recording: Recording
     rate_dps: Floats
     encoder_deg: Floats
+    step_deg: float
     spikes_dps: Floats
     slips_deg: Floats
 
     @property
-    def motion(self) -> ReplayedMotion:
-        """What the encoder says of how it moved."""
-        return motion_of(self.recording, self.encoder_deg, self.rate_dps, granularity(self.recording.encoder_deg))
-
-    @property
     def is_coarse(self) -> bool:
         """Whether the steps of the angle hide how the device moves from sample to sample."""
-        return granularity(self.recording.encoder_deg) / self.recording.period_s > COARSE_DPS
+        return self.step_deg / self.recording.period_s > COARSE_DPS
+
+
+def motion_behind(seen: Cleaned) -> ReplayedMotion:
+    """What the encoder says of how it moved."""
+    return motion_of(seen.recording, seen.encoder_deg, seen.rate_dps, seen.step_deg)
 
 
 def cleaned(recording: Recording) -> Cleaned:
-    """Find wild samples and jumps by what their neighbours are."""
+    """Find outliers and jumps by what their neighbours are."""
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
-    away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
-    out_dps = away_dps - median_filter(away_dps, SPIKE_POINTS)
-    is_spike = np.abs(out_dps) > SPIKE_SIGMAS * _sigma(out_dps, recording)
-    is_spike &= np.abs(rate_dps - median_filter(rate_dps, SPIKE_POINTS)) > SPIKE_OWN * np.abs(out_dps)
-    is_spike &= np.isfinite(recording.rate_dps)
+    is_spike, out_dps = _outliers(recording, rate_dps, encoder_deg)
     spikes_dps = out_dps[is_spike]
     rate_dps = filled(np.where(is_spike, np.nan, rate_dps)) if len(spikes_dps) else rate_dps
-    jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg)
+    step_deg = granularity(recording.encoder_deg)
+    jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg, step_deg)
     slips_deg = jumps_deg[jumps_deg != 0.0]
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
-    return Cleaned(recording, rate_dps, encoder_deg, spikes_dps, slips_deg)
+    return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg)
 
 
-def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Floats:
+def granularity(values: Floats) -> float:
+    """Distance of neighbouring values where they lie densest; 0 where there is one value only."""
+    return _closest(np.diff(_levels(values)))
+
+
+def step_of(values: Floats) -> float:
+    """The step that values come in, from how many of them span their range; 0 where there is one value only."""
+    gaps = np.diff(_levels(values))
+    grain = _closest(gaps)
+    return float(gaps[gaps < NEXT_LEVEL * grain].mean()) if grain else 0.0
+
+
+def _levels(values: Floats) -> Floats:
+    """Which values there are, rising."""
+    levels: Floats = np.unique(np.round(values[np.isfinite(values)], DECIMALS))
+    return levels
+
+
+def _closest(gaps: Floats) -> float:
+    if not len(gaps):
+        return 0.0
+    last = min(CLOSEST, len(gaps) - 1)
+    return float(np.partition(gaps, last)[last])
+
+
+def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Mask, Floats]:
+    """Which samples are, and by how much the rate is off beside the encoder at each, deg/s; shape (n,) each."""
+    away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
+    out_dps = away_dps - median_filter(away_dps, SPIKE_POINTS)
+    is_spike: Mask = np.abs(out_dps) > SPIKE_SIGMAS * _sigma(out_dps, recording)
+    is_spike &= np.abs(rate_dps - median_filter(rate_dps, SPIKE_POINTS)) > SPIKE_OWN * np.abs(out_dps)
+    is_spike &= np.isfinite(recording.rate_dps)
+    return is_spike, out_dps
+
+
+def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> Floats:
     """By how much the angle jumps at each sample, 0 where it does not; shape (n,)."""
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
     out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, SLIP_POINTS)])
-    least_deg = COUNTS_OF_A_SLIP * granularity(recording.encoder_deg)
+    least_deg = COUNTS_OF_A_SLIP * step_deg
     is_slip: Mask = np.abs(out_deg) > np.maximum(SLIP_SIGMAS * _sigma(out_deg, recording), least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg
 
 
-def granularity(values: Floats) -> float:
-    """Distance of neighbouring values where they lie densest; 0 where there is one value only."""
-    levels = np.unique(np.round(values[np.isfinite(values)], 9))
-    gaps = np.sort(np.diff(levels))
-    return float(gaps[min(CLOSEST, len(gaps) - 1)]) if len(gaps) else 0.0
-
-
-def step_of(values: Floats) -> float:
-    """The step that values come in, from how many of them span their range; 0 where there is one value only."""
-    levels = np.unique(np.round(values[np.isfinite(values)], 9))
-    grain = granularity(values)
-    if grain == 0.0:
-        return 0.0
-    gaps = np.diff(levels)
-    near = gaps < NEXT_LEVEL * grain
-    return float(gaps[near].mean())
-
-
 def _sigma(values: Floats, recording: Recording) -> Floats:
     """Spread about each sample: of its second or the neighbouring ones, and no less than of all; shape (n,)."""
-    points = max(8, round(1.0 / recording.period_s))
+    points = max(LEAST_POINTS, round(1.0 / recording.period_s))
     seconds = max(1, len(values) // points)
     absolute = np.abs(values)
-    spread = np.quantile(absolute[: seconds * points].reshape(seconds, -1), 0.9, axis=1) / NINE_TENTHS
-    spread = np.maximum(spread, max(float(np.median(spread)), float(np.quantile(absolute, 0.5)) / NINE_TENTHS))
+    spread = np.quantile(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
+    spread = np.maximum(spread, max(float(np.median(spread)), float(np.quantile(absolute, 0.5)) / MIDDLE_SIGMAS))
     padded = np.concatenate([spread[:1], spread, spread[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     last = np.minimum(np.arange(len(values)) // points, seconds - 1)

@@ -1,6 +1,5 @@
 """Features of the recordings beside those of the simulator, before and after the causes are added, for a person."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +7,10 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.diagnosis import Diagnosis, Drawn
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, LAG_FEATURES
 from gyrodrift.diagnose.features.feature import Feature
-from gyrodrift.diagnose.features.units import Reading, reading_of
-from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.features.units import Reading
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER, rms_scale
 from gyrodrift.diagnose.inference.verdict import together
-from gyrodrift.diagnose.simulate.twin import Subject
 
 BAND = 2.0
 """Standard deviations: nineteen in twenty lie within, where chance alone is at work."""
@@ -54,13 +51,17 @@ def compared_of(diagnosis: Diagnosis) -> list[FeatureComparison]:
     verdict, drawn = diagnosis.verdict, diagnosis.drawn
     names = dict.fromkeys(odd.feature for odd in (*verdict.where, *verdict.leftover))
     left = {odd.feature: odd.z for odd in verdict.leftover}
-    scale, base = _scale(drawn.subjects), np.array([table.runs.mean(axis=0) for table in drawn.tables])
+    scale, base = (
+        np.array([rms_scale(subject.design) for subject in drawn.subjects]),
+        np.array([table.runs.mean(axis=0) for table in drawn.tables]),
+    )
     change, spread = predicted(drawn)
     evidence = drawn.attribution.evidence
     z_before, z_after = together(evidence.z), together((evidence.difference - change) / spread)
 
     def compared(name: str) -> FeatureComparison:
-        at, reading = NUMBER[name], reading_of(name)
+        at = NUMBER[name]
+        reading = FEATURES[at].reading
         by, middle = scale[:, at], base[:, at]
         return FeatureComparison(
             feature=FEATURES[at],
@@ -87,16 +88,6 @@ def predicted(drawn: Drawn) -> tuple[Floats, Floats]:
         change[left] = mean[left]
         spread[left] = np.sqrt(spread[left] ** 2 + (variance + allowance)[left])
     return change, spread
-
-
-def _scale(subjects: Sequence[Subject]) -> Floats:
-    """(sessions, F) by which coefficients on an orthonormal basis are divided to be RMS over a session; else 1."""
-    scale = np.ones((len(subjects), len(FEATURES)))
-    lags = len(COLUMNS) + len(LAG_FEATURES)
-    for row, subject in zip(scale, subjects, strict=True):
-        row[: len(COLUMNS)] = np.sqrt(len(subject.design.basis))
-        row[len(COLUMNS) : lags] = np.sqrt(len(subject.design.lag_basis))
-    return scale
 
 
 def _band(reading: Reading, middle: Floats, sigma: Floats, by: Floats) -> Band:

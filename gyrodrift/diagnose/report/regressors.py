@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.design_matrix import SLOW_DPS, TURN_DPS, means
+from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.motion_terms import TURN_DPS
+from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.report.residual_series import Seconds, minutes_of
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -56,37 +58,37 @@ def _against(sessions: Sequence[Seconds], regressor: Regressor) -> Against:
 
 
 def _rate(subject: Subject) -> Floats:
-    return subject.design.block_rate_dps
+    return subject.design.regimes.block_rate_dps
 
 
 def _acceleration(subject: Subject) -> Floats:
-    return means(np.gradient(subject.design.speed_dps, subject.design.period_s), subject.design.block)
+    return block_means(np.gradient(subject.design.regimes.speed_dps, subject.design.period_s), subject.design.block)
 
 
 def _any_acceleration(subject: Subject) -> Floats:
-    change = np.abs(np.gradient(subject.design.speed_dps, subject.design.period_s))
-    return means(change, subject.design.block)
+    change = np.abs(np.gradient(subject.design.regimes.speed_dps, subject.design.period_s))
+    return block_means(change, subject.design.block)
 
 
 def _angle(subject: Subject) -> Floats:
     design = subject.design
     angle_deg: Floats = np.mod(design.motion.angle_deg[design.block // 2 :: design.block], 360.0)
-    return angle_deg[: len(design.block_rate_dps)]
+    return angle_deg[: len(design.regimes.block_rate_dps)]
 
 
 def _temperature(subject: Subject) -> Floats:
     if subject.seen.recording.temp_c is None:
-        return np.full(len(subject.design.block_rate_dps), np.nan)
-    return means(subject.design.motion.sensor_c, subject.design.block)
+        return np.full(len(subject.design.regimes.block_rate_dps), np.nan)
+    return block_means(subject.design.motion.sensor_c, subject.design.block)
 
 
 def _rest(subject: Subject) -> Floats:
-    last, known = _last(subject, np.abs(subject.design.block_rate_dps) > SLOW_DPS)
+    last, known = _last(subject, np.abs(subject.design.regimes.block_rate_dps) > SLOW_DPS)
     return np.where(known, (np.arange(len(last)) - last) * _second_s(subject), np.nan)
 
 
 def _direction(subject: Subject) -> Floats:
-    rate_dps = subject.design.block_rate_dps
+    rate_dps = subject.design.regimes.block_rate_dps
     last, known = _last(subject, np.abs(rate_dps) > TURN_DPS)
     return np.where(known, np.sign(rate_dps[last]), np.nan)
 
@@ -94,7 +96,7 @@ def _direction(subject: Subject) -> Floats:
 def _last(subject: Subject, is_such: Mask) -> tuple[Floats, Mask]:
     """Of each second, which before it was such; and whether there was one, and it rests."""
     last = np.maximum.accumulate(np.where(is_such, np.arange(len(is_such)), -1))
-    return last, subject.design.block_at_rest & (last >= 0)
+    return last, subject.design.regimes.block_at_rest & (last >= 0)
 
 
 def _second_s(subject: Subject) -> float:

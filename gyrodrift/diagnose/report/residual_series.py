@@ -7,7 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.features.residuals import block_residual_dps
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.report.change_points import Jump, jumps_of
@@ -70,7 +70,7 @@ def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> S
         before_dps=_level(block_residual_dps(before, design)),
         after_dps=_level(block_residual_dps(after, design)),
         left_dps=left_dps,
-        jumps=jumps_of(left_dps, design.block_is_even),
+        jumps=jumps_of(left_dps, design.regimes.block_is_even),
         slow=slow,
         quick=quick,
     )
@@ -79,7 +79,7 @@ def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> S
 def minutes_of(subject: Subject) -> Floats:
     """Middles of the seconds since the session began."""
     seconds: Floats = (
-        np.arange(0.5, len(subject.design.block_rate_dps)) * subject.design.block * subject.design.period_s
+        np.arange(0.5, len(subject.design.regimes.block_rate_dps)) * subject.design.block * subject.design.period_s
     )
     return seconds / 60.0
 

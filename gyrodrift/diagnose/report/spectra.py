@@ -7,7 +7,7 @@ import numpy as np
 from scipy.signal import periodogram
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.residuals import block_residual_dps
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -53,9 +53,9 @@ def _slow(subject: Subject, seen: Cleaned) -> tuple[Floats, Floats]:
 def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
     """Frequencies that seconds do not reach; none where nothing rests or turns steadily for a window."""
     design = subject.design
-    windows = _windows(error_dps, design.at_rest)
+    windows = _windows(error_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
-        windows = _windows(error_dps, design.at_rest | design.is_steady)
+        windows = _windows(error_dps, design.regimes.at_rest | design.regimes.is_steady)
     if not len(windows):
         return np.zeros(0), np.zeros(0)
     hz, powers = periodogram(windows, 1.0 / design.period_s, "hann", detrend="linear")

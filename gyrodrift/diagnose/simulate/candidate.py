@@ -13,9 +13,9 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import Design
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 
-Shape = Callable[[Design, np.random.Generator], Floats]
+Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
 """A session's design and random stream to what is added to its rate, deg/s at size 1, shape (n,)."""
 
 

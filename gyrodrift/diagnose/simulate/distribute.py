@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.diagnose.recording.checks import Passed, pass_gates
+from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recording
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
@@ -45,7 +45,7 @@ class SessionTask(NamedTuple):
     names: frozenset[str]
 
 
-def checked_recording(path: Path) -> Passed:
+def checked_recording(path: Path) -> CheckedRecording:
     """A session as a recording that went through the checks.
 
     Raises
@@ -53,7 +53,7 @@ def checked_recording(path: Path) -> Passed:
     DataError
         Where it cannot be read, or has no encoder.
     """
-    return pass_gates(recording_of(load_session(path)))
+    return check_recording(recording_of(load_session(path)))
 
 
 def response_tables(

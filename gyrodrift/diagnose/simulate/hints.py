@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features import residuals as residual
+from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import TURN_ORDERS
-from gyrodrift.diagnose.features.noise import NEAR_ZERO_DPS, line_of, smallest
+from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
+from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
+from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -44,7 +46,7 @@ class HintSource(NamedTuple):
 def hints_of(subjects: Sequence[Subject]) -> Hints:
     """What the sessions show, or what is usual where they show nothing."""
     shown = [
-        Shown(subject, _near_zero_dps(subject), residual.left_dps(subject.seen, subject.design)) for subject in subjects
+        Shown(subject, _near_zero_dps(subject), unexplained_dps(subject.seen, subject.design)) for subject in subjects
     ]
     values: dict[str, Any] = {name: source.estimator(shown) or source.default for name, source in SOURCES.items()}
     return Hints(**values)
@@ -52,7 +54,7 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
 
 def line_hz(shown: Sequence[Shown]) -> float:
     """Frequency of the strongest tone at rest."""
-    return _median([line_of(one.subject.seen, one.subject.design)[1] for one in shown])
+    return _median([spectral_line(one.subject.seen, one.subject.design).frequency_hz for one in shown])
 
 
 def spike_dps(shown: Sequence[Shown]) -> float:
@@ -89,17 +91,17 @@ def largest_dps(shown: Sequence[Shown]) -> float:
 
 def period_s(shown: Sequence[Shown]) -> float:
     """The clearest period in time of what is left of the rate."""
-    return _median([residual.swing_of(one.left_dps)[1] for one in shown])
+    return _median([periodic_component(one.left_dps)[1] for one in shown])
 
 
 def turn_order(shown: Sequence[Shown]) -> int:
     """The part of a turn that what is left of the rate follows best."""
-    return _order([residual.ripple_of(one.left_dps, one.subject.design.turn_basis) for one in shown])
+    return _order([angle_shares(one.left_dps, one.subject.design.turn_basis) for one in shown])
 
 
 def angle_turn_order(shown: Sequence[Shown]) -> int:
     """The same of an angle that errs."""
-    return _order([residual.ripple_of(one.left_dps, one.subject.design.turn_rate_basis) for one in shown])
+    return _order([angle_shares(one.left_dps, one.subject.design.turn_rate_basis) for one in shown])
 
 
 SOURCES = {

@@ -9,13 +9,13 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, STRANGE_COLUMNS, Design
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape
 from gyrodrift.diagnose.simulate.grids import between
 
-FLOORS_SIMULATED = 100.0
-FLOORS_LEAST, FLOORS_MOST = 3.0, 3000.0
-"""Sizes of regressors, in multiples of what does not matter of them."""
+THRESHOLDS_SIMULATED = 100.0
+THRESHOLDS_LEAST, THRESHOLDS_MOST = 3.0, 3000.0
+"""Sizes of regressors, in multiples of their relevance thresholds."""
 
 PERIODIC_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
 PERIODIC_REALISATIONS = 4
@@ -25,22 +25,22 @@ PERIODIC_REALISATIONS = 4
 def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
     """All of them; their names begin with a question mark."""
     for column in COLUMNS:
-        if column.feature.name in STRANGE_COLUMNS:
-            yield _of_regressor(column.feature.name, column.floor)
+        if not column.in_catalogue:
+            yield _of_regressor(column.name, column.threshold)
     yield _of_sine("?swing", in_time(hints.period_s))
     yield _of_sine("?ripple", in_angle(hints.turn_order))
     yield _of_sine("?angle_ripple", of_angle_error(hints.angle_turn_order))
 
 
 def regressor(name: str) -> Shape:
-    """In proportion to one of STRANGE_COLUMNS."""
-    return lambda design, _: design.strange[name]
+    """In proportion to one of the columns that no effect of the catalogue depends on."""
+    return lambda design, _: design.out_of_catalogue[name]
 
 
 def in_time(period_s: float) -> Shape:
     """A sine over time."""
 
-    def shape(design: Design, rng: np.random.Generator) -> Floats:
+    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
         t_s = np.arange(design.samples) * design.period_s
         sine: Floats = np.sin(2.0 * np.pi * (t_s / period_s + rng.random()))
         return sine
@@ -51,7 +51,7 @@ def in_time(period_s: float) -> Shape:
 def in_angle(order: int) -> Shape:
     """A sine of a multiple of the angle."""
 
-    def shape(design: Design, rng: np.random.Generator) -> Floats:
+    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
         sine: Floats = np.sin(order * np.deg2rad(design.motion.angle_deg) + 2.0 * np.pi * rng.random())
         return sine
 
@@ -61,7 +61,7 @@ def in_angle(order: int) -> Shape:
 def of_angle_error(order: int) -> Shape:
     """What an angle that errs by such a sine looks like from the rate; size is the angle's, in degrees."""
 
-    def shape(design: Design, rng: np.random.Generator) -> Floats:
+    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
         turn = order * np.deg2rad(design.motion.angle_deg) + 2.0 * np.pi * rng.random()
         slope: Floats = -order * np.deg2rad(design.motion.rate_dps) * np.cos(turn)
         return slope
@@ -69,14 +69,14 @@ def of_angle_error(order: int) -> Shape:
     return shape
 
 
-def _of_regressor(name: str, floor: float) -> Candidate:
-    up = floor * between(FLOORS_LEAST, FLOORS_MOST)
+def _of_regressor(name: str, threshold: float) -> Candidate:
+    up = threshold * between(THRESHOLDS_LEAST, THRESHOLDS_MOST)
     return Candidate(
         name=f"?{name}",
         variant="",
         make=_no_effect,
         parameter="size",
-        grid_points=floor * np.array([-FLOORS_SIMULATED, FLOORS_SIMULATED]),
+        grid_points=threshold * np.array([-THRESHOLDS_SIMULATED, THRESHOLDS_SIMULATED]),
         sizes=np.concatenate([-up[::-1], up]),
         group=f"?{name}",
         shape=regressor(name),

@@ -62,7 +62,7 @@ def response_table(subject: Subject, tried: Sequence[Candidate]) -> ResponseTabl
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
     name = subject.seen.recording.name
-    return ResponseTable(name, own.values - runs.mean(axis=0), own.floors, runs, nulls, responses)
+    return ResponseTable(name, own.values - runs.mean(axis=0), own.thresholds, runs, nulls, responses)
 
 
 def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:

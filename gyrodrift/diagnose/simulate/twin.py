@@ -9,12 +9,12 @@ from firmware_sim.effects.effect import Effect, Moments
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features import noise
-from gyrodrift.diagnose.features import residuals as residual
-from gyrodrift.diagnose.features import timing as clock
-from gyrodrift.diagnose.features.design_matrix import Design, design_of
+from gyrodrift.diagnose.features import residuals, timing
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.feature import Measured
-from gyrodrift.diagnose.features.vector import Facts, measure
+from gyrodrift.diagnose.features.spectral_line import white_dps
+from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.simulate.candidate import Shape
@@ -39,7 +39,7 @@ class Subject:
     """A recording with its design, and the rig calibrated to it: sample rate, noise and bias of the session."""
 
     seen: Cleaned
-    design: Design
+    design: DesignMatrix
     rig: Rig
 
     @property
@@ -71,17 +71,16 @@ class Subject:
 
     def residual_features(self, seen: Cleaned) -> Floats:
         """The first features: those that a slow change of the rate moves."""
-        return residual.measure(seen, self.design).values
+        return residuals.measure(seen, self.design).values
 
     def value_features(self, seen: Cleaned) -> Floats:
         """All features but those of times, which are the last."""
-        facts = self.facts
-        noisy = noise.measure(seen, self.design, facts.dps_per_lsb, facts.encoder_cpr).values
-        return np.concatenate([self.residual_features(seen), noisy])
+        of_samples = measure_samples(seen, self.design, self.facts).values
+        return np.concatenate([self.residual_features(seen), of_samples])
 
     def time_features(self, effects: tuple[Effect, ...], seed: int) -> Floats:
         """Only those of clock and link, for effects that touch nothing else."""
-        return clock.measure(self._played(effects, seed)).values
+        return timing.measure(self._played(effects, seed)).values
 
     def with_rate(self, effects: tuple[Effect, ...], seed: int, without: Cleaned) -> Cleaned:
         """What a simulation is with effects that only add to the rate, without playing it again."""
@@ -124,12 +123,12 @@ class Subject:
 def subject_of(recording: Recording, rig: Rig) -> Subject:
     """Rebuild the motion, and calibrate the rig."""
     seen = cleaned(recording)
-    design = design_of(seen)
-    residual_dps = residual.block_residual_dps(seen, design)
+    design = design_matrix_of(seen)
+    residual_dps = block_residual_dps(seen, design)
     # A dead band hides the bias where it rests.
-    moving = residual_dps[~design.block_at_rest]
+    moving = residual_dps[~design.regimes.block_at_rest]
     bias_dps = float(np.median(moving if len(moving) > len(residual_dps) // 10 else residual_dps))
-    sigma_dps = noise.white_dps(seen, design, rig.base.dps_per_lsb)
+    sigma_dps = white_dps(seen, design, rig.base.dps_per_lsb)
     base = rig.base.model_copy(
         update={
             "sample_rate_hz": 1.0 / recording.period_s,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.checks import pass_gates
+from gyrodrift.diagnose.recording.checks import check_recording
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.session import Session
 
@@ -24,7 +24,7 @@ def recording(rate_dps: Floats = TRUE_DPS, angle_deg: Floats = ANGLE_DEG) -> Rec
 def test_a_good_recording_passes_as_it_is() -> None:
     """Without a word."""
     whole = recording()
-    passed = pass_gates(whole)
+    passed = check_recording(whole)
     assert passed.recording is whole
     assert passed.remarks == ()
 
@@ -41,7 +41,7 @@ def test_a_good_recording_passes_as_it_is() -> None:
 def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
     """So that the rest can still be said."""
     whole = recording()
-    passed = pass_gates(replace(whole, rate_dps=whole.rate_dps * factor))
+    passed = check_recording(replace(whole, rate_dps=whole.rate_dps * factor))
     assert passed.recording is not None
     assert said in " ".join(passed.remarks)
     assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
@@ -51,7 +51,7 @@ def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
 def test_an_encoder_of_another_time_is_shifted(lag: int) -> None:
     """And by how much is told."""
     late_deg = ANGLE_DEG[np.clip(np.arange(len(T_S)) - lag, 0, len(T_S) - 1)]
-    passed = pass_gates(recording(angle_deg=late_deg))
+    passed = check_recording(recording(angle_deg=late_deg))
     assert passed.recording is not None
     told = re.search(r"are ([0-9.]+) s apart; the encoder was shifted", passed.remarks[0])
     assert told is not None
@@ -62,15 +62,15 @@ def test_an_encoder_of_another_time_is_shifted(lag: int) -> None:
 
 def test_another_axis_is_refused() -> None:
     """There is nothing to put right."""
-    passed = pass_gates(recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3)))
+    passed = check_recording(recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3)))
     assert passed.recording is None
     assert "another axis" in passed.remarks[0]
 
 
 def test_a_dead_encoder_is_refused_and_a_still_is_not() -> None:
     """The gyro tells which it is."""
-    assert "does not move while the gyro does" in pass_gates(recording(angle_deg=np.zeros(len(T_S)))).remarks[0]
-    still = pass_gates(recording(np.zeros(len(T_S)), np.zeros(len(T_S))))
+    assert "does not move while the gyro does" in check_recording(recording(angle_deg=np.zeros(len(T_S)))).remarks[0]
+    still = check_recording(recording(np.zeros(len(T_S)), np.zeros(len(T_S))))
     assert still.recording is not None
     assert "nothing moves in it" in still.remarks[0]
 
@@ -78,7 +78,7 @@ def test_a_dead_encoder_is_refused_and_a_still_is_not() -> None:
 def test_clocks_that_contradict_each_other_are_told() -> None:
     """Whoever is right."""
     whole = recording()
-    passed = pass_gates(replace(whole, device_s=whole.device_s * 2.0))
+    passed = check_recording(replace(whole, device_s=whole.device_s * 2.0))
     assert passed.recording is not None
     assert "which is right?" in passed.remarks[0]
 
@@ -86,7 +86,7 @@ def test_clocks_that_contradict_each_other_are_told() -> None:
 def test_a_recording_that_only_rests_is_told_of() -> None:
     """It is of use for all that shows at rest."""
     still = recording(np.zeros(len(T_S)), np.zeros(len(T_S)))
-    passed = pass_gates(still)
+    passed = check_recording(still)
     assert passed.recording is still
     assert "nothing moves" in " ".join(passed.remarks)
 
@@ -94,6 +94,6 @@ def test_a_recording_that_only_rests_is_told_of() -> None:
 def test_a_short_recording_is_refused() -> None:
     """Nothing slow shows in half a minute."""
     short = Session("short", T_S[:3000], TRUE_DPS[:3000], encoder_deg=ANGLE_DEG[:3000])
-    passed = pass_gates(recording_of(short))
+    passed = check_recording(recording_of(short))
     assert passed.recording is None
     assert "30 s long" in " ".join(passed.remarks)

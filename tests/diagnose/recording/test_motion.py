@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, step_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, motion_behind, step_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 
@@ -44,7 +44,7 @@ def seen(
 
 def test_the_motion_is_that_of_the_device() -> None:
     """At rest, steady and quick, well below the noise of a gyro, without its help."""
-    motion = seen().motion
+    motion = motion_behind(seen())
     inside = slice(100, -100)
     error_dps = (motion.rate_dps - true_rate_dps(T_S))[inside]
     steady = (T_S[inside] > 40.0) & (T_S[inside] < 110.0)
@@ -56,7 +56,7 @@ def test_the_motion_is_that_of_the_device() -> None:
 
 def test_rate_and_angle_are_of_one_curve() -> None:
     """Between the points too: the rate is the slope of the angle."""
-    motion = seen().motion
+    motion = motion_behind(seen())
     t_s = np.linspace(5.0, 195.0, 5001)
     later, earlier = motion.at(t_s + 1e-5)[0], motion.at(t_s - 1e-5)[0]
     assert np.allclose((later - earlier) / 2e-5, motion.at(t_s)[1], atol=1e-3)
@@ -64,7 +64,7 @@ def test_rate_and_angle_are_of_one_curve() -> None:
 
 def test_a_coarse_encoder_does_not_shake_the_motion() -> None:
     """Half a degree a step, and the rebuilt rate scatters by less than a deg/s."""
-    motion = seen(cpr=720).motion
+    motion = motion_behind(seen(cpr=720))
     steady = (T_S > 40.0) & (T_S < 110.0)
     assert np.std((motion.rate_dps - true_rate_dps(T_S))[steady]) < 0.5
 

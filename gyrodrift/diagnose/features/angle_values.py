@@ -1,0 +1,81 @@
+"""The encoder's angle by itself: the steps that it comes in, its scatter, its jumps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.spreads import turning_spread
+from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, COUNTS_ABOVE_ONE, JUMPS
+from gyrodrift.diagnose.recording.outliers import Cleaned
+
+
+@dataclass(frozen=True, slots=True)
+class AngleValues:
+    """An angle beside a motion; `count_deg` is the step that the rig states."""
+
+    seen: Cleaned
+    design: DesignMatrix
+    count_deg: float
+
+
+def _log2_step(angle: AngleValues) -> float:
+    return float(np.log2(max(angle.seen.step_deg / angle.count_deg, 1.0)))
+
+
+def _log_scatter(angle: AngleValues) -> float:
+    """Rounding to counts is a noise that is always there."""
+    spread = turning_spread(angle.seen.encoder_deg, angle.design.spread_places)
+    return float(np.log(spread + angle.count_deg**2 / 12.0))
+
+
+def _log2_slip(angle: AngleValues) -> float:
+    """The usual jump, in counts, and one."""
+    slips_deg = np.abs(angle.seen.slips_deg)
+    return float(np.log2(1.0 + np.median(slips_deg) / angle.count_deg)) if len(slips_deg) else 0.0
+
+
+ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
+    Statistic(
+        "angle_step",
+        "encoder",
+        "always",
+        "the angle comes in coarser steps than the rig says",
+        0.15,
+        "0.15 of a doubling: a ninth of the step",
+        reading=COUNTS,
+        compute=_log2_step,
+    ),
+    Statistic(
+        "angle_noise",
+        "encoder",
+        "moving",
+        "the angle scatters from sample to sample",
+        0.2,
+        "0.2 in ln of a variance: a tenth of the amplitude",
+        reading=AMPLITUDE_DEG,
+        response=Response.LOG_VARIANCE,
+        compute=_log_scatter,
+    ),
+    Statistic(
+        "slip_count",
+        "encoder",
+        "always",
+        "the angle jumps",
+        0.4,
+        "a root of 0.4: less than one jump",
+        reading=JUMPS,
+        compute=lambda angle: float(np.sqrt(len(angle.seen.slips_deg))),
+    ),
+    Statistic(
+        "slip_size",
+        "encoder",
+        "always",
+        "the jumps of the angle are large",
+        0.3,
+        "0.3 of a doubling: a fifth of their size",
+        reading=COUNTS_ABOVE_ONE,
+        compute=_log2_slip,
+    ),
+)

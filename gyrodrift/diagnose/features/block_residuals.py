@@ -1,0 +1,92 @@
+"""Block by block, what is left of the rate without the encoder's: before and after the regressors are taken out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.recording.outliers import Cleaned
+
+HOLD_SIGMAS = 4.0
+"""Blocks further off than this are held there, where single ones would pass for a step or a period."""
+
+MAD_TO_SIGMA = 1.4826
+"""Standard deviation of normal numbers over the median of their absolute values."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockResiduals:
+    """Residuals of a recording or simulation against a design matrix, deg/s, shape (blocks,) each.
+
+    static
+        Coefficients on the vectors of `design.static`, shape (columns,).
+    unexplained_dps
+        What the regressors leave.
+    held_dps, even_dps
+        The same with outliers held at HOLD_SIGMAS; and that, zero where the rate changes.
+    bias_dps
+        The bias by itself, slow regressors left in it, as it is in the blocks that rest or turn steadily.
+    """
+
+    design: DesignMatrix
+    static: Floats
+    unexplained_dps: Floats
+    held_dps: Floats
+    even_dps: Floats
+    bias_dps: Floats
+
+
+def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
+    """All that the features of the blocks are computed from."""
+    centred_dps = _centred_dps(seen, design)
+    static = design.static.vectors.T @ centred_dps
+    unexplained_dps = _without_static(centred_dps, static, design)
+    limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * float(np.median(np.abs(unexplained_dps))) + LEAST_DPS
+    held_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
+    return BlockResiduals(
+        design=design,
+        static=static,
+        unexplained_dps=unexplained_dps,
+        held_dps=held_dps,
+        even_dps=np.where(design.regimes.block_is_even, held_dps, 0.0),
+        bias_dps=_bias_dps(centred_dps, design),
+    )
+
+
+def block_residual_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+    """Mean rate of each block less that of the encoder, deg/s, shape (blocks,)."""
+    rate_dps = block_means(seen.rate_dps, design.block)
+    middles = np.concatenate([seen.encoder_deg[:1], 0.5 * (seen.encoder_deg[1:] + seen.encoder_deg[:-1])])
+    edges = np.arange(len(rate_dps) + 1) * design.block
+    edges[-1] = min(edges[-1], len(middles) - 1)
+    residual_dps: Floats = rate_dps - np.diff(middles[edges]) / (np.diff(edges) * design.period_s)
+    return residual_dps
+
+
+def unexplained_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+    """What the regressors leave of the block residuals, deg/s, shape (blocks,)."""
+    centred_dps = _centred_dps(seen, design)
+    return _without_static(centred_dps, design.static.vectors.T @ centred_dps, design)
+
+
+def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+    """Block residuals less their level at rest."""
+    residual_dps = block_residual_dps(seen, design)
+    at_rest = design.regimes.block_at_rest
+    level = np.median(residual_dps[at_rest]) if at_rest.any() else 0.0
+    centred: Floats = residual_dps - level
+    return centred
+
+
+def _without_static(centred_dps: Floats, static: Floats, design: DesignMatrix) -> Floats:
+    left: Floats = centred_dps - centred_dps.mean() - design.static.vectors @ static
+    return left
+
+
+def _bias_dps(centred_dps: Floats, design: DesignMatrix) -> Floats:
+    slow_dps = centred_dps - design.fast_vectors @ (design.fast_vectors.T @ centred_dps)
+    place, even = np.arange(len(slow_dps)), design.regimes.block_is_even
+    bias_dps: Floats = np.interp(place, place[even], slow_dps[even]) if even.any() else slow_dps
+    return bias_dps

@@ -1,0 +1,166 @@
+"""Which numbers the rate takes: repeats, zeros, steps, its smallest and its largest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.feature import Statistic
+from gyrodrift.diagnose.features.noise import root_share
+from gyrodrift.diagnose.features.units import COUNTS, OVER_ENCODER, PERCENT_OF_SAMPLES, VALUES
+from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
+
+NEAR_ZERO_DPS = 3.0
+"""Rates below are dense enough to show the steps that they come in."""
+
+LEAK = 3
+"""The smallest rates but for two: a dead band may leak twice."""
+
+REACH_DPS = 1.0
+"""Added to the largest rates of gyro and encoder: of a recording that hardly moves they say nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class RateValues:
+    """Values of a rate in counts; only of samples that came, not of those that were filled in.
+
+    counts, is_there
+        Shape (n,), and which of them came.
+    equal, both
+        Shape (n − 1,): which equal their neighbour before, and of which both came.
+    near
+        Those below NEAR_ZERO_DPS.
+    """
+
+    seen: Cleaned
+    design: DesignMatrix
+    dps_per_lsb: float
+    counts: Floats
+    is_there: Mask
+    equal: Mask
+    both: Mask
+    near: Floats
+
+
+def rate_values_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> RateValues:
+    """What the features of the values are computed from."""
+    rate_dps = seen.recording.rate_dps
+    is_there = np.isfinite(rate_dps)
+    counts = np.rint(np.where(is_there, rate_dps, 0.0) / dps_per_lsb)
+    both = is_there[1:] & is_there[:-1]
+    equal = (counts[1:] == counts[:-1]) & both
+    near = counts[is_there & (np.abs(rate_dps) < NEAR_ZERO_DPS)]
+    return RateValues(seen, design, dps_per_lsb, counts, is_there, equal, both, near)
+
+
+def smallest(sizes: Floats) -> float:
+    """The smallest of some numbers above 0, but for a few that may be chance."""
+    return float(np.partition(sizes, LEAK - 1)[LEAK - 1]) if len(sizes) >= LEAK else float(sizes.min())
+
+
+def _equal_share(values: RateValues, regime: Mask) -> float:
+    return root_share(int(np.count_nonzero(values.equal & regime[1:])), int(np.count_nonzero(values.both & regime[1:])))
+
+
+def _log2_least(values: RateValues) -> float:
+    """The smallest rate, in counts."""
+    sizes = np.abs(values.near)
+    nonzero = sizes[sizes > 0.0]
+    return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, 1.0)))
+
+
+def _log2_step(values: RateValues) -> float:
+    """The step that rates come in, in counts."""
+    return float(np.log2(max(granularity(values.near) if len(values.near) else 1.0, 1.0)))
+
+
+def _log_reach(values: RateValues) -> float:
+    """The largest rate over that of the encoder."""
+    top = float((np.abs(values.seen.rate_dps) / values.dps_per_lsb).max(initial=1.0))
+    fastest_dps = float(np.abs(values.design.regimes.speed_dps).max())
+    return float(np.log((top * values.dps_per_lsb + REACH_DPS) / (fastest_dps + REACH_DPS)))
+
+
+RATE_VALUES: tuple[Statistic[RateValues], ...] = (
+    Statistic(
+        "equal_rest",
+        "sensor",
+        "rest",
+        "neighbouring samples at rest are equal too often",
+        0.02,
+        "four samples in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda values: _equal_share(values, values.design.regimes.at_rest),
+    ),
+    Statistic(
+        "equal_moving",
+        "link",
+        "moving",
+        "neighbouring samples in motion are equal too often",
+        0.01,
+        "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda values: _equal_share(values, values.design.regimes.is_turning),
+    ),
+    Statistic(
+        "equal_quick",
+        "link",
+        "accelerating",
+        "samples repeat while the rate is changing",
+        0.035,
+        "twelve samples in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda values: _equal_share(values, values.design.regimes.is_quick),
+    ),
+    Statistic(
+        "zero_share",
+        "sensor",
+        "slow",
+        "the rate reads exactly zero too often",
+        0.01,
+        "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=lambda values: root_share(int(np.count_nonzero(values.near == 0.0)), len(values.near)),
+    ),
+    Statistic(
+        "least_rate",
+        "sensor",
+        "slow",
+        "small rates do not occur",
+        0.5,
+        "half a doubling: less than one count",
+        reading=COUNTS,
+        compute=_log2_least,
+    ),
+    Statistic(
+        "rate_step",
+        "sensor",
+        "always",
+        "the rate comes in coarser steps than the rig says",
+        0.15,
+        "0.15 of a doubling: a ninth of the step",
+        reading=COUNTS,
+        compute=_log2_step,
+    ),
+    Statistic(
+        "values",
+        "sensor",
+        "always",
+        "fewer different values come than should",
+        0.15,
+        "0.15 in ln: one value in seven",
+        reading=VALUES,
+        compute=lambda values: float(np.log(len(np.unique(values.counts[values.is_there])) + 1.0)),
+    ),
+    Statistic(
+        "reach",
+        "sensor",
+        "fast",
+        "the largest rates do not reach those of the encoder",
+        0.005,
+        "0.5 % of the largest rate",
+        reading=OVER_ENCODER,
+        compute=_log_reach,
+    ),
+)

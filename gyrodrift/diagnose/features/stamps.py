@@ -1,0 +1,143 @@
+"""The device's clock: how its time stamps lie about their line over the sample numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, PPM
+from gyrodrift.diagnose.recording.recording import Recording, line
+
+SLOW_S = 10.0
+"""Medians of times over so long show how a clock wanders, without their scatter."""
+
+LEAST_STAMP_S, LEAST_SLOW_S = 3e-5, 5e-4
+"""Added before logarithms are taken: 0.03 ms of scatter, and 0.5 ms of wander, are practically negligible; at 100 Hz
+they are 0.3 % and 5 % of a sample period."""
+
+TAIL_SIGMAS = 8.0
+MEDIAN_TO_SIGMA = 0.6745
+"""Median of the absolute values of normal numbers, in standard deviations."""
+
+BEND_SIGMAS = np.sqrt(6.0)
+"""Standard deviation of the second difference of white noise over its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stamps:
+    """Device times of the samples that came.
+
+    ratio
+        Period by the device's clock over that by the host's, less 1; 0 without a host.
+    bends_s, scatter_s
+        Second differences, shape (n − 2,), and the standard deviation of a stamp that they show.
+    slow_s
+        Medians over SLOW_S, off their line.
+    """
+
+    ratio: float
+    bends_s: Floats
+    scatter_s: float
+    slow_s: Floats
+
+
+def stamps_of(recording: Recording) -> Stamps:
+    """What the features of the clock are computed from."""
+    slope_s, off_s = off_line_s(recording.device_s)
+    bends_s = np.diff(off_s, 2)
+    size_s = float(np.median(np.abs(bends_s))) if len(bends_s) else 0.0
+    return Stamps(
+        ratio=slope_s / recording.period_s - 1.0 if recording.host_s is not None else 0.0,
+        bends_s=bends_s,
+        scatter_s=size_s / MEDIAN_TO_SIGMA / BEND_SIGMAS,
+        slow_s=slow_medians(off_s, recording.period_s),
+    )
+
+
+def off_line_s(times_s: Floats) -> tuple[float, Floats]:
+    """Slope of times over the sample numbers, and how far off that line those lie that are known, s."""
+    slope_s, offset_s = line(times_s)
+    away_s: Floats = (times_s - offset_s - slope_s * np.arange(len(times_s)))[np.isfinite(times_s)]
+    return slope_s, away_s
+
+
+def slow_medians(off_s: Floats, period_s: float) -> Floats:
+    """Medians over SLOW_S; two zeros where there is one only."""
+    points = max(1, round(SLOW_S / period_s))
+    count = len(off_s) // points
+    return np.median(off_s[: count * points].reshape(count, points), axis=1) if count > 1 else np.zeros(2)
+
+
+def log_wander(slow_s: Floats) -> float:
+    """Logarithm of the standard deviation."""
+    return float(np.log(np.std(slow_s) + LEAST_SLOW_S))
+
+
+def log_largest_step(slow_s: Floats) -> float:
+    """Logarithm of the largest difference of neighbours."""
+    return float(np.log(np.abs(np.diff(slow_s)).max(initial=0.0) + LEAST_SLOW_S))
+
+
+def _root_tails(stamps: Stamps) -> float:
+    """Root of the share of second differences beyond TAIL_SIGMAS."""
+    if not len(stamps.bends_s):
+        return 0.0
+    limit_s = TAIL_SIGMAS * BEND_SIGMAS * max(stamps.scatter_s, LEAST_STAMP_S)
+    return float(np.sqrt(np.mean(np.abs(stamps.bends_s) > limit_s)))
+
+
+STAMPS: tuple[Statistic[Stamps], ...] = (
+    Statistic(
+        "clock_ratio",
+        "clock",
+        "always",
+        "the device clock runs fast or slow against the host's",
+        1e-5,
+        "10 ppm: 0.004 deg per turn",
+        reading=PPM,
+        response=Response.LINEAR,
+        compute=lambda stamps: stamps.ratio,
+    ),
+    Statistic(
+        "stamp_scatter",
+        "clock",
+        "always",
+        "device times scatter from sample to sample",
+        0.35,
+        "0.35 in ln: 40 % of the scatter, and 0.01 ms of none",
+        reading=MILLISECONDS,
+        response=Response.LOG_VARIANCE,
+        compute=lambda stamps: float(np.log(stamps.scatter_s + LEAST_STAMP_S)),
+    ),
+    Statistic(
+        "stamp_tails",
+        "clock",
+        "always",
+        "some device times are far off",
+        0.01,
+        "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES,
+        compute=_root_tails,
+    ),
+    Statistic(
+        "stamp_step",
+        "clock",
+        "always",
+        "the device clock jumps",
+        1.0,
+        "1 in ln: 0.9 ms where there was no step",
+        reading=MILLISECONDS,
+        compute=lambda stamps: log_largest_step(stamps.slow_s),
+    ),
+    Statistic(
+        "stamp_wander",
+        "clock",
+        "always",
+        "the device clock wanders",
+        1.0,
+        "1 in ln: 0.9 ms where it did not wander",
+        reading=MILLISECONDS,
+        compute=lambda stamps: log_wander(stamps.slow_s),
+    ),
+)

@@ -1,0 +1,192 @@
+"""How the bias wanders, jumps and scatters, second by second, beyond what the regressors explain."""
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_variance
+from gyrodrift.diagnose.features.block_residuals import BlockResiduals
+from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.units import (
+    AMPLITUDE_DPS,
+    EXCESS_KURTOSIS,
+    KURTOSIS_OF_STEPS,
+    OVER_REST,
+    STANDARD_ERRORS,
+)
+
+WANDER_MEANS = (2, 5, 10, 20, 50)
+WALK_MEANS = (5, 20, 60, 120)
+"""Blocks in each of the means that are compared with their neighbours."""
+
+EIGHTH = (0.25, "0.25 in ln of a variance: an eighth of the amplitude")
+"""Relevance threshold of the logarithm of a variance."""
+
+LEVEL_MEAN = 5
+"""Blocks in a mean that sits on one of two levels, or between them."""
+
+LEAST_LEVELS = 8
+"""So many means, or fewer, tell nothing of a distribution."""
+
+KURTOSIS_MOST = 2.0
+"""Bounds what a single outlier makes of a kurtosis; that of two levels is −2."""
+
+JUMP_MEAN = 4
+"""Blocks in a mean whose steps may be jumps."""
+
+STEP_EDGE = 8
+"""Blocks at either end at which no step is looked for."""
+
+
+def _wander(count: int) -> Statistic[BlockResiduals]:
+    return Statistic(
+        f"wander_{count}s",
+        "sensor",
+        "late",
+        f"the bias wanders within {2 * count} s",
+        *EIGHTH,
+        reading=AMPLITUDE_DPS,
+        response=Response.LOG_VARIANCE,
+        compute=lambda seen: _steps(seen.unexplained_dps, count),
+    )
+
+
+def _walk(count: int) -> Statistic[BlockResiduals]:
+    return Statistic(
+        f"walk_{count}s",
+        "sensor",
+        "late",
+        f"the bias, taken by itself, wanders within {2 * count} s",
+        *EIGHTH,
+        reading=AMPLITUDE_DPS,
+        response=Response.LOG_VARIANCE,
+        compute=lambda seen: _steps(seen.bias_dps, count),
+    )
+
+
+def _steps(dps: Floats, count: int) -> float:
+    """Logarithm of the variance of steps between neighbouring means of so many blocks."""
+    return log_variance(np.diff(block_means(dps, count)))
+
+
+def largest_sum(dps: Floats) -> float:
+    """The largest sum up to a block, in standard errors of what would be white: the statistic of Kolmogorov."""
+    if len(dps) < 3 * STEP_EDGE:
+        return 0.0
+    sums = np.cumsum(dps - dps.mean())
+    spread = np.sqrt(np.mean(np.square(dps))) + LEAST_DPS
+    return float(np.abs(sums[STEP_EDGE:-STEP_EDGE]).max() / (spread * np.sqrt(len(dps))))
+
+
+def excess_kurtosis(dps: Floats) -> float:
+    """Of means of LEVEL_MEAN blocks: 0 for normal ones, −2 for two levels; held to ±KURTOSIS_MOST."""
+    slow = block_means(dps, LEVEL_MEAN)
+    if len(slow) <= LEAST_LEVELS:
+        return 0.0
+    variance = float(np.var(slow)) + LEAST_DPS**2 / LEVEL_MEAN
+    return float(np.clip(np.mean((slow - slow.mean()) ** 4) / variance**2 - 3.0, -KURTOSIS_MOST, KURTOSIS_MOST))
+
+
+def log_kurtosis_of_steps(dps: Floats) -> float:
+    """Logarithm of one more than the fourth moment of steps over their squared variance: ln 4 for normal ones."""
+    steps_dps = np.diff(block_means(dps, JUMP_MEAN))
+    spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
+    return float(np.log1p(np.mean(steps_dps**4) / spread**2))
+
+
+def _moving_beside_rest(seen: BlockResiduals) -> float:
+    rests = seen.design.regimes.block_at_rest
+    return log_variance(seen.unexplained_dps[~rests]) - log_variance(seen.unexplained_dps[rests])
+
+
+def _accelerating_beside_not(seen: BlockResiduals) -> float:
+    """Half of the moving blocks, those that change their rate more, beside the other half."""
+    regimes = seen.design.regimes
+    moving_dps = seen.unexplained_dps[~regimes.block_at_rest]
+    change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
+    quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
+    return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
+
+
+WANDER: tuple[Statistic[BlockResiduals], ...] = (
+    *(_wander(count) for count in WANDER_MEANS),
+    Statistic(
+        "wander_rest",
+        "sensor",
+        "rest",
+        "the bias wanders while it rests",
+        *EIGHTH,
+        reading=AMPLITUDE_DPS,
+        response=Response.LOG_VARIANCE,
+        compute=lambda seen: log_variance(seen.unexplained_dps[seen.design.regimes.block_at_rest]),
+    ),
+    Statistic(
+        "step",
+        "sensor",
+        "late",
+        "the bias jumps",
+        1.0,
+        "1.0 standard errors: white noise goes beyond in 27 % of sessions (Kolmogorov's distribution)",
+        reading=STANDARD_ERRORS,
+        compute=lambda seen: largest_sum(seen.even_dps),
+    ),
+    Statistic(
+        "two_levels",
+        "sensor",
+        "always",
+        "the bias sits on two levels",
+        0.3,
+        "0.3 of the 2 between normal numbers and two levels",
+        reading=EXCESS_KURTOSIS,
+        compute=lambda seen: excess_kurtosis(seen.held_dps[seen.design.regimes.block_is_even]),
+    ),
+)
+"""Of what the regressors leave."""
+
+WALK: tuple[Statistic[BlockResiduals], ...] = (
+    *(_walk(count) for count in WALK_MEANS),
+    Statistic(
+        "walk_levels",
+        "sensor",
+        "always",
+        "the bias, taken by itself, sits on two levels",
+        0.3,
+        "0.3 of the 2 between normal numbers and two levels",
+        reading=EXCESS_KURTOSIS,
+        compute=lambda seen: excess_kurtosis(seen.bias_dps),
+    ),
+    Statistic(
+        "walk_jumps",
+        "sensor",
+        "always",
+        "the bias, taken by itself, moves in jumps",
+        0.3,
+        "0.3 in ln: a kurtosis of 4.4 where normal steps have 3",
+        reading=KURTOSIS_OF_STEPS,
+        compute=lambda seen: log_kurtosis_of_steps(seen.bias_dps),
+    ),
+)
+"""Of the bias by itself."""
+
+SCATTER: tuple[Statistic[BlockResiduals], ...] = (
+    Statistic(
+        "scatter_moving",
+        "sensor",
+        "moving",
+        "second by second the rate scatters more when it moves",
+        *EIGHTH,
+        reading=OVER_REST,
+        response=Response.LOG_VARIANCE,
+        compute=_moving_beside_rest,
+    ),
+    Statistic(
+        "scatter_accelerating",
+        "sensor",
+        "accelerating",
+        "and more still when it accelerates",
+        *EIGHTH,
+        reading=OVER_REST,
+        response=Response.LOG_VARIANCE,
+        compute=_accelerating_beside_not,
+    ),
+)
+"""Of blocks that move beside others."""
