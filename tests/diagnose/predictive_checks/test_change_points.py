@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.report.change_points import jumps_of
+from gyrodrift.diagnose.predictive_checks.change_points import jumps_of
 
 SECONDS = 400
 EVEN = np.ones(SECONDS, bool)

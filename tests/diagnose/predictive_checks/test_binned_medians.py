@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.diagnose.report.binned_medians import LEAST, bins_of, medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.binned_medians import LEAST, bins_of, medians, shape_dps
 
 DICE = np.random.default_rng(2)
 X = np.sort(DICE.uniform(-100.0, 100.0, 2000))
