@@ -1,4 +1,4 @@
-"""From scores to words: which causes are named, with what probability, what is left unexplained, and what kind it is."""
+"""From scores to words: which causes are named, with what probability, what is unexplained, and what kind it is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
