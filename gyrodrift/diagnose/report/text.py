@@ -3,7 +3,8 @@
 from math import isfinite
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.inference.verdict import NamedCause, Parameter
+from gyrodrift.diagnose.inference.parameters import Parameter
+from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.html.html import legend, span, text
 from gyrodrift.html.numbers import significant
