@@ -178,7 +178,8 @@ class CandidateKind:
     realisations
         How many draws a size takes: one where chance plays no part.
     matters_from
-        Size of its parameter below which it is practically negligible for yaw; None where nothing is known.
+        Size of its parameter below which it is practically negligible for yaw, twice what the relevance threshold of
+        its regressor amounts to (nonlinearity: eight times); None where nothing is known.
     of_size
         From a size to the parameter, where that is not the size itself.
     """
