@@ -12,6 +12,7 @@ from gyrodrift.diagnose.features.feature import Response, Statistic
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
 from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 TAIL_SIGMAS = 5.0
@@ -85,7 +86,7 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
     sizes = np.abs(noise.bends_dps[allowed[2:]])
     if not len(sizes):
         return 0.0
-    sigma = float(np.median(sizes)) / MEDIAN_TO_SIGMA + LEAST_SIGMA_DPS
+    sigma = median(sizes) / MEDIAN_TO_SIGMA + LEAST_SIGMA_DPS
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.features.block_means import OUTLIER_LIMIT, block_means
 from gyrodrift.diagnose.features.regimes import Regimes
+from gyrodrift.diagnose.recording.order_statistics import median
 
 REST_POINTS = (1, 2, 4, 8, 16, 32)
 MOVING_POINTS = (1, 2, 4)
@@ -91,5 +92,5 @@ def _mean_square(differences: Floats) -> float:
     if not len(differences):
         return 0.0
     squares = np.square(differences)
-    limit = OUTLIER_LIMIT * float(np.median(squares)) + LEAST_SQUARE
+    limit = OUTLIER_LIMIT * median(squares) + LEAST_SQUARE
     return float(np.minimum(squares, limit).mean())

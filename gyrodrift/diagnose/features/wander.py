@@ -13,6 +13,7 @@ from gyrodrift.diagnose.features.units import (
     OVER_REST,
     STANDARD_ERRORS,
 )
+from gyrodrift.diagnose.recording.order_statistics import median
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
 WALK_MEANS = (5, 20, 60, 120)
@@ -89,6 +90,8 @@ def excess_kurtosis(dps: Floats) -> float:
 def log_kurtosis_of_steps(dps: Floats) -> float:
     """Logarithm of one more than the fourth moment of steps over their squared variance: ln 4 for normal ones."""
     steps_dps = np.diff(block_means(dps, JUMP_MEAN))
+    if not len(steps_dps):
+        return 0.0
     spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
     return float(np.log1p(np.mean(steps_dps**4) / spread**2))
 
@@ -103,7 +106,7 @@ def _accelerating_beside_not(seen: BlockResiduals) -> float:
     regimes = seen.design.regimes
     moving_dps = seen.unexplained_dps[~regimes.block_at_rest]
     change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
-    quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
+    quick = change_dps > median(change_dps) if len(change_dps) else np.zeros(0, bool)
     return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
 
 

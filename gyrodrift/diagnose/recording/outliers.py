@@ -3,23 +3,28 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.motion import COARSE_DPS, ReplayedMotion, motion_of, rough_rate_dps
+from gyrodrift.diagnose.recording.order_statistics import (
+    median,
+    row_quantiles,
+    running_median_5,
+    running_median_9,
+)
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
-SPIKE_POINTS, SPIKE_SIGMAS = 5, 10.0
-"""An outlier of the rate is this far off the median of so many samples about it."""
+SPIKE_SIGMAS = 10.0
+"""An outlier of the rate is this far off the median of the five samples about it."""
 
 SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
 this share of what it is beside the angle."""
 
-SLIP_POINTS, SLIP_SIGMAS = 9, 7.0
+SLIP_SIGMAS = 7.0
 COUNTS_OF_A_SLIP = 2.5
-"""What stands out of the median of its neighbours by so much is no noise; a jump is more than the steps of a coarse
-encoder."""
+"""What stands out of the median of the nine samples about it by so much is no noise; a jump is more than the steps of a
+coarse encoder."""
 
 MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
 """Nine tenths of normal numbers lie within so many standard deviations; a tenth may be outliers, or quick motion."""
@@ -109,9 +114,9 @@ def _closest(gaps: Floats) -> float:
 def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Mask, Floats]:
     """Which samples are, and by how much the rate is off beside the encoder at each, deg/s; shape (n,) each."""
     away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
-    out_dps = away_dps - median_filter(away_dps, SPIKE_POINTS)
+    out_dps = away_dps - running_median_5(away_dps)
     is_spike: Mask = np.abs(out_dps) > SPIKE_SIGMAS * _sigma(out_dps, recording)
-    is_spike &= np.abs(rate_dps - median_filter(rate_dps, SPIKE_POINTS)) > SPIKE_OWN * np.abs(out_dps)
+    is_spike &= np.abs(rate_dps - running_median_5(rate_dps)) > SPIKE_OWN * np.abs(out_dps)
     is_spike &= np.isfinite(recording.rate_dps)
     return is_spike, out_dps
 
@@ -120,7 +125,7 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     """By how much the angle jumps at each sample, 0 where it does not; shape (n,)."""
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
-    out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, SLIP_POINTS)])
+    out_deg = np.concatenate([[0.0], over_deg - running_median_9(over_deg)])
     least_deg = COUNTS_OF_A_SLIP * step_deg
     is_slip: Mask = np.abs(out_deg) > np.maximum(SLIP_SIGMAS * _sigma(out_deg, recording), least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
@@ -132,8 +137,8 @@ def _sigma(values: Floats, recording: Recording) -> Floats:
     points = max(LEAST_POINTS, round(1.0 / recording.period_s))
     seconds = max(1, len(values) // points)
     absolute = np.abs(values)
-    spread = np.quantile(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
-    spread = np.maximum(spread, max(float(np.median(spread)), float(np.quantile(absolute, 0.5)) / MIDDLE_SIGMAS))
+    spread = row_quantiles(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE) / MIDDLE_SIGMAS
+    spread = np.maximum(spread, max(median(spread), float(row_quantiles(absolute[None], 0.5)[0]) / MIDDLE_SIGMAS))
     padded = np.concatenate([spread[:1], spread, spread[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     last = np.minimum(np.arange(len(values)) // points, seconds - 1)

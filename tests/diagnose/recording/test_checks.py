@@ -91,6 +91,45 @@ def test_a_recording_that_only_rests_is_told_of() -> None:
     assert "nothing moves" in " ".join(passed.remarks)
 
 
+def test_all_findings_are_told_in_their_order() -> None:
+    """Clocks, lag, sign, unit; each check looks at what the one before put right."""
+    late_deg = ANGLE_DEG[np.clip(np.arange(len(T_S)) + 100, 0, len(T_S) - 1)]
+    whole = recording(angle_deg=late_deg)
+    passed = check_recording(replace(whole, rate_dps=-np.deg2rad(whole.rate_dps), device_s=whole.device_s * 2.0))
+    words = ("which is right?", "1.00 s apart", "sign opposite", "in radians per second")
+    assert len(passed.remarks) == len(words)
+    assert all(word in remark for word, remark in zip(words, passed.remarks, strict=True))
+    assert all(remark.startswith("swing: ") for remark in passed.remarks)
+    assert passed.recording is not None
+    assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
+
+
+def test_a_refusal_keeps_what_was_told_before() -> None:
+    """And nothing after it is looked at."""
+    other = recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3))
+    passed = check_recording(replace(other, device_s=other.device_s * 2.0))
+    assert passed.recording is None
+    assert ["which is right?" in passed.remarks[0], "another axis" in passed.remarks[1]] == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("gain", "is_unit"), [(1.0 / 1.3, False), (1.3, False), (57.3 / 1.3, True), (57.3 / 1.5, False)]
+)
+def test_a_scale_error_is_no_unit(*, gain: float, is_unit: bool) -> None:
+    """Only what is within a third of 57.3 is."""
+    whole = recording()
+    passed = check_recording(replace(whole, rate_dps=whole.rate_dps * gain))
+    assert ("multiplied by 57.3" in " ".join(passed.remarks)) is is_unit
+
+
+@pytest.mark.parametrize(("apart_s", "is_shifted"), [(0.2, False), (0.3, True)])
+def test_a_delay_of_a_sensor_is_left_as_it_is(*, apart_s: float, is_shifted: bool) -> None:
+    """It is a gap to be diagnosed; a quarter of a second is not."""
+    lag = round(apart_s / 0.01)
+    passed = check_recording(recording(angle_deg=ANGLE_DEG[np.clip(np.arange(len(T_S)) - lag, 0, len(T_S) - 1)]))
+    assert any("apart" in remark for remark in passed.remarks) is is_shifted
+
+
 def test_a_short_recording_is_refused() -> None:
     """Nothing slow shows in half a minute."""
     short = Session("short", T_S[:3000], TRUE_DPS[:3000], encoder_deg=ANGLE_DEG[:3000])

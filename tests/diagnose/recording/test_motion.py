@@ -1,10 +1,10 @@
-"""Motion rebuilt from an encoder, and what is taken out of rate and angle before."""
+"""Motion rebuilt from an encoder."""
 
 import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, motion_behind, step_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, motion_behind
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 
@@ -26,19 +26,10 @@ def true_rate_dps(t_s: Floats) -> Floats:
     return (true_angle_deg(t_s + 5e-5) - true_angle_deg(t_s - 5e-5)) / 1e-4
 
 
-def seen(
-    noise_dps: float = 0.05,
-    cpr: int = 36_000,
-    wild: dict[int, float] | None = None,
-    jumps: dict[int, float] | None = None,
-) -> Cleaned:
+def seen(noise_dps: float = 0.05, cpr: int = 36_000) -> Cleaned:
     dice = np.random.default_rng(3)
     rate_dps = true_rate_dps(T_S) + dice.normal(0.0, noise_dps, len(T_S))
     angle_deg = np.round(true_angle_deg(T_S) * cpr / 360.0) * 360.0 / cpr
-    for at, height in (wild or {}).items():
-        rate_dps[at] += height
-    for at, height in (jumps or {}).items():
-        angle_deg[at:] += height
     return cleaned(recording_of(Session("s", T_S, rate_dps, None, np.arange(len(T_S)), angle_deg)))
 
 
@@ -69,26 +60,25 @@ def test_a_coarse_encoder_does_not_shake_the_motion() -> None:
     assert np.std((motion.rate_dps - true_rate_dps(T_S))[steady]) < 0.5
 
 
-def test_wild_samples_are_found_and_taken_out() -> None:
-    """Of either sign, also while it turns quickly."""
-    wild = {500: 30.0, 9000: -12.0, 15_000: 25.0}
-    found = seen(wild=wild)
-    assert sorted(found.spikes_dps.round().tolist()) == pytest.approx([-12.0, 25.0, 30.0], abs=1.0)
-    assert np.abs(found.rate_dps - true_rate_dps(T_S)).max() < 1.0
+def test_the_temperature_is_smoothed_and_known_between_samples() -> None:
+    """A ramp of 1 °C in 50 s, read to a tenth of a degree."""
+    warm_c = 20.0 + T_S / 50.0
+    whole = recording_of(
+        Session("s", T_S, true_rate_dps(T_S), None, np.arange(len(T_S)), true_angle_deg(T_S), np.round(warm_c, 1))
+    )
+    motion = motion_behind(cleaned(whole))
+    assert np.abs(motion.sensor_c - warm_c).max() < 0.06
+    assert motion.sensor_c_at(np.array([60.005, 500.0])) == pytest.approx([21.2, 24.0], abs=0.06)
 
 
-def test_jumps_of_the_angle_are_found_and_taken_back() -> None:
-    """And are not taken for wild rates."""
-    found = seen(jumps={2000: 0.2, 9000: -0.3})
-    assert sorted(found.slips_deg.tolist()) == pytest.approx([-0.3, 0.2], abs=0.02)
-    assert np.abs(found.encoder_deg - true_angle_deg(T_S)).max() < 0.05
-    assert len(found.spikes_dps) == 0
+def test_without_a_temperature_it_is_that_of_the_room() -> None:
+    """25 °C, where the simulator's effects of temperature are zero."""
+    assert np.all(motion_behind(seen()).sensor_c == 25.0)
 
 
-def test_steps_are_read_off_the_values() -> None:
-    """Of dense and of sparse ones."""
-    values = np.round(np.random.default_rng(1).normal(0.0, 3.0, 4000) / 0.25) * 0.25
-    assert granularity(values) == pytest.approx(0.25)
-    assert step_of(values) == pytest.approx(0.25)
-    assert granularity(np.full(5, 1.0)) == 0.0
-    assert step_of(np.full(5, 1.0)) == 0.0
+def test_before_the_first_sample_it_rests() -> None:
+    """At the angle of the first sample; after the last it stays there."""
+    motion = motion_behind(seen())
+    angle_deg, rate_dps = motion.at(np.array([-1.0, 1e6]))
+    assert rate_dps[0] == 0.0
+    assert angle_deg == pytest.approx(motion.angle_deg[[0, -1]], abs=1e-3)

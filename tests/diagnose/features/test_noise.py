@@ -1,0 +1,112 @@
+"""Noise within a second, of signals whose statistics are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from features_support import AT_REST, PERIOD_S, T_S, TRUE_DPS, Observed, observed, white
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.noise import root_share
+from gyrodrift.diagnose.features.spectral_line import WINDOW, spectral_line, white_dps
+from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
+
+SIGMA = 0.05
+
+
+def noisy(noise_dps: Floats) -> Observed:
+    """Past the search for outliers: what is measured is what is given."""
+    one = observed(TRUE_DPS)
+    return Observed(replace(one.seen, rate_dps=TRUE_DPS + noise_dps), one.design)
+
+
+def test_white_noise_is_white_at_rest_and_in_motion() -> None:
+    """Its variance comes out the same of means of any length; the longest are few."""
+    one = noisy(white(SIGMA))
+    spreads = spreads_of(one.seen.rate_dps, one.design.spread_places)
+    assert np.sqrt(spreads.rest[:4]) == pytest.approx([SIGMA] * 4, rel=0.06)
+    assert np.sqrt(spreads.slow + spreads.fast) == pytest.approx([SIGMA] * 6, rel=0.1)
+    found = one.values()
+    assert max(abs(found[f"noise_rest_{points}"]) for points in REST_POINTS) < 0.35
+    assert max(abs(found[f"noise_slow_{points}"]) for points in MOVING_POINTS) < 0.25
+
+
+@pytest.mark.parametrize("number", range(5))
+def test_correlated_noise_has_the_spread_of_its_kernel(number: int) -> None:
+    """Means of two neighbours: the squares of the weights that a second difference gives to each draw, in all."""
+    points = REST_POINTS[number]
+    draws = white(SIGMA, 4, len(T_S) + 1)
+    one = noisy(0.5 * (draws[1:] + draws[:-1]))
+    mean = np.ones(points) / points
+    second = np.zeros(2 * points + 1)
+    second[[0, points, 2 * points]] = 1.0, -2.0, 1.0
+    weights = np.convolve(np.convolve(mean, second), [0.5, 0.5])
+    expected = SIGMA**2 * float(weights @ weights) * points / 6.0
+    assert spreads_of(one.seen.rate_dps, one.design.spread_places).rest[number] == pytest.approx(expected, rel=0.2)
+
+
+def test_a_ramp_is_no_noise() -> None:
+    """Not at rest, where a second difference takes it away, nor in motion."""
+    one = noisy(0.3 * T_S)
+    spreads = spreads_of(one.seen.rate_dps, one.design.spread_places)
+    assert max(*spreads.rest, *spreads.slow, *spreads.fast) < 1e-12
+
+
+@pytest.mark.parametrize("sigma", [0.01, 0.05, 0.3])
+def test_the_level_of_white_noise_is_known(sigma: float) -> None:
+    """From spectra at rest, with a strong line beside it."""
+    line_dps = 10.0 * sigma * np.sin(2.0 * np.pi * 21.0 * T_S)
+    assert white_dps(*noisy(white(sigma, 2) + line_dps), 1e-3) == pytest.approx(sigma, rel=0.06)
+
+
+def test_noise_below_a_count_is_known_from_motion() -> None:
+    """At rest it does not show: all counts are equal."""
+    noise = np.where(AT_REST, 0.0, white(SIGMA))
+    assert white_dps(*noisy(noise), 0.2) == pytest.approx(SIGMA, rel=0.1)
+
+
+def test_a_line_is_found_with_frequency_and_amplitude() -> None:
+    """At the middle of a frequency of the window: 51 periods in 256 samples."""
+    frequency_hz = 51.0 / (WINDOW * PERIOD_S)
+    line = spectral_line(*noisy(white(SIGMA) + 0.2 * np.sin(2.0 * np.pi * frequency_hz * T_S)))
+    assert line.frequency_hz == pytest.approx(frequency_hz, rel=1e-6)
+    assert line.amplitude_dps == pytest.approx(0.2, rel=0.03)
+    # Power of the line over that of the noise in a Hann window: (A / 2 · Σw)² over σ² Σw², by its median ln 2.
+    hann = np.hanning(WINDOW)
+    ratio = (0.1 * hann.sum()) ** 2 / (SIGMA**2 * float(hann @ hann) * np.log(2.0))
+    assert line.log_height == pytest.approx(np.log(ratio + 1.0), abs=0.25)
+
+
+def test_without_noise_there_is_no_line() -> None:
+    """A constant at rest."""
+    assert spectral_line(*noisy(np.zeros(len(T_S)))).log_height == pytest.approx(np.log(2.0), abs=0.8)
+
+
+def test_bursts_raise_the_noisiest_tenth() -> None:
+    """One second in five scatters by three times as much: nine times the variance."""
+    bursts = np.where((T_S % 5.0) < 1.0, 3.0, 1.0)
+    assert noisy(bursts * white(SIGMA)).values()["noise_uneven"] == pytest.approx(np.log(9.0), abs=0.25)
+    assert noisy(white(SIGMA)).values()["noise_uneven"] < 0.5
+
+
+def test_tails_are_the_share_of_far_values() -> None:
+    """An outlier bends three neighbouring differences; normal numbers have none beyond five sigmas."""
+    noise = white(SIGMA)
+    places = np.arange(100, 4700, 100)  # at rest
+    noise[places] += 3.0
+    share = 3.0 * len(places) / np.count_nonzero(AT_REST)
+    assert noisy(noise).values()["tails_rest"] == pytest.approx(np.sqrt(share), rel=0.05)
+    assert noisy(white(SIGMA)).values()["tails_rest"] < 0.02
+
+
+def test_outliers_are_a_share_of_all() -> None:
+    """Eight in 20,000."""
+    rate_dps = TRUE_DPS + white(SIGMA)
+    rate_dps[1000:9000:1000] += 30.0
+    assert observed(rate_dps).values()["spike_share"] == pytest.approx(np.sqrt(8.0 / 20_000.0))
+
+
+@pytest.mark.parametrize(("count", "of", "root"), [(0, 100, 0.0), (4, 100, 0.2), (0, 0, 0.0)])
+def test_a_share_of_nothing_is_none(count: int, of: int, root: float) -> None:
+    """Not NaN."""
+    assert root_share(count, of) == root

@@ -1,0 +1,89 @@
+"""Which numbers a rate and an angle take."""
+
+import numpy as np
+import pytest
+from features_support import AT_REST, FACTS, TRUE_DEG, TRUE_DPS, TURNING, observed, observed_beside, white
+
+from gyrodrift.diagnose.features.rate_values import smallest
+
+LSB = FACTS.dps_per_lsb
+NOISE = white(0.2)
+
+
+def test_a_rate_in_coarser_steps_is_seen() -> None:
+    """Sixteen counts: four doublings."""
+    step = 16.0 * LSB
+    found = observed(np.round((TRUE_DPS + NOISE) / step) * step).values()
+    assert found["rate_step"] == pytest.approx(4.0)
+    assert found["values"] < observed(np.round((TRUE_DPS + NOISE) / LSB) * LSB).values()["values"] - 0.5
+
+
+def test_values_are_counted() -> None:
+    """Of rates in steps of 1 deg/s from −80 to 90 through all between: 171 and one, in ln."""
+    assert observed(np.round(TRUE_DPS)).values()["values"] == pytest.approx(np.log(172.0))
+
+
+def test_a_dead_band_leaves_zeros_and_no_small_rates() -> None:
+    """What is below 0.064 deg/s reads zero: the smallest rate is 64 counts, six doublings."""
+    rate_dps = np.round((TRUE_DPS + white(0.1)) / LSB) * LSB
+    dead = np.where(np.abs(rate_dps) < 64.0 * LSB, 0.0, rate_dps)
+    near = np.abs(dead) < 3.0
+    found = observed(dead).values()
+    assert found["zero_share"] == pytest.approx(np.sqrt(np.count_nonzero(dead[near] == 0.0) / np.count_nonzero(near)))
+    # 48 % of normal numbers lie within 0.64 sigmas, and nearly all rates below 3 deg/s are at rest.
+    assert found["zero_share"] == pytest.approx(np.sqrt(0.478), abs=0.02)
+    assert found["least_rate"] == pytest.approx(6.0, abs=0.1)
+
+
+def test_repeated_samples_are_seen_where_they_are() -> None:
+    """One sample in ten holds the one before, in motion only."""
+    rate_dps = TRUE_DPS + NOISE
+    held = np.flatnonzero(TURNING)[::10]
+    rate_dps[held] = rate_dps[held - 1]
+    found = observed(rate_dps).values()
+    assert found["equal_moving"] == pytest.approx(np.sqrt(0.1), rel=0.05)
+    assert found["equal_rest"] < 0.1
+
+
+def test_a_rate_that_is_cut_off_does_not_reach() -> None:
+    """At 60 deg/s, where the encoder turns by 90: 61 over 91 in ln."""
+    found = observed(np.clip(TRUE_DPS, -60.0, 60.0)).values()
+    assert found["reach"] == pytest.approx(np.log(61.0 / 91.0), abs=0.01)
+    assert observed(TRUE_DPS).values()["reach"] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_coarse_angle_is_seen() -> None:
+    """36,000 counts where the rig states 360,000: 3.3 doublings."""
+    found = observed_beside(TRUE_DPS + NOISE, TRUE_DEG, cpr=36_000).values()
+    assert found["angle_step"] == pytest.approx(np.log2(10.0), abs=1e-6)
+
+
+def test_jumps_of_the_angle_are_counted_and_measured() -> None:
+    """Four of 100 counts: the root of four, and ln2 of 101."""
+    rate_dps, angle_deg = TRUE_DPS + white(0.02), np.cumsum(TRUE_DPS) * 0.01
+    for place, jump in ((2000, 0.1), (6000, -0.1), (9000, 0.1), (19_000, 0.1)):
+        angle_deg[place:] += jump
+    found = observed_beside(rate_dps, angle_deg).values()
+    assert found["slip_count"] == pytest.approx(2.0)
+    assert found["slip_size"] == pytest.approx(np.log2(101.0), abs=0.05)
+
+
+def test_an_angle_that_scatters_is_seen() -> None:
+    """By 0.01 degrees from sample to sample, ten counts, beside the noise of rounding."""
+    noise = 0.01 * white(1.0, 8)
+    found = observed_beside(TRUE_DPS, np.cumsum(TRUE_DPS) * 0.01 + noise).values()
+    assert np.exp(0.5 * found["angle_noise"]) == pytest.approx(0.01, rel=0.1)
+
+
+@pytest.mark.parametrize(("sizes", "least"), [([5.0], 5.0), ([3.0, 2.0], 2.0), ([9.0, 1.0, 2.0, 3.0, 4.0], 3.0)])
+def test_the_smallest_is_the_third(sizes: list[float], least: float) -> None:
+    """Or the smallest of fewer."""
+    assert smallest(np.array(sizes)) == least
+
+
+def test_a_constant_rate_has_numbers() -> None:
+    """All equal, all zero, one value."""
+    found = observed(np.zeros(len(TRUE_DPS))).values()
+    assert (found["equal_rest"], found["zero_share"], found["least_rate"], found["rate_step"]) == (1.0, 1.0, 0.0, 0.0)
+    assert found["values"] == pytest.approx(np.log(2.0))
+    assert np.count_nonzero(AT_REST) > 7000

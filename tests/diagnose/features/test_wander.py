@@ -1,0 +1,76 @@
+"""How a bias wanders, steps and scatters, of series of known statistics."""
+
+import numpy as np
+import pytest
+from features_support import white
+
+from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_variance
+from gyrodrift.diagnose.features.wander import excess_kurtosis, largest_sum, log_kurtosis_of_steps
+
+NOTHING = np.log(LEAST_DPS**2)
+
+
+def test_a_variance_is_that_of_white_noise() -> None:
+    """0.1 deg/s, of whose squares one in 5,000 is held back."""
+    assert np.exp(0.5 * log_variance(white(0.1))) == pytest.approx(0.1, rel=0.02)
+
+
+def test_one_outlier_adds_a_bounded_part() -> None:
+    """Of 100 values it counts as 30 times the usual square."""
+    values = np.ones(100)
+    values[7] = 1e6
+    assert np.exp(log_variance(values)) == pytest.approx(0.99 + 0.30, rel=1e-3)
+
+
+@pytest.mark.parametrize("values", [[], [0.0], [0.0] * 50])
+def test_nothing_scatters_by_the_least(values: list[float]) -> None:
+    """Empty, a single block, and constant."""
+    assert log_variance(np.array(values)) == pytest.approx(NOTHING)
+
+
+@pytest.mark.parametrize("count", [1, 5, 20])
+def test_means_of_white_noise_scatter_less(count: int) -> None:
+    """Steps between means of n have a variance of 2 / n."""
+    steps = np.diff(block_means(white(0.3, count=40_000), count))
+    assert np.exp(log_variance(steps)) == pytest.approx(2.0 * 0.3**2 / count, rel=0.08)
+
+
+def test_means_are_of_whole_blocks() -> None:
+    """What is over at the end is left out."""
+    assert block_means(np.array([1.0, 3.0, 5.0, 9.0, 100.0]), 2).tolist() == [2.0, 7.0]
+    assert len(block_means(np.ones(3), 4)) == 0
+
+
+def test_a_step_in_the_middle_has_the_largest_sum() -> None:
+    """Of n blocks ±a, half of them each: n a / 2 over a √n."""
+    series = np.repeat([-1.0, 1.0], 200)
+    assert largest_sum(series) == pytest.approx(200.0 / np.sqrt(400.0), rel=0.003)
+
+
+def test_sums_of_white_noise_follow_kolmogorov() -> None:
+    """On average √(π/2) ln 2 = 0.87, less a little because blocks are discrete; 27 % go beyond 1."""
+    found = np.array([largest_sum(white(1.0, seed, 1000)) for seed in range(300)])
+    assert found.mean() == pytest.approx(0.87 - 0.58 / np.sqrt(1000.0), abs=0.05)
+    assert np.mean(found > 1.0) == pytest.approx(0.27, abs=0.08)
+
+
+def test_two_levels_have_the_kurtosis_of_a_coin() -> None:
+    """−2, where normal numbers have 0."""
+    levels = np.tile(np.repeat([-0.5, 0.5], 25), 20)
+    assert excess_kurtosis(levels) == pytest.approx(-2.0, abs=0.01)
+    assert excess_kurtosis(white(0.5, 3, 50_000)) == pytest.approx(0.0, abs=0.1)
+
+
+def test_jumps_have_a_higher_kurtosis_than_a_walk() -> None:
+    """Steps of a walk are normal: ln(1 + 3). One jump in n steps has a kurtosis of n."""
+    walk = np.cumsum(white(0.1, 5, 40_000)).repeat(4)
+    assert log_kurtosis_of_steps(walk) == pytest.approx(np.log(4.0), abs=0.05)
+    jump = np.repeat([0.0, 5.0], 204)
+    assert log_kurtosis_of_steps(jump) == pytest.approx(np.log1p(101.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(300)])
+def test_too_little_to_see_gives_numbers(values: np.ndarray) -> None:
+    """Empty, one block, and constant."""
+    assert largest_sum(values) == 0.0
+    assert np.isfinite(excess_kurtosis(values))

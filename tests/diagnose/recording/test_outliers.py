@@ -1,0 +1,105 @@
+"""Outliers of the rate and jumps of the angle: found with their size, taken out, and not seen where there are none."""
+
+import numpy as np
+import pytest
+from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded, white
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, step_of
+
+SIGMA = 0.05
+
+
+def seen(
+    spikes: dict[int, float] | None = None,
+    jumps: dict[int, float] | None = None,
+    sigma: float = SIGMA,
+    cpr: int = COUNTS_PER_TURN,
+) -> Cleaned:
+    """The worked-out motion with so much added to a sample of the rate, or to the angle from a sample on."""
+    rate_dps, angle_deg = TRUE_DPS + white(sigma), TRUE_DEG.copy()
+    for at, height in (spikes or {}).items():
+        rate_dps[at] += height
+    for at, height in (jumps or {}).items():
+        angle_deg[at:] += height
+    return cleaned(recorded(rate_dps, angle_deg, cpr))
+
+
+def test_nothing_is_found_in_noise() -> None:
+    """Nor on ramps between rest and motion."""
+    found = seen()
+    assert len(found.spikes_dps) == len(found.slips_deg) == 0
+    assert np.array_equal(found.rate_dps, TRUE_DPS + white(SIGMA))
+
+
+def test_outliers_are_found_with_their_size() -> None:
+    """Of either sign, at rest and turning fast, to a few standard deviations of the noise."""
+    found = seen(spikes={1000: 5.0, 9000: -12.0, 15_000: 30.0})
+    assert found.spikes_dps == pytest.approx([5.0, -12.0, 30.0], abs=4.0 * SIGMA)
+    assert np.abs(found.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
+
+
+def test_an_outlier_is_filled_by_its_neighbours() -> None:
+    """A straight line across it."""
+    found = seen(spikes={1000: 5.0})
+    assert found.rate_dps[1000] == pytest.approx(0.5 * (found.rate_dps[999] + found.rate_dps[1001]))
+
+
+def test_jumps_are_found_with_their_size() -> None:
+    """Of either sign, and taken back; they are no outliers of the rate."""
+    found = seen(jumps={2000: 0.2, 9000: -0.3, 15_000: 0.05})
+    assert found.slips_deg == pytest.approx([0.2, -0.3, 0.05], abs=0.005)
+    assert np.abs(found.encoder_deg - TRUE_DEG).max() < 0.01
+    assert len(found.spikes_dps) == 0
+
+
+def test_steps_of_a_coarse_encoder_are_no_jumps() -> None:
+    """Half a degree a step, at 20 and at 90 deg/s."""
+    found = seen(cpr=720)
+    assert len(found.slips_deg) == 0
+    assert found.step_deg == pytest.approx(0.5)
+    assert found.is_coarse
+    assert not seen().is_coarse
+
+
+def test_holes_are_filled_before_anything_is_looked_for() -> None:
+    """And none of them is an outlier."""
+    rate_dps = TRUE_DPS + white(SIGMA)
+    rate_dps[5000:5003] = np.nan
+    found = cleaned(recorded(rate_dps))
+    assert np.isfinite(found.rate_dps).all()
+    assert len(found.spikes_dps) == 0
+
+
+@pytest.mark.parametrize("count", [10, 100, 20_000])
+def test_a_constant_has_no_outliers(count: int) -> None:
+    """Nor has a recording of ten samples."""
+    found = cleaned(recorded(np.zeros(count), np.zeros(count)))
+    assert len(found.spikes_dps) == len(found.slips_deg) == 0
+    assert found.step_deg == 0.0
+
+
+@pytest.mark.parametrize("step", [0.25, 0.07, 2.0])
+def test_steps_are_read_off_the_values(step: float) -> None:
+    """Of those that lie densely."""
+    values = np.round(white(20.0 * step, 3, 4000) / step) * step
+    assert granularity(values) == pytest.approx(step)
+    assert step_of(values) == pytest.approx(step)
+
+
+def test_a_step_between_two_levels_is_their_mean() -> None:
+    """Steps of 0.025 that are written as 0.02 and 0.03 alike."""
+    values = np.round(np.arange(-40.0, 41.0) * 0.025 + 1e-6, 2)
+    assert granularity(values) == pytest.approx(0.02)
+    assert step_of(values) == pytest.approx(0.025, rel=0.02)
+
+
+@pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(5), np.full(3, np.nan)])
+def test_one_value_has_no_step(values: Floats) -> None:
+    """Nor has none."""
+    assert granularity(values) == step_of(values) == 0.0
+
+
+def test_times_are_those_of_the_recording() -> None:
+    """Cleaning changes no length."""
+    assert len(seen().rate_dps) == len(seen().encoder_deg) == len(T_S)
