@@ -26,6 +26,7 @@ from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.diagnose.simulate.yaw_impact import YawImpact
+from gyrodrift.simulation.sessions import rig_yaml
 
 SESSIONS, SECONDS = 2, 180
 SCALED: Amounts = {"rate": 10.0, "rate_cubed": 5.5}
@@ -63,10 +64,10 @@ def diagnosis(away: Amounts) -> Diagnosis:
         next_step="Record more sessions: with three and more the fit can be checked.",
         seconds=12.5,
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
-        rig=rig.model_copy(update={"effects": (*rig.effects, *effects)}),
+        rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
         ranking=ranking(surrogate, causes),
         lookalikes=lookalikes(surrogate.evidence),
-        features=feature_comparisons_of(surrogate, causes, none, [_design()] * SESSIONS),
+        features=feature_comparisons_of(surrogate, causes, none, [design()] * SESSIONS),
         residuals=_residuals(),
     )
 
@@ -75,7 +76,7 @@ def _row(away: Amounts) -> Floats:
     return np.array([away.get(feature.name, 0.0) for feature in FEATURES])
 
 
-def _design() -> DesignMatrix:
+def design() -> DesignMatrix:
     """As far as a comparison of features asks for it: how long its bases are."""
     one = SimpleNamespace(
         static=SimpleNamespace(vectors=np.zeros((SECONDS, len(COLUMNS)))),
@@ -104,7 +105,7 @@ def _residuals() -> ResidualChecks:
     noise_dps = rng.normal(0.0, 0.01, (SESSIONS, 4, SECONDS))
     hz = np.geomspace(0.01, 40.0, 30)
     spectra = Spectra(hz, np.full(30, 3.0), np.full(30, 2.0), np.full(30, 1.0))
-    minutes = (np.arange(SECONDS) + 0.5) / 60.0
+    minutes = np.arange(0.5, SECONDS, dtype=np.float64) / 60.0
     sessions = tuple(
         ResidualSeries(
             number=number + 1,
@@ -131,6 +132,18 @@ def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> D
         np.concatenate([getattr(one, f"{column}_dps") for one in sessions])[order]
         for column in ("real", "before", "after", "left")
     )
-    lines = (medians(x[order], values) for values in (real, before, after, left))
-    follows = shape_dps(x[order], real - before), shape_dps(x[order], left)
-    return Dependence(name, "deg/s", 1e-4, x[order], real, left, *lines, *follows)
+    x = x[order]
+    return Dependence(
+        name=name,
+        unit="deg/s",
+        slack=1e-4,
+        x=x,
+        real_dps=real,
+        left_dps=left,
+        real=medians(x, real),
+        before=medians(x, before),
+        after=medians(x, after),
+        left=medians(x, left),
+        follows_before_dps=shape_dps(x, real - before),
+        follows_dps=shape_dps(x, left),
+    )

@@ -33,6 +33,7 @@ from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import change_of
 from gyrodrift.diagnose.simulate.yaw_impact import yaw_impact_of
 from gyrodrift.errors import DataError
+from gyrodrift.simulation.sessions import rig_yaml
 
 ENOUGH_SESSIONS = 3
 """With two, sizes are fitted on one alone."""
@@ -100,7 +101,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         next_step=_next(verdict, simulated.untestable, recordings),
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
-        rig=asked.rig.model_copy(update={"effects": (*asked.rig.effects, *effects)}),
+        rig_yaml=rig_yaml(asked.rig.model_copy(update={"effects": (*asked.rig.effects, *effects)})),
         ranking=ranking(surrogate, inferred.causes),
         lookalikes=lookalikes(surrogate.evidence),
         features=feature_comparisons_of(surrogate, inferred.causes, without_causes, designs),
@@ -212,7 +213,7 @@ def _next(verdict: Verdict, untestable: Sequence[Untestable], recordings: Sequen
             f"Record with a device that sends more: {lacking.why} in these sessions, so that {lacking.effect} cannot "
             "be tested."
         )
-    if verdict.leftover:
-        worst = verdict.leftover[0]
+    if verdict.unexplained:
+        worst = verdict.unexplained[0]
         return f"Record more of what is left over ({worst.regime}: {worst.says}), at several speeds and temperatures."
     return "These sessions separate what they show; record again after the next change of the rig."

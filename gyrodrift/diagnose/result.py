@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from firmware_sim.rig import Rig
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import Alike, Ranked
@@ -57,8 +56,8 @@ class Diagnosis:
         What to record next, in a sentence.
     seconds
         What all of it took.
-    rig
-        The rig with the causes switched on at their fitted sizes.
+    rig_yaml
+        The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
     ranking, lookalikes
         The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
     features
@@ -78,7 +77,7 @@ class Diagnosis:
     next_step: str
     seconds: float
     sessions: tuple[DiagnosedSession, ...]
-    rig: Rig
+    rig_yaml: str
     ranking: tuple[Ranked, ...]
     lookalikes: tuple[Alike, ...]
     features: tuple[FeatureComparison, ...] = field(repr=False)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated, without
 from gyrodrift.diagnose.inference.search import SearchResult, with_one_more
@@ -24,6 +23,7 @@ class Rival:
 
     name: str
     behind: float
+    is_out_of_catalogue: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +41,7 @@ class Alternatives:
     @property
     def tied_with(self) -> tuple[str, ...]:
         """Effects of the catalogue that do as well."""
-        return tuple(one.name for one in self.rivals if one.behind > -TIED and one.name in CATALOGUE)
+        return tuple(one.name for one in self.rivals if one.behind > -TIED and not one.is_out_of_catalogue)
 
     @property
     def rival_weight(self) -> float:
@@ -79,5 +79,5 @@ def _rivals(
         wide = max(TIED, TIED_SHARE * lost) if rival.candidate.group == group else TIED
         behind = min(one.total - found.total, 0.0) * TIED / wide
         if rival.name not in taken and behind > -FAR_BEHIND * TIED:
-            rivals.append(Rival(rival.name, behind))
+            rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue))
     return tuple(rivals), surrogate

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN, gains_of
 from gyrodrift.diagnose.inference.deviations import STANDS_OUT, explained_share, pooled_z
@@ -50,7 +49,7 @@ class Alike:
 
 def ranking(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple[Ranked, ...]:
     """Effects of the catalogue, the best first."""
-    names = [name for name in surrogate.evidence.candidate_names() if name in CATALOGUE]
+    names = dict.fromkeys(response.candidate.name for response in _effects(surrogate.evidence))
     return tuple(sorted((_ranked(surrogate, causes, name) for name in names), key=lambda one: -one.gain))
 
 
@@ -88,8 +87,7 @@ def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
 
 def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:
     """Pairs of effects that these sessions hardly separate, the closest first."""
-    effects = [response for response in evidence.responses if response.candidate.name in CATALOGUE]
-    directions = [(response.candidate.name, _direction(evidence, response)) for response in effects]
+    directions = [(response.candidate.name, _direction(evidence, response)) for response in _effects(evidence)]
     closest: dict[tuple[str, str], float] = {}
     for number, (first, one) in enumerate(directions):
         for second, other in directions[number + 1 :]:
@@ -98,6 +96,11 @@ def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:
                 closest[first, second] = cosine
     pairs = sorted(closest.items(), key=lambda pair: -pair[1])
     return tuple(Alike(first, second, cosine) for (first, second), cosine in pairs)
+
+
+def _effects(evidence: Evidence) -> list[Response]:
+    """Of the catalogue."""
+    return [response for response in evidence.responses if not response.candidate.is_strange]
 
 
 def _direction(evidence: Evidence, response: Response) -> Floats:

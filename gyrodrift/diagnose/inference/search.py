@@ -119,7 +119,7 @@ def without_idle(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> t
 
 
 def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tuple[CauseSet, Surrogate]:
-    """The best single cause, or a pair that is worth its second cause beside it."""
+    """The best single cause, or a pair whose second cause passes beside it."""
     both, surrogate = pairs(surrogate, simulate)
     accepted = [pair for pair in both if passes_acceptance(surrogate, pair, single)]
     return max([single, *accepted], key=lambda one: one.total), surrogate

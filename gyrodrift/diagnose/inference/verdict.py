@@ -56,8 +56,8 @@ class NamedCause:
 class Verdict:
     """All that is concluded.
 
-    where, leftover
-        What deviates before anything is added, and what is left unexplained after; the worst first.
+    where, unexplained
+        What deviates before anything is added, and what still does after; the worst first.
     after_z
         (sessions, F) what held-out sessions leave unexplained.
     """
@@ -65,7 +65,7 @@ class Verdict:
     kind: Kind
     causes: tuple[NamedCause, ...]
     where: tuple[Deviation, ...]
-    leftover: tuple[Deviation, ...]
+    unexplained: tuple[Deviation, ...]
     gap: SimToRealGap
     after_z: Floats = field(repr=False)
 
@@ -89,7 +89,7 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
         kind=kind,
         causes=causes,
         where=where,
-        leftover=unexplained if causes else where,
+        unexplained=unexplained if causes else where,
         gap=no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z if causes else evidence.z),
         after_z=after_z,
     )

@@ -1,4 +1,4 @@
-"""Where a bias jumps: change points of what is left of the rate error, by binary segmentation."""
+"""Change points of the bias: steps of what is unexplained of the rate error, by binary segmentation."""
 
 from itertools import pairwise
 from typing import NamedTuple

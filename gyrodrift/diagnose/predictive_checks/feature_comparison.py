@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
@@ -82,7 +81,7 @@ def _held_out_prediction(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple
     evidence = surrogate.evidence
     change, spread = np.zeros_like(evidence.difference), evidence.sigma.copy()
     for held_out in range(len(evidence.names) if causes else 0):
-        effects = [cause for cause in fitted_without(surrogate, causes, held_out) if cause.name in CATALOGUE]
+        effects = [cause for cause in fitted_without(surrogate, causes, held_out) if not cause.is_out_of_catalogue]
         mean, variance, discrepancy = surrogate.prediction(effects)
         change[held_out] = mean[held_out]
         spread[held_out] = np.sqrt(spread[held_out] ** 2 + (variance + discrepancy)[held_out])

@@ -26,8 +26,8 @@ def features(diagnosis: Diagnosis) -> str:
 def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
     """Every feature that deviates before or after, the worst before first."""
     verdict, by_name = diagnosis.verdict, {one.feature.name: one for one in diagnosis.features}
-    names = dict.fromkeys(one.feature for one in (*verdict.where, *verdict.leftover))
-    left = {one.feature: one.z for one in verdict.leftover}
+    names = dict.fromkeys(one.feature for one in (*verdict.where, *verdict.unexplained))
+    left = {one.feature: one.z for one in verdict.unexplained}
     return [replace(by_name[name], z_after=left.get(name, by_name[name].z_after)) for name in names]
 
 
@@ -53,14 +53,14 @@ def _nowhere(diagnosis: Diagnosis) -> str:
 
 def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
     has_causes = bool(diagnosis.verdict.causes)
-    after = ["left over", "share"] * has_causes
+    after = ["unexplained", "share"] * has_causes
     head = headings(["what it says", "times chance", "share", *after, "feature", "stage", "when"], words=3)
     caption = "Worst first. Share: of the squares of all deviations, each held at 20 times chance."
     return table(caption, head, [_row(diagnosis.verdict, one) for one in compared], words=3)
 
 
 def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
-    where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.leftover))
+    where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.unexplained))
     cells = [text(one.feature.says), deviates(one.z_before), where]
     if verdict.causes:
         after = deviates(one.z_after)

@@ -111,7 +111,7 @@ def _two(figure: Figure) -> tuple[Axes, Axes]:
 
 def _label_two(figure: Figure, x_label: str) -> None:
     above, below = figure.axes
-    for axes, label in ((above, "error, deg/s"), (below, "left over")):
+    for axes, label in ((above, "error, deg/s"), (below, "unexplained")):
         label_steps(axes.yaxis, 4)
         axes.set_ylabel(label)
     figure.align_ylabels([above, below])
@@ -171,7 +171,7 @@ def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: F
 
 
 def _smooth(values: Floats) -> Floats:
-    """Running medians, which leave jumps as sharp as they are."""
+    """Running medians, which leave steps as sharp as they are."""
     half = SMOOTH_SECONDS // 2
     padded = np.pad(values, half, mode="edge")
     smooth: Floats = np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTH_SECONDS), axis=1)

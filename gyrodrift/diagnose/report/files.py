@@ -10,7 +10,6 @@ from gyrodrift.diagnose.inference.deviations import Deviation
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
-from gyrodrift.simulation.sessions import rig_yaml
 
 SHOWN = 3
 
@@ -25,7 +24,7 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     """
     text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
     write_whole(folder / "gap.json", [text, "\n"])
-    write_whole(folder / "rig.yaml", [rig_yaml(diagnosis.rig)])
+    write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
 
 
 def content(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -35,7 +34,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": verdict.kind.value,
         "causes": [_cause(cause) for cause in verdict.causes],
         "where": [_deviation(one) for one in verdict.where],
-        "leftover": [_deviation(one) for one in verdict.leftover],
+        "leftover": [_deviation(one) for one in verdict.unexplained],
         "gap": asdict(verdict.gap),
         "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
@@ -97,8 +96,8 @@ def summary(diagnosis: Diagnosis) -> list[str]:
     lines += [f"  {said(cause)}" for cause in verdict.causes[:SHOWN]]
     if verdict.where:
         lines.append("where: " + "; ".join(f"{one.says} ({one.stage}, {one.regime})" for one in verdict.where[:SHOWN]))
-    if verdict.causes and verdict.leftover:
-        lines.append("left over: " + "; ".join(f"{one.says} ({one.stage})" for one in verdict.leftover[:SHOWN]))
+    if verdict.causes and verdict.unexplained:
+        lines.append("unexplained: " + "; ".join(f"{one.says} ({one.stage})" for one in verdict.unexplained[:SHOWN]))
     shrink = "" if gap.shrink is None else f", {100.0 * gap.shrink:.0f} % of what can be closed"
     gaps = f"{gap.before:.2f} before, {gap.after:.2f} after, {gap.floor:.2f} without one"
     judged = "held-out sessions" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
@@ -122,7 +121,7 @@ def headline(diagnosis: Diagnosis) -> str:
             return f"effect: the sessions differ from the simulator by {names}"
         case Kind.PARTLY:
             explain = "explains" if len(diagnosis.verdict.causes) == 1 else "explain"
-            return f"partly: {names} {explain} some of the difference, and something is left over"
+            return f"partly: {names} {explain} some of the difference, and something is unexplained"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator by something that none of its effects explains"
 

@@ -44,9 +44,9 @@ def _in_words(diagnosis: Diagnosis) -> list[str]:
     verdict = diagnosis.verdict
     said = [_where(diagnosis)]
     said += [_cause_words(diagnosis, cause) for cause in verdict.causes]
-    if verdict.causes and verdict.leftover:
-        left = "; ".join(text(one.says) for one in verdict.leftover[:WHERE])
-        said += [f"<b>Left over:</b> {left}. No effect of the simulator takes this away."]
+    if verdict.causes and verdict.unexplained:
+        left = "; ".join(text(one.says) for one in verdict.unexplained[:WHERE])
+        said += [f"<b>Unexplained:</b> {left}. No effect of the simulator takes this away."]
     if not verdict.causes and verdict.where:
         said += [NOTHING_NAMED]
     return said

@@ -54,5 +54,5 @@ def _rig_words(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict.kind is Kind.UNKNOWN:
         doubt = " It does not explain the recordings: do not rely on what is tuned with it."
     if diagnosis.verdict.kind is Kind.PARTLY:
-        doubt = " Something is left over, as said above: it is nearer to the real thing, and not the same."
+        doubt = " Something is unexplained, as said above: it is nearer to the real thing, and not the same."
     return f"<code>rig.yaml</code> beside this page is the rig with {names} switched on at the fitted size.{doubt}"

@@ -19,7 +19,7 @@ angle or direction, `features/design_matrix.py`."""
 CHANGE_POINTS_TOLD = 4
 RANDOM = (
     "Some of what is named is random: the simulator's realisation is not that of the real thing, so that the two agree "
-    "in kind and not second by second. What is left over below still holds it."
+    "in kind and not second by second. What is unexplained below still holds it."
 )
 
 
@@ -69,7 +69,7 @@ def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
     """On what the rate error depends more than the simulator's does."""
     left = sorted(((one.follows_dps, one.name) for one in every), reverse=True)
     told = [f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in left[:NAMED] if dps > NEGLIGIBLE_DPS]
-    what = "What is left over" if has_causes else "The difference"
+    what = "What is unexplained" if has_causes else "The difference"
     if not told:
         return f"<b>{what} depends on</b> nothing that is drawn here, by {NEGLIGIBLE_DPS:g} deg/s RMS or more."
     return f"<b>{what} depends on</b> {'; '.join(told)}. Each is taken by itself, the strongest first."
@@ -94,7 +94,7 @@ def _dps(value: float) -> str:
 
 def _time_words(*, has_causes: bool) -> str:
     return (
-        "<b>Rate error over time.</b> Medians of five seconds. Dotted: change points, where what is left over goes "
+        "<b>Rate error over time.</b> Medians of five seconds. Dotted: change points, where what is unexplained goes "
         f"from one level to another at once.<br/>{marks(has_causes=has_causes)}"
     )
 

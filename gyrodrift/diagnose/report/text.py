@@ -13,7 +13,7 @@ NAMES = ("recordings", "simulated before", "simulated after")
 """What is compared, in all figures and tables: before and after the causes are added to the rig."""
 
 REAL, BEFORE, AFTER = zip(("", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
-LEFT = ("two", "key", "left over")
+LEFT = ("two", "key", "unexplained")
 UNKNOWN = "–"
 """In the place of a number that there is not."""
 

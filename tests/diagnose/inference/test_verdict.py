@@ -40,7 +40,7 @@ def test_no_gap() -> None:
     """Nothing is named, nothing deviates, and there is nothing to close."""
     verdict = judged(evidence({"rate": 1.0}, RATE, DRIFT))
     assert verdict.kind is Kind.NONE
-    assert (verdict.causes, verdict.where, verdict.leftover) == ((), (), ())
+    assert (verdict.causes, verdict.where, verdict.unexplained) == ((), (), ())
     assert verdict.gap.shrink is None
     assert verdict.gap.before == verdict.gap.after
 
@@ -56,14 +56,14 @@ def test_a_cause_that_explains_all_is_the_effect() -> None:
     assert cause.probability > 0.9
     assert [one.feature for one in verdict.where] == ["rate"]
     assert verdict.where[0].z == pytest.approx(20.0)  # 10 in each of four sessions
-    assert verdict.leftover == ()
+    assert verdict.unexplained == ()
 
 
 def test_a_cause_that_leaves_something_explains_it_partly() -> None:
     """What is left is told, and lowers the probability."""
     verdict = judged(evidence({"rate": 10.0, "temperature_rate": 4.0}, RATE, DRIFT))
     assert verdict.kind is Kind.PARTLY
-    assert [one.feature for one in verdict.leftover] == ["temperature_rate"]
+    assert [one.feature for one in verdict.unexplained] == ["temperature_rate"]
     assert verdict.causes[0].probability < judged(evidence({"rate": 10.0}, RATE, DRIFT)).causes[0].probability
 
 
@@ -92,7 +92,7 @@ def test_what_no_effect_does_is_unknown() -> None:
     assert verdict.kind is Kind.UNKNOWN
     assert verdict.causes == ()
     assert [one.feature for one in verdict.where] == ["moving", "rate"]
-    assert verdict.leftover == verdict.where
+    assert verdict.unexplained == verdict.where
     assert sum(one.share for one in verdict.where) == pytest.approx(1.0)
     assert verdict.gap.after == verdict.gap.before
 
@@ -103,8 +103,8 @@ def test_what_no_effect_does_is_left_over_beside_a_cause() -> None:
     verdict = judged(evidence({"moving": 10.0, "rate": 10.0}, strange, RATE))
     assert verdict.kind is Kind.PARTLY
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
-    assert [one.feature for one in verdict.leftover] == ["moving"]
-    assert verdict.leftover[0].z > 15.0
+    assert [one.feature for one in verdict.unexplained] == ["moving"]
+    assert verdict.unexplained[0].z > 15.0
 
 
 def test_a_gap_that_nothing_explains_is_unknown() -> None:
@@ -112,7 +112,7 @@ def test_a_gap_that_nothing_explains_is_unknown() -> None:
     verdict = judged(evidence({"temperature": 10.0}, RATE, DRIFT))
     assert verdict.kind is Kind.UNKNOWN
     assert verdict.causes == ()
-    assert verdict.leftover == verdict.where
+    assert verdict.unexplained == verdict.where
 
 
 def test_a_profile_has_the_score_of_the_set_at_each_size() -> None:

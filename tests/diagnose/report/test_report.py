@@ -23,6 +23,7 @@ from gyrodrift.html.html import page
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.diagnose.report.features import features
+from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.page import report_html
 
 pytestmark = pytest.mark.xdist_group("diagnosis_report")
@@ -158,7 +159,7 @@ def test_where_there_is_no_gap_nothing_is_switched_on() -> None:
 
 def test_what_nothing_explains_is_placed_by_stage() -> None:
     """No effect is named."""
-    said = words(report_html(diagnosis({"temperature": 10.0}), OUT))
+    said = words(page("", [verdict(diagnosis({"temperature": 10.0}))]))
     assert "verdict: unknown" in said
     assert "Where it shows, by share environment 100 %" in said
     assert "none is named and none is switched on" in said
@@ -175,7 +176,7 @@ def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
 def test_a_linear_model_that_disagrees_is_a_warning(scaled: Diagnosis) -> None:
     """Before anything is believed."""
     linear = replace(scaled.linear_model, agrees=False, says="disagrees: it would name temp_bias")
-    said = words(report_html(replace(scaled, linear_model=linear), OUT))
+    said = words(page("", [verdict(replace(scaled, linear_model=linear))]))
     assert "Before believing it the linear model, by likelihood alone, disagrees: it would name temp_bias" in said
 
 
@@ -211,5 +212,5 @@ def test_the_summary_is_short(scaled: Diagnosis) -> None:
     """The verdict first, what to record next last."""
     lines = summary(scaled)
     assert len(lines) <= 10
-    assert lines[0] == "partly: scale_factor explains some of the difference, and something is left over"
+    assert lines[0] == "partly: scale_factor explains some of the difference, and something is unexplained"
     assert lines[-1] == f"next: {scaled.next_step}"
