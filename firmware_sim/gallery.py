@@ -109,6 +109,8 @@ SCENES = {
     "sample_drop": Scene("rest", 0.0, 10.0, TIME, DEVICE_STEP),
     "stale_hold": Scene("identify", 440.0, 441.5, TIME, RATE, line=".-"),
 }
+PLAIN = Scene("identify", 0.0, 594.0, TIME, ERROR, 50, "-")
+"""Of an effect that says best by itself what it does."""
 
 
 def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
@@ -130,7 +132,7 @@ def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
 
 def draw(effect: Effect, path: Path) -> None:
     """One picture: grey without the effect, red with it."""
-    scene, shipped = SCENES[effect.name], load_rig(None)
+    scene, shipped = SCENES.get(effect.name, PLAIN), load_rig(None)
     rig = shipped.model_copy(update={"base": shipped.base.model_copy(update={"bias_dps": 0.0})})
     figure, axes = plt.subplots(figsize=(4.2, 2.7), layout="constrained")
     for colour, shown in ((WITHOUT, rig), (WITH, with_effects(rig, [effect]))):

@@ -16,7 +16,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_sim.effects.catalogue import ORDER
+from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Act, Floats, Moments, Place
 from firmware_sim.rig import Rig
 
@@ -117,15 +117,15 @@ class _Bench:
         self._rate_hz = rig.base.sample_rate_hz
         self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
         twins: dict[str, int] = {}
-        for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
+        for effect in in_acting_order(rig.effects):
             twins[effect.name] = twins.get(effect.name, 0) + 1
-            rng = _generator(seed, session, crc32(effect.name.encode()), twins[effect.name])
-            self._acts[effect.place].append(effect.begin(rng, self._rate_hz))
+            stream = _random_stream(seed, session, crc32(effect.name.encode()), twins[effect.name])
+            self._acts[effect.place].append(effect.begin(stream, self._rate_hz))
         has_low_pass = bool(self._acts[Place.LOW_PASS])
         finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
         sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
-        noise = _generator(seed, session)
+        noise = _random_stream(seed, session)
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
@@ -187,6 +187,6 @@ class _Bench:
         return self._through(Place.HOLD, self._through(Place.OUTPUT, rate_dps, seen), seen)
 
 
-def _generator(seed: int, *branch: int) -> np.random.Generator:
+def _random_stream(seed: int, *branch: int) -> np.random.Generator:
     """A generator for one purpose, independent of those for all others."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=branch))

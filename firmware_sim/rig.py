@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, SerializeAsAny, WrapValidator
+from pydantic_core import PydanticKnownError
 
-from firmware_sim.effects.catalogue import CATALOGUE, AnyEffect
+from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.motion.profile import config_folder
 from firmware_sim.named import parse_named
@@ -40,6 +41,26 @@ class Base(Checked):
     bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
     encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MOST)] = 36000
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
+
+
+def _of_the_catalogue(value: Any, _: object) -> Effect:
+    """What a file says of an effect, as the effect of that name; pydantic's own union would not see later ones."""
+    if isinstance(value, Effect):
+        return value
+    if not isinstance(value, dict):
+        raise PydanticKnownError("model_attributes_type")
+    if "name" not in value:
+        raise PydanticKnownError("union_tag_not_found", {"discriminator": "'name'"})
+    name = value["name"]
+    if not isinstance(name, str) or name not in CATALOGUE:
+        known = ", ".join(map(repr, CATALOGUE))
+        raise PydanticKnownError(
+            "union_tag_invalid", {"discriminator": "'name'", "tag": str(name), "expected_tags": known}
+        )
+    return CATALOGUE[name].model_validate(value)
+
+
+AnyEffect = Annotated[SerializeAsAny[Effect], WrapValidator(_of_the_catalogue)]
 
 
 class Rig(Checked):

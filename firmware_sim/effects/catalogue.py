@@ -1,65 +1,85 @@
-"""All effects by name, in the order of their stages."""
+"""All effects by name: one entry here, and rig files, command lines and the gallery know an effect.
 
-from typing import Annotated
+The order matters: within a place effects act as they are listed, however a rig file lists them.
+"""
 
-from pydantic import Field
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import TypeVar
 
+from firmware_sim.effects import encoder, environment, link
+from firmware_sim.effects import sensor_bias as bias
+from firmware_sim.effects import sensor_curve as curve
+from firmware_sim.effects import sensor_dynamics as dynamics
+from firmware_sim.effects import sensor_readout as readout
 from firmware_sim.effects.effect import Effect
-from firmware_sim.effects.encoder import Backlash, EncoderEccentricity, EncoderQuantization, EncoderSlip
-from firmware_sim.effects.environment import TempBias, TempScale, Warmup
-from firmware_sim.effects.link import ClockDrift, SampleDrop, TimestampJitter, UsbBatching
-from firmware_sim.effects.sensor_bias import (
-    BiasInstability,
-    GSensitivity,
-    Popcorn,
-    RateRandomWalk,
-    VibrationRectification,
-)
-from firmware_sim.effects.sensor_curve import (
-    Deadband,
-    Nonlinearity,
-    Quantization,
-    Saturation,
-    ScaleAsymmetry,
-    ScaleFactor,
-)
-from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency, Vibration
-from firmware_sim.effects.sensor_readout import Spikes, StaleHold
 
-AnyEffect = Annotated[
-    ScaleFactor
-    | ScaleAsymmetry
-    | Nonlinearity
-    | Deadband
-    | Saturation
-    | Quantization
-    | Bandwidth
-    | Latency
-    | BiasInstability
-    | RateRandomWalk
-    | Popcorn
-    | Spikes
-    | Vibration
-    | VibrationRectification
-    | GSensitivity
-    | TempBias
-    | TempScale
-    | Warmup
-    | EncoderEccentricity
-    | EncoderSlip
-    | EncoderQuantization
-    | Backlash
-    | ClockDrift
-    | TimestampJitter
-    | UsbBatching
-    | SampleDrop
-    | StaleHold,
-    Field(discriminator="name"),
-]
+Kind = TypeVar("Kind", bound=Effect)
 
-_UNION = AnyEffect.__origin__  # type: ignore[attr-defined]  # the union inside Annotated
-CATALOGUE: dict[str, type[Effect]] = {kind.model_fields["name"].default: kind for kind in _UNION.__args__}
-"""Class by name."""
+_KINDS: dict[str, type[Effect]] = {}
 
-ORDER = {name: place for place, name in enumerate(CATALOGUE)}
-"""Within one place effects act in this order, however a rig file lists them."""
+CATALOGUE: Mapping[str, type[Effect]] = MappingProxyType(_KINDS)
+"""Class by name; a view that shows what is registered later too."""
+
+
+def register(kind: type[Kind]) -> type[Kind]:
+    """Add an effect behind all others; as a decorator of its class where that stands outside of this package.
+
+    Raises
+    ------
+    ValueError
+        Where another effect has the name.
+    """
+    name = name_of(kind)
+    if name in _KINDS:
+        raise ValueError(f"{kind.__name__}: there is an effect {name!r} already, {_KINDS[name].__name__}")
+    _KINDS[name] = kind
+    return kind
+
+
+def unregister(name: str) -> None:
+    """Take an effect away again, as a test does with one of its own."""
+    del _KINDS[name]
+
+
+def name_of(kind: type[Effect]) -> str:
+    """The name that a rig file states."""
+    return str(kind.model_fields["name"].default)
+
+
+def in_acting_order(effects: Sequence[Effect]) -> list[Effect]:
+    """Effects in the order of the catalogue; those of one kind stay as they are listed."""
+    order = {name: number for number, name in enumerate(_KINDS)}
+    return sorted(effects, key=lambda effect: order[effect.name])
+
+
+for _kind in (
+    curve.ScaleFactor,
+    curve.ScaleAsymmetry,
+    curve.Nonlinearity,
+    curve.Deadband,
+    curve.Saturation,
+    curve.Quantization,
+    dynamics.Bandwidth,
+    dynamics.Latency,
+    bias.BiasInstability,
+    bias.RateRandomWalk,
+    bias.Popcorn,
+    readout.Spikes,
+    dynamics.Vibration,
+    bias.VibrationRectification,
+    bias.GSensitivity,
+    environment.TempBias,
+    environment.TempScale,
+    environment.Warmup,
+    encoder.EncoderEccentricity,
+    encoder.EncoderSlip,
+    encoder.EncoderQuantization,
+    encoder.Backlash,
+    link.ClockDrift,
+    link.TimestampJitter,
+    link.UsbBatching,
+    link.SampleDrop,
+    readout.StaleHold,
+):
+    register(_kind)

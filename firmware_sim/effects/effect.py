@@ -1,8 +1,8 @@
 """What an effect is: parameters with bounds and units, a place where it acts, and an act on blocks of numbers.
 
 An effect is a value that a rig file states. `begin` gives its act for one session, with whatever state the act
-carries from block to block, and a random generator of its own: switching one effect on leaves the dice of the
-others as they were.
+carries from block to block, and a random generator of its own: switching one effect on leaves the
+realisations of the others as they were.
 """
 
 from collections.abc import Callable

@@ -25,8 +25,8 @@ class Spikes(Effect):
         """Independent from sample to sample; one draw decides whether and which way."""
 
         def act(rate: Floats, _: Moments) -> Floats:
-            dice, half = rng.random(len(rate)), self.share_percent / 200.0
-            return rate + self.height_dps * ((dice < half).astype(np.float64) - (dice > 1.0 - half))
+            draws, half = rng.random(len(rate)), self.share_percent / 200.0
+            return rate + self.height_dps * ((draws < half).astype(np.float64) - (draws > 1.0 - half))
 
         return act
 

@@ -13,7 +13,8 @@ from pydantic import Field, model_validator
 
 from firmware_sim.effects.effect import Floats
 from firmware_sim.effects.environment import sensor_temperature_c
-from firmware_sim.motion.segments import Chirp, Drive, Hold, Multisine, Ramp, Rest, Sine, Steps
+from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest, Sine, Steps
+from firmware_sim.motion.waves import Chirp, Multisine
 from firmware_sim.yaml_file import Checked, FileError, load
 
 Segment = Annotated[Rest | Ramp | Hold | Steps | Sine | Chirp | Multisine | Drive, Field(discriminator="kind")]

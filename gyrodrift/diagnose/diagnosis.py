@@ -1,8 +1,8 @@
-"""The whole of it: sessions and a rig in, a verdict out."""
+"""The whole of it: sessions and a rig in, a verdict with all that it rests on out."""
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,50 +11,32 @@ import numpy as np
 from firmware_sim.measure import COUNTS_MOST
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.vector import measure
-from gyrodrift.diagnose.inference.evidence import evidence_of
-from gyrodrift.diagnose.inference.linear_model import SecondOpinion, second_opinion
-from gyrodrift.diagnose.inference.search import Attribution, Cause, Found
-from gyrodrift.diagnose.inference.verdict import Verdict, detectable, verdict_of
-from gyrodrift.diagnose.inference.yaw_impact import Worth, worth_of
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.detectable import detectable
+from gyrodrift.diagnose.inference.linear_model import linear_model_of
+from gyrodrift.diagnose.inference.pooling import evidence_of
+from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.search import search
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.verdict import Verdict, verdict_of
+from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
+from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
 from gyrodrift.diagnose.recording.recording import Recording
-from gyrodrift.diagnose.simulate.candidates import Candidate, candidates
-from gyrodrift.diagnose.simulate.responses import ResponseTable, hints_of
-from gyrodrift.diagnose.simulate.tables import SessionTask, gathered, passed
+from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
+from gyrodrift.diagnose.simulate.distribute import SimulationPlan, checked_recording, response_tables
+from gyrodrift.diagnose.simulate.hints import hints_of
+from gyrodrift.diagnose.simulate.responses import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.diagnose.simulate.whole_set import change_of
+from gyrodrift.diagnose.simulate.yaw_impact import yaw_impact_of
 from gyrodrift.errors import DataError
+from gyrodrift.simulation.sessions import rig_yaml
 
-RUNS_OF_CHANCE = 4
-"""Throws of the dice of an effect in which chance plays a part."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Drawn:
-    """What the report draws from: sessions and their tables in the same order, the search over causes and its end."""
-
-    subjects: tuple[Subject, ...]
-    tables: tuple[ResponseTable, ...]
-    attribution: Attribution
-    found: Found
-    withheld: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Diagnosis:
-    """Everything that is reported."""
-
-    verdict: Verdict
-    second: SecondOpinion
-    worth: Worth
-    remarks: tuple[str, ...]
-    untestable: dict[str, str]
-    detectable: dict[str, dict[str, float | str]]
-    calibration: dict[str, dict[str, float]]
-    next: str
-    seconds: float
-    sessions: tuple[str, ...]
-    rig: Rig
-    drawn: Drawn = field(repr=False)
+ENOUGH_SESSIONS = 3
+"""With two, sizes are fitted on one alone."""
 
 
 class DiagnosisRequest(NamedTuple):
@@ -68,6 +50,27 @@ class DiagnosisRequest(NamedTuple):
     progress: Callable[[str, int, int], None]
 
 
+class Simulated(NamedTuple):
+    """Everything that the sessions and the rig give to go on.
+
+    tried
+        Candidates of which the sessions can speak, and that are not withheld.
+    """
+
+    subjects: list[Subject]
+    tables: tuple[ResponseTable, ...]
+    tried: list[Candidate]
+    untestable: tuple[Untestable, ...]
+
+
+class Inferred(NamedTuple):
+    """What follows from that, and the surrogate with all that was simulated on the way."""
+
+    verdict: Verdict
+    causes: tuple[Cause, ...]
+    surrogate: Surrogate
+
+
 def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     """Explain the gap between a rig and recordings.
 
@@ -78,45 +81,64 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     """
     begun_s = time.monotonic()
     paths, recordings, remarks = _recordings(asked.paths)
-    remarks += _beyond_the_rig(recordings, asked.rig.base)
-    subjects = [subject_of(recording, asked.rig) for recording in recordings]
-    hints = hints_of([(subject.seen, subject) for subject in subjects])
-    tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
-    names = frozenset(candidate.name for candidate in tried)
-    works = [SessionTask(path.resolve(), asked.rig, hints, names) for path in paths]
-    tables = gathered(works, asked.jobs, asked.cluster, asked.progress)
-    evidence = evidence_of(tables, tried)
-    attribution = Attribution(evidence, lambda causes: _simulated(causes, subjects, tables))
-    found = attribution.search()
-    verdict = verdict_of(attribution, found)
-    worth = worth_of(subjects, tuple(cause.effect for cause in verdict.causes))
-    if len(recordings) == 1:
-        remarks.append(
-            "one session only: nothing could be kept apart from the fit, so that all of this is its own judge"
-        )
-    return Diagnosis(
+    remarks += _limits(recordings, asked.rig.base)
+    simulated = _simulated(asked, paths, recordings)
+    inferred = _inferred(simulated)
+    verdict, surrogate, subjects = inferred.verdict, inferred.surrogate, simulated.subjects
+    effects = tuple(cause.effect for cause in verdict.causes)
+    designs = [subject.design for subject in subjects]
+    residuals_dps = [block_residual_dps(subject.seen, subject.design) for subject in subjects]
+    without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
+    result = Diagnosis(
         verdict=verdict,
-        second=second_opinion(subjects, verdict),
-        worth=worth,
+        linear_model=linear_model_of(residuals_dps, designs, verdict.causes),
+        yaw_impact=yaw_impact_of(subjects, effects),
         remarks=tuple(remarks),
-        untestable=untestable,
-        detectable=detectable(attribution),
+        untestable=simulated.untestable,
+        withheld=tuple(sorted(asked.withheld)),
+        detectable=detectable(surrogate.evidence),
         calibration=_calibration(asked.rig.base, subjects),
-        next=_next(verdict, untestable, recordings),
-        seconds=time.monotonic() - begun_s,
-        sessions=tuple(recording.name for recording in recordings),
-        rig=asked.rig.model_copy(update={"effects": (*asked.rig.effects, *(cause.effect for cause in verdict.causes))}),
-        drawn=Drawn(tuple(subjects), tuple(tables), attribution, found, tuple(sorted(asked.withheld))),
+        next_step=_next(verdict, simulated.untestable, recordings),
+        seconds=0.0,
+        sessions=tuple(_session(subject) for subject in subjects),
+        rig_yaml=rig_yaml(asked.rig.model_copy(update={"effects": (*asked.rig.effects, *effects)})),
+        ranking=ranking(surrogate, inferred.causes),
+        lookalikes=lookalikes(surrogate.evidence),
+        features=feature_comparisons_of(surrogate, inferred.causes, without_causes, designs),
+        residuals=residual_checks_of(subjects, verdict.causes),
     )
+    return replace(result, seconds=time.monotonic() - begun_s)
+
+
+def _simulated(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Sequence[Recording]) -> Simulated:
+    """Calibrate the rig to each session, and work out the responses of all candidates in each."""
+    subjects = [subject_of(recording, asked.rig) for recording in recordings]
+    hints = hints_of(subjects)
+    tried, untestable = _testable(candidates(hints), recordings, asked.withheld)
+    plan = SimulationPlan(tuple(paths), tuple(subjects), asked.rig, hints, tuple(tried))
+    tables = response_tables(plan, asked.jobs, asked.cluster, asked.progress)
+    return Simulated(subjects, tables, tried, untestable)
+
+
+def _inferred(simulated: Simulated) -> Inferred:
+    """Search for causes, see what else there is to each, and judge."""
+
+    def simulate(causes: Sequence[Cause]) -> Floats:
+        sized = [(cause.candidate, cause.size) for cause in causes]
+        return change_of(sized, simulated.subjects, simulated.tables)
+
+    result = search(evidence_of(simulated.tables, simulated.tried), simulate)
+    alternatives, surrogate = alternatives_of(result, simulate)
+    return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
 
 
 def _recordings(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], list[str]]:
-    """Those that came through the gates, with their paths, and what is to be said of all."""
+    """Those that passed the recording checks, with their paths, and what is to be said of all."""
     paths: list[Path] = []
     recordings: list[Recording] = []
     remarks: list[str] = []
     for path in asked:
-        one = passed(path)
+        one = checked_recording(path)
         remarks += one.remarks
         if one.recording is not None:
             paths.append(path)
@@ -126,19 +148,22 @@ def _recordings(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], lis
     return paths, recordings, remarks
 
 
-def _beyond_the_rig(recordings: Sequence[Recording], base: Base) -> list[str]:
-    """Rates that the rig cannot put out: its own would be clipped."""
+def _limits(recordings: Sequence[Recording], base: Base) -> list[str]:
+    """What cannot be right or cannot be checked: rates that the rig would clip, a fit that nothing was held out of."""
+    remarks = []
     most_dps = COUNTS_MOST * base.dps_per_lsb
     largest_dps = max(float(np.nanmax(np.abs(recording.rate_dps))) for recording in recordings)
-    if largest_dps <= most_dps:
-        return []
-    holds = f"16 bits of {base.dps_per_lsb:g} deg/s hold {most_dps:.3g} deg/s"
-    return [f"the sessions reach {largest_dps:.3g} deg/s, and {holds}: is the rig's dps_per_lsb right?"]
+    if largest_dps > most_dps:
+        holds = f"16 bits of {base.dps_per_lsb:g} deg/s hold {most_dps:.3g} deg/s"
+        remarks.append(f"the sessions reach {largest_dps:.3g} deg/s, and {holds}: is the rig's dps_per_lsb right?")
+    if len(recordings) == 1:
+        remarks.append("one session only: nothing could be held out from the fit, so that all of this is its own judge")
+    return remarks
 
 
 def _testable(
     every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str]
-) -> tuple[list[Candidate], dict[str, str]]:
+) -> tuple[list[Candidate], tuple[Untestable, ...]]:
     """Candidates that the recordings can speak of; those they cannot, with why."""
     lacking = {
         "motion": ("no motion", not any(recording.moves for recording in recordings)),
@@ -146,71 +171,49 @@ def _testable(
         "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
         "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
     }
-    untestable = {
-        candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]
-    }
-    tried = [c for c in every if c.name not in untestable and c.name not in withheld]
-    return tried, untestable
+    why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
+    tried = [c for c in every if c.name not in why and c.name not in withheld]
+    return tried, tuple(Untestable(name, reason) for name, reason in why.items())
 
 
-def _simulated(causes: Sequence[Cause], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> Floats:
-    """(sessions, F) what a whole set of causes does to the features."""
-    effects = tuple(cause.answer.candidate.make(cause.size) for cause in causes if not cause.is_strange)
-    share = float(np.prod([cause.answer.candidate.noise_share for cause in causes]))
-    runs = 1 if all(cause.answer.candidate.dice == 1 for cause in causes) else RUNS_OF_CHANCE
-
-    def played(subject: Subject, seed: int) -> Floats:
-        seen = subject.with_noise(share).replayed(effects, seed)
-        for cause in causes:
-            if cause.answer.candidate.shape is not None:
-                seen = subject.with_shape(cause.answer.candidate.shape, cause.size, seed, seen)
-        return measure(seen, subject.design, subject.facts).values
-
-    changes = [
-        np.mean([played(subject, seed) - table.runs[seed] for seed in range(runs)], axis=0)
-        for subject, table in zip(subjects, tables, strict=True)
-    ]
-    return np.array(changes)
+def _session(subject: Subject) -> DiagnosedSession:
+    recording, base = subject.seen.recording, subject.rig.base
+    return DiagnosedSession(
+        name=recording.name,
+        minutes=recording.seconds / 60.0,
+        sample_rate_hz=1.0 / recording.period_s,
+        bias_dps=base.bias_dps,
+        noise_dps_rthz=base.noise_dps_rthz,
+        has_host_times=recording.host_s is not None,
+        has_temperature=recording.temp_c is not None,
+        has_counter=recording.has_counter,
+    )
 
 
-def _calibration(base: Base, subjects: Sequence[Subject]) -> dict[str, dict[str, float]]:
-    """Base values of the rig beside those of the data: middle over sessions, and least and most."""
-    found = {}
+def _calibration(base: Base, subjects: Sequence[Subject]) -> tuple[BaseValue, ...]:
+    """What is fitted to each session before anything is compared."""
+    found = []
     for name in ("sample_rate_hz", "noise_dps_rthz", "bias_dps"):
         values = [float(getattr(subject.rig.base, name)) for subject in subjects]
-        middle = float(np.median(values))
-        found[name] = {"rig": float(getattr(base, name)), "data": middle, "low": min(values), "high": max(values)}
-    return found
+        found.append(BaseValue(name, getattr(base, name), float(np.median(values)), min(values), max(values)))
+    return tuple(found)
 
 
-def _next(verdict: Verdict, untestable: dict[str, str], recordings: Sequence[Recording]) -> str:
+def _next(verdict: Verdict, untestable: Sequence[Untestable], recordings: Sequence[Recording]) -> str:
     """One sentence."""
     tied = [cause for cause in verdict.causes if cause.tied_with]
     if tied:
         names = ", ".join([tied[0].effect.name, *tied[0].tied_with])
-        return f"To tell {names} apart, {SEPARATED_BY.get(tied[0].group, RICHER)}."
+        return f"To tell {names} apart, {KINDS[tied[0].effect.name].looks_like.separated_by}."
     if len(recordings) < ENOUGH_SESSIONS:
         return "Record more sessions: with three and more the fit can be checked on what it has not seen."
     if untestable:
-        name, why = next(iter(untestable.items()))
-        return f"Record with a device that sends more: {why} in these sessions, so that {name} cannot be tested."
-    if verdict.leftover:
-        odd = verdict.leftover[0]
-        return f"Record more of what is left over ({odd.regime}: {odd.says}), at several speeds and temperatures."
+        lacking = untestable[0]
+        return (
+            f"Record with a device that sends more: {lacking.why} in these sessions, so that {lacking.effect} cannot "
+            "be tested."
+        )
+    if verdict.unexplained:
+        worst = verdict.unexplained[0]
+        return f"Record more of what is left over ({worst.regime}: {worst.says}), at several speeds and temperatures."
     return "These sessions separate what they show; record again after the next change of the rig."
-
-
-ENOUGH_SESSIONS = 3
-RICHER = "record other speeds, both directions and longer rests"
-SEPARATED_BY = {
-    "scale": "record with host times, and an index pulse on the encoder",
-    "slow bias": "heat and cool within one session, and switch the power off and on between sessions",
-    "lag": "play a chirp or multisine up to half the sample rate, and a minute at rest",
-    "stochastic bias": "record longer stills, an hour or more",
-    "even in rate": "turn at several speeds in both directions",
-    "once per turn": "make whole turns at two very different speeds",
-    "times": "keep the raw bytes with their arrival times",
-    "coarse values": "play a slow ramp through zero, and rest",
-    "outliers": "record longer, until a few more of them have come",
-    "reversal": "reverse sharply and often, at several speeds",
-}

@@ -13,8 +13,7 @@ from zlib import crc32
 
 import numpy as np
 
-from firmware_sim.effects.catalogue import AnyEffect
-from firmware_sim.effects.effect import Floats, Rng
+from firmware_sim.effects.effect import Effect, Floats, Rng
 from firmware_sim.effects.environment import TempBias, Warmup
 from firmware_sim.effects.link import SampleDrop
 from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
@@ -49,7 +48,10 @@ FLOOR_DPH = (4.0, 40.0)
 MOVES_DPS = 1.0
 """What counts as moving where a drive is entered on its way."""
 
-Effects = Callable[[Rng], Sequence[AnyEffect]]
+Motions = Callable[[Rng, float], tuple[Segment, ...]]
+"""Segments of at least so many seconds, the first of which sets out from rest."""
+
+Effects = Callable[[Rng], Sequence[Effect]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cluster_support import cluster
+from page_support import parsed, row, words
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.motion.profile import load_profile
@@ -16,14 +17,18 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = pytest.mark.timeout(600)
+pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("diagnose_command")]
 
-MINUTES = 4.0
+MINUTES = 2.0
 
 
-KEPT = ("scale_factor", "scale_asymmetry", "warmup", "popcorn", "timestamp_jitter")
-FEW = tuple(word for name in CATALOGUE if name not in KEPT for word in ("--withhold", name))
-"""Quicker, where it is not the choice among all effects that is tested."""
+def only(*kept: str) -> tuple[str, ...]:
+    """Options that leave these effects: quicker, where it is not the choice among all that is tested."""
+    return tuple(word for name in CATALOGUE if name not in kept for word in ("--withhold", name))
+
+
+FEW = only("scale_factor", "scale_asymmetry", "warmup", "popcorn", "timestamp_jitter")
+ONE = only("scale_factor")
 
 
 def record(folder: Path, *effects: str, sessions: int = 3) -> Path:
@@ -41,7 +46,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of one whose gyro reads 1.2 % too much."""
+    """Sessions of a gyro that reads 1.2 % too much."""
     return record(tmp_path_factory.mktemp("scaled"), "scale_factor:error_percent=1.2")
 
 
@@ -49,6 +54,12 @@ def diagnosed(sessions: Path, out: Path, *options: str) -> dict[str, Any]:
     assert main(["diagnose", str(sessions), "--out", str(out), "--jobs", "1", *options]) == 0
     found: dict[str, Any] = json.loads((out / "gap.json").read_text())
     return found
+
+
+def charts(out: Path) -> list[str]:
+    """What stands beside each figure of a report."""
+    html = (out / "report.html").read_text()
+    return ["".join(one.itertext()) for one in parsed(html).iter("div") if one.get("class") == "panel"]
 
 
 def test_a_missing_effect_is_named_sized_and_closes_the_gap(
@@ -67,14 +78,17 @@ def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     assert cause["probability"] > 0.9
     assert gap["where"][0]["signature"] == "rate"
     assert gap["gap"]["shrink"] > 0.8
-    assert gap["second_opinion"]["effect"] == "scale_factor"
-    assert gap["second_opinion"]["value"] == pytest.approx(1.2, rel=0.02)
-    assert gap["second_opinion"]["agrees"]
+    assert gap["linear_model"]["effect"] == "scale_factor"
+    assert gap["linear_model"]["value"] == pytest.approx(1.2, rel=0.02)
+    assert gap["linear_model"]["agrees"]
     assert gap["yaw"]["e_sim_after_deg"] == pytest.approx(gap["yaw"]["e_real_deg"], rel=0.3)
     assert said[0] == "effect: the sessions differ from the simulator by scale_factor"
     assert len(said) <= 10
     again = with_effects(load_rig(tmp_path / "out" / "rig.yaml"), [])
     assert [effect.name for effect in again.effects] == ["scale_factor"]
+    drawn = charts(tmp_path / "out")
+    assert all(any(shown in chart for chart in drawn) for shown in ("temperature", "angle within the turn", "rate:"))
+    assert sum("session-0" in chart for chart in drawn) == 3
 
 
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
@@ -95,35 +109,38 @@ def test_an_effect_that_is_withheld_is_not_named(scaled: Path, tmp_path: Path) -
     assert gap["where"][0]["signature"] == "rate"
 
 
-def test_what_needs_host_time_temperature_or_counter_is_called_untestable(scaled: Path, tmp_path: Path) -> None:
-    """And the rest is said."""
-    bare = tmp_path / "bare"
-    bare.mkdir()
-    for path in sorted(scaled.iterdir()):
-        session = load_session(path)
-        write_session(bare / path.name, [replace(session, t_host_s=None, temp_c=None, seq=None)])
+def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> None:
+    """Without host times, temperature and counter these effects are untestable, and nothing is drawn of them.
+
+    Nor is anything claimed of held-out sessions.
+    """
+    bare = tmp_path / "bare.csv"
+    write_session(bare, [replace(load_session(min(scaled.iterdir())), t_host_s=None, temp_c=None, seq=None)])
     gap = diagnosed(bare, tmp_path / "out", *FEW)
     assert set(gap["untestable"]) == {"clock_drift", "usb_batching", "temp_bias", "temp_scale", "sample_drop"}
     assert gap["causes"][0]["effect"] == "scale_factor"
-
-
-def test_one_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> None:
-    """Without a claim about sessions kept apart."""
-    gap = diagnosed(next(scaled.iterdir()), tmp_path, *FEW)
-    assert gap["causes"][0]["effect"] == "scale_factor"
     assert "one session only" in gap["remarks"][-1]
+    html = (tmp_path / "out" / "report.html").read_text()
+    said = words(html)
+    assert "one session only" in said
+    assert "clock_drift: no host times" in said
+    assert row(html, "1. bare")[-1] == "nothing"
+    assert len(charts(tmp_path / "out")) > 3
+    assert not any("°C" in chart for chart in charts(tmp_path / "out"))
+    assert f"gyrodrift diagnose {bare}" in said
 
 
 def test_sign_and_unit_are_told_before_anything_else(scaled: Path, tmp_path: Path) -> None:
-    """And put right."""
+    """And put right, so that the effect is found as it is."""
     turned = tmp_path / "turned"
     turned.mkdir()
     for path in sorted(scaled.iterdir()):
         session = load_session(path)
         write_session(turned / path.name, [replace(session, rate_dps=-np.deg2rad(session.rate_dps))])
-    gap = diagnosed(turned, tmp_path / "out", *FEW)
+    gap = diagnosed(turned, tmp_path / "out", *ONE)
     assert sum("the sign opposite" in remark for remark in gap["remarks"]) == 3
     assert sum("in radians per second" in remark for remark in gap["remarks"]) == 3
+    assert gap["causes"][0]["effect"] == "scale_factor"
 
 
 def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ from firmware_sim.effects.catalogue import CATALOGUE
 gallery = pytest.importorskip("firmware_sim.gallery", reason="the pictures need matplotlib, of the workstation extra")
 
 
-def test_every_effect_has_a_scene() -> None:
-    """And there are no others."""
-    assert set(gallery.SCENES) == set(CATALOGUE)
+def test_a_scene_is_that_of_an_effect() -> None:
+    """One that has none is drawn over the ten minutes of `identify`."""
+    assert set(gallery.SCENES) <= set(CATALOGUE)
 
 
 def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) -> None:

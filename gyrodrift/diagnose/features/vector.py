@@ -47,7 +47,7 @@ class Facts:
 
 def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
     """FEATURES of a recording, or of a simulation driven through its motion, against the recording's design matrix."""
-    parts = (residuals.measure(seen, design), _of_samples(seen, design, facts), timing.measure(seen.recording))
+    parts = (residuals.measure(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording))
     values, thresholds = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Measured(
         values, np.where(BLURRED, COARSE_THRESHOLDS * thresholds, thresholds) if design.is_coarse else thresholds
@@ -63,7 +63,8 @@ def rms_scale(design: DesignMatrix) -> Floats:
     return scale
 
 
-def _of_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+    """Of these SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
     noise = sample_noise_of(seen, design, facts.dps_per_lsb)
     rates = rate_values_of(seen, design, facts.dps_per_lsb)
     angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)

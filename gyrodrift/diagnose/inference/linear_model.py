@@ -1,51 +1,49 @@
-"""A second opinion where theory is exact: effects that are linear in the rate error, under a bias that may walk.
+"""The linear model: effects that are linear in the rate error, by generalised least squares with a local level.
 
 The mean rate error of each second is a sum of known regressors, white noise and a bias that is constant or a random
-walk. Its steady Kalman filter is a whitening filter of one pole (the local level model; A. C. Harvey, Forecasting,
-Structural Time Series Models and the Kalman Filter, 1989, chapter 4), which makes generalised least squares ordinary.
-Nothing of the simulator, the features or their scores is used.
+walk. Nothing of the simulator, the features or their scores is used, so that this judges by itself.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import block_means
-from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.inference.verdict import Verdict, unit_of
-from gyrodrift.diagnose.simulate.twin import Subject
-
-GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
-"""Of the filter: how fast the bias is believed to walk; 0 is a constant one."""
+from gyrodrift.diagnose.inference.least_squares import Fit, fit, whitened
+from gyrodrift.diagnose.inference.parameters import unit_of
+from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.simulate.candidates import KINDS
 
 WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
 CLEAR = 12.0
-"""Of the logarithm of the likelihood: what an effect has to add."""
+"""Of the log-likelihood: what an effect has to add, twice what accepts a cause by the features."""
 
-MATTERS = {
-    "scale_factor": 0.06,
-    "scale_asymmetry": 0.03,
-    "vibration_rectification": 0.006,
-    "nonlinearity": 0.02,
-    "temp_bias": 0.0012,
-    "temp_scale": 0.006,
-    "warmup": 0.012,
-    "g_sensitivity": 0.004,
-    "encoder_eccentricity": 0.02,
-}
-"""Sizes below which an effect, however clear, is nobody's trouble."""
+TWO_SIDED_95 = 1.96
+"""Standard errors of a normal number that hold 95 %."""
 
-Regressors = list[tuple[str, str, float, tuple[Floats, ...]]]
-"""Effect, parameter, from the coefficient to the parameter, and its one or two columns."""
+FULL_SCALE_DPS = 250.0
+"""Of the rig's gyro; nonlinearity is stated in shares of it."""
+
+REFERENCE_C = 25.0
+"""Where temperature effects of the rig are 0."""
+
+
+class Regressor(NamedTuple):
+    """A linear effect: its parameter, the factor from its coefficient to that, and its columns, (blocks, 1 or 2)."""
+
+    effect: str
+    parameter: str
+    factor: float
+    columns: Floats
 
 
 @dataclass(frozen=True, slots=True)
-class SecondOpinion:
-    """The effect that a likelihood by itself would name; None where it sees none.
+class LinearModel:
+    """The effect that the linear model by itself would name; None where it sees none.
 
     value, low, high
         Of its parameter, with 95 %.
@@ -64,101 +62,74 @@ class SecondOpinion:
     says: str
 
 
-def second_opinion(subjects: Sequence[Subject], verdict: Verdict) -> SecondOpinion:
-    """Ask for one."""
-    whitened = [_whitened(subject) for subject in subjects]
-    fits = [_fit([session[number] for session in whitened]) for number in range(len(whitened[0]))]
-    names = [(effect, parameter, factor) for effect, parameter, factor, _ in _regressors(subjects[0].design)]
-    sizes = [abs(coefficient * factor) for (_, coefficient, _), (_, _, factor) in zip(fits, names, strict=True)]
-    matters = [size > MATTERS[effect] for size, (effect, _, _) in zip(sizes, names, strict=True)]
-    best = int(np.argmax([fit[0] if matter else 0.0 for fit, matter in zip(fits, matters, strict=True)]))
-    gain, coefficient, error = fits[best] if matters[best] else (0.0, 0.0, 0.0)
-    effect, parameter, factor = names[best]
-    causes = [cause.effect.name for cause in verdict.causes]
-    judged = {name for name, _, _ in names}
-    if gain < CLEAR:
-        agrees = None if causes and not judged & set(causes) else not judged & set(causes)
-        says = "sees no linear effect" + ("" if agrees is not False else ", where the verdict names one")
-        return SecondOpinion(None, "", 0.0, 0.0, 0.0, "", gain, agrees, says)
-    value, spread = coefficient * factor, 1.96 * error * abs(factor)
-    agrees = effect in {*causes, *(name for cause in verdict.causes for name in cause.tied_with)}
-    if not agrees and causes and not judged & set(causes):
-        says = f"sees {effect}; of {', '.join(causes)} it cannot judge"
-        return SecondOpinion(
-            effect, parameter, value, value - spread, value + spread, unit_of(parameter), gain, None, says
-        )
-    says = f"{'agrees on' if agrees else 'disagrees: it would name'} {effect}"
-    return SecondOpinion(
-        effect, parameter, value, value - spread, value + spread, unit_of(parameter), gain, agrees, says
-    )
+def linear_model_of(
+    residuals_dps: Sequence[Floats], designs: Sequence[DesignMatrix], causes: Sequence[NamedCause]
+) -> LinearModel:
+    """Fit every linear effect by itself, and hold the best against the causes that were named.
+
+    residuals_dps
+        Of each session, (blocks,): mean rate of each block less that of the encoder.
+    """
+    regressors = [regressors_of(design) for design in designs]
+    sessions = [
+        whitened([one.columns for one in session], residual_dps)
+        for session, residual_dps in zip(regressors, residuals_dps, strict=True)
+    ]
+    fits = [fit([session[number] for session in sessions]) for number in range(len(regressors[0]))]
+    relevant = [_if_relevant(one, regressor) for one, regressor in zip(fits, regressors[0], strict=True)]
+    best = int(np.argmax([one.log_likelihood_gain for one in relevant]))
+    return _beside(relevant[best], regressors[0][best], {one.effect for one in regressors[0]}, causes)
 
 
-def _regressors(design: DesignMatrix) -> Regressors:
+def regressors_of(design: DesignMatrix) -> list[Regressor]:
     """Of the linear effects, block by block."""
     motion, block = design.motion, design.block
     rate, turn = motion.rate_dps, np.deg2rad(motion.angle_deg)
-    warm_c = motion.sensor_c - 25.0
+    warm_c = motion.sensor_c - REFERENCE_C
     powered_s = np.arange(len(rate)) * motion.period_s + motion.powered_s
+    cubic = 100.0 * FULL_SCALE_DPS**2
 
-    def column(values: Floats) -> Floats:
-        return block_means(values, block)
+    def columns(*values: Floats) -> Floats:
+        return np.column_stack([block_means(one, block) for one in values])
 
     return [
-        ("scale_factor", "error_percent", 100.0, (column(rate),)),
-        ("scale_asymmetry", "error_percent", 100.0, (column(np.abs(rate)),)),
-        ("vibration_rectification", "bias_dps_at_100_dps", 1e4, (column(rate**2),)),
-        ("nonlinearity", "error_percent_fs", 100.0 * 250.0**2, (column(rate**3),)),
-        ("temp_bias", "slope_dps_per_c", 1.0, (column(warm_c),)),
-        ("temp_scale", "slope_percent_per_c", 100.0, (column(warm_c * rate),)),
-        *(("warmup", "amplitude_dps", 1.0, (column(np.exp(-powered_s / tau_s)),)) for tau_s in WARMUP_TAUS_S),
-        ("g_sensitivity", "amplitude_dps", 1.0, (column(np.sin(turn)), column(np.cos(turn)))),
-        (
-            "encoder_eccentricity",
-            "amplitude_deg",
-            180.0 / np.pi,
-            (column(np.sin(turn) * rate), column(np.cos(turn) * rate)),
+        Regressor("scale_factor", "error_percent", 100.0, columns(rate)),
+        Regressor("scale_asymmetry", "error_percent", 100.0, columns(np.abs(rate))),
+        Regressor("vibration_rectification", "bias_dps_at_100_dps", 1e4, columns(rate**2)),
+        Regressor("nonlinearity", "error_percent_fs", cubic, columns(rate**3)),
+        Regressor("temp_bias", "slope_dps_per_c", 1.0, columns(warm_c)),
+        Regressor("temp_scale", "slope_percent_per_c", 100.0, columns(warm_c * rate)),
+        *(Regressor("warmup", "amplitude_dps", 1.0, columns(np.exp(-powered_s / tau_s))) for tau_s in WARMUP_TAUS_S),
+        Regressor("g_sensitivity", "amplitude_dps", 1.0, columns(np.sin(turn), np.cos(turn))),
+        Regressor(
+            "encoder_eccentricity", "amplitude_deg", 180.0 / np.pi, columns(np.sin(turn) * rate, np.cos(turn) * rate)
         ),
     ]
 
 
-def _whitened(subject: Subject) -> list[tuple[Floats, Floats]]:
-    """Of each effect its columns, and the residual, through the filter that makes the residual whitest, in sigmas."""
-    residual_dps = block_residual_dps(subject.seen, subject.design)
-    every = _regressors(subject.design)
-    nuisance = np.column_stack([column for _, _, _, columns in every for column in columns])
-    gain = min(GAINS, key=lambda gain: _left(_through(gain, nuisance), _through(gain, residual_dps[:, None])[:, 0]))
-    white = _through(gain, residual_dps[:, None])[:, 0]
-    sigma = 1.4826 * float(np.median(np.abs(white - np.median(white)))) + 1e-6
-    return [(_through(gain, np.column_stack(columns)) / sigma, white / sigma) for _, _, _, columns in every]
+def _if_relevant(one: Fit, regressor: Regressor) -> Fit:
+    """Nothing, where the effect is practically negligible."""
+    return (
+        one
+        if abs(one.coefficient * regressor.factor) > (KINDS[regressor.effect].matters_from or 0.0)
+        else Fit(0.0, 0.0, 0.0)
+    )
 
 
-def _through(gain: float, columns: Floats) -> Floats:
-    """Innovations of the local level model with this gain; a constant bias is taken away as a mean."""
-    if gain == 0.0:
-        away: Floats = columns - columns.mean(axis=0)
-        return away
-    innovations: Floats = lfilter([1.0, -1.0], [1.0, gain - 1.0], columns - columns[0], axis=0)
-    return innovations
-
-
-def _left(columns: Floats, values: Floats) -> float:
-    """Spread of what the columns leave, robustly."""
-    scale = np.linalg.norm(columns, axis=0) + 1e-12
-    left = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=1e-9)[0]
-    return float(np.mean(np.abs(left)))
-
-
-def _fit(sessions: Sequence[tuple[Floats, Floats]]) -> tuple[float, float, float]:
-    """One coefficient for all sessions: gain of the logarithm of the likelihood, coefficient (amplitude), its error."""
-    columns = np.concatenate([columns for columns, _ in sessions])
-    values = np.concatenate([values for _, values in sessions])
-    information = columns.T @ columns
-    if not np.all(np.isfinite(information)) or np.linalg.matrix_rank(information) < len(information):
-        return 0.0, 0.0, 0.0
-    coefficients = np.linalg.solve(information, columns.T @ values)
-    before = float(values @ values)
-    after = float(np.square(values - columns @ coefficients).sum())
-    spread = max(after / len(values), 1e-12)
-    error = float(np.sqrt(spread * np.linalg.inv(information)[0, 0]))
-    amplitude = float(coefficients[0]) if len(coefficients) == 1 else float(np.hypot(*coefficients))
-    return 0.5 * len(values) * float(np.log(before / max(after, 1e-12))), amplitude, error
+def _beside(best: Fit, regressor: Regressor, judged: set[str], causes: Sequence[NamedCause]) -> LinearModel:
+    """The best linear effect beside the causes of the verdict; `judged` are the effects that are linear."""
+    names = [cause.effect.name for cause in causes]
+    cannot_judge = bool(names) and not judged & set(names)
+    effect, gain = regressor.effect, best.log_likelihood_gain
+    if gain < CLEAR:
+        agrees = None if cannot_judge else not judged & set(names)
+        says = "sees no linear effect" + ("" if agrees is not False else ", where the verdict names one")
+        return LinearModel(None, "", 0.0, 0.0, 0.0, "", gain, agrees, says)
+    value, spread = best.coefficient * regressor.factor, TWO_SIDED_95 * best.error * abs(regressor.factor)
+    agrees = effect in {*names, *(name for cause in causes for name in cause.tied_with)}
+    if agrees or not cannot_judge:
+        says = f"{'agrees on' if agrees else 'disagrees: it would name'} {effect}"
+    else:
+        agrees, says = None, f"sees {effect}; of {', '.join(names)} it cannot judge"
+    unit = unit_of(regressor.parameter)
+    return LinearModel(effect, regressor.parameter, value, value - spread, value + spread, unit, gain, agrees, says)

@@ -1,12 +1,11 @@
 """Which effect it is, in a report: every candidate in a row, those that look alike, those that could not be tried."""
 
-from collections.abc import Sequence
 from math import isfinite
 
-from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.inference.search import GAIN
-from gyrodrift.diagnose.report.ranking import Ranked, lookalikes, ranking
+from gyrodrift.diagnose.inference.acceptance import GAIN
+from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, span, table, text
 
 PAIRS = 8
@@ -14,12 +13,11 @@ PAIRS = 8
 
 def causes(diagnosis: Diagnosis) -> str:
     """The section."""
-    ranked = ranking(diagnosis.drawn)
     return section(
         "Which effect it is",
         paragraph(_introduction(diagnosis)),
-        _ranking_table(diagnosis, ranked),
-        _second(diagnosis),
+        _ranking_table(diagnosis),
+        _linear_model(diagnosis),
         facts(_remarks(diagnosis)),
     )
 
@@ -32,13 +30,14 @@ def _introduction(diagnosis: Diagnosis) -> str:
     )
     return (
         "Each effect of the simulator was tried at all plausible sizes. The gain is how much more likely it makes the "
-        f"recordings, as a natural logarithm; {GAIN:g} on sessions kept apart is the least that counts. A wrong effect "
-        "may gain too, by making everything uncertain: a true one also takes away what stands out, and leaves nothing "
+        f"recordings, as a natural logarithm; {GAIN:g} on held-out sessions is the least that counts. A wrong effect "
+        "may gain too, by making everything uncertain: a true one also takes away the deviations, and leaves nothing "
         f"to gain for the others.{beside}"
     )
 
 
-def _ranking_table(diagnosis: Diagnosis, ranked: Sequence[Ranked]) -> str:
+def _ranking_table(diagnosis: Diagnosis) -> str:
+    ranked = diagnosis.ranking
     has_causes = bool(diagnosis.verdict.causes)
     named = {cause.effect.name for cause in diagnosis.verdict.causes}
     tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
@@ -53,7 +52,7 @@ def _ranking_table(diagnosis: Diagnosis, ranked: Sequence[Ranked]) -> str:
         numbers = _numbers(one, has_causes=has_causes)
         rows.append([span(f"{name}{quiet(mark)}", "word"), _bar(one.gain / most), fixed(one.gain, 1), *numbers, group])
     caption = (
-        "The candidates, the best by itself first. Takes away: share of what stands out; below 0 where it adds to it. "
+        "The candidates, the best by itself first. Takes away: share of the deviations; below 0 where it adds to it. "
         "The size is the one that fits best by itself. Effects of one group are easily taken for each other."
     )
     return table(caption, head, rows, words=1)
@@ -76,31 +75,30 @@ def _bar(share: float) -> str:
     )
 
 
-def _second(diagnosis: Diagnosis) -> str:
-    second = diagnosis.second
+def _linear_model(diagnosis: Diagnosis) -> str:
+    linear = diagnosis.linear_model
     found = ""
-    if second.effect is not None:
-        between = f"{number(second.low)} to {number(second.high)}"
-        found = f": {text(second.parameter)} {size(second.value, second.unit)} ({between})"
+    if linear.effect is not None:
+        between = f"{number(linear.low)} to {number(linear.high)}"
+        found = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
     return paragraph(
-        f"<b>A second opinion {text(second.says)}{found}.</b> It is a regression of the rate error alone, under a "
-        "bias that may walk; it uses neither the simulator nor the features, and knows only effects that are linear."
+        f"<b>The linear model {text(linear.says)}{found}.</b> It is a generalised least-squares regression of the rate "
+        "error alone, under a bias that may walk; it uses neither the simulator nor the features, and knows only "
+        "effects that are linear. What it finds below twice the relevance threshold of an effect (0.06 % of scale) is "
+        "practically negligible, and not named."
     )
 
 
 def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """What else is to be known of the candidates."""
     rows = [(f"Tied with {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes]
-    alike = [
-        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})"
-        for pair in lookalikes(diagnosis.drawn.attribution)[:PAIRS]
-    ]
-    untestable = [f"{text(name)}: {text(why)}" for name, why in diagnosis.untestable.items()]
+    alike = [f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.lookalikes[:PAIRS]]
+    untestable = [f"{text(one.effect)}: {text(one.why)}" for one in diagnosis.untestable]
     return [
         *rows,
         ("Look alike in these sessions", "; ".join(alike) or "no two"),
         ("Could not be tried", "; ".join(untestable) or "none"),
-        ("Withheld", ", ".join(map(text, diagnosis.drawn.withheld)) or "none"),
+        ("Withheld", ", ".join(map(text, diagnosis.withheld)) or "none"),
     ]
 
 

@@ -1,21 +1,21 @@
-"""Where simulator and recordings part, in a report: every feature that stands out, as a table and as charts."""
+"""Where simulator and recordings part, in a report: every feature that deviates, as a table and as charts."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
-
-from gyrodrift.diagnose.diagnosis import Diagnosis
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.verdict import LEFT_OVER, STANDS_OUT, Deviation, Verdict, together
-from gyrodrift.diagnose.report.compared import FeatureComparison, compared_of
+from gyrodrift.diagnose.inference.deviations import STANDS_OUT, UNEXPLAINED, Deviation
+from gyrodrift.diagnose.inference.verdict import Verdict
+from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.report.figures import feature_svgs
 from gyrodrift.diagnose.report.text import deviates, marks, percent
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, table, text
 
 
 def features(diagnosis: Diagnosis) -> str:
     """The section."""
-    compared = compared_of(diagnosis)
+    compared = _listed(diagnosis)
     if not compared:
         return section("Where they differ", paragraph(_nowhere(diagnosis)))
     return section(
@@ -23,35 +23,44 @@ def features(diagnosis: Diagnosis) -> str:
     )
 
 
+def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
+    """Every feature that deviates before or after, the worst before first."""
+    verdict, by_name = diagnosis.verdict, {one.feature.name: one for one in diagnosis.features}
+    names = dict.fromkeys(one.feature for one in (*verdict.where, *verdict.unexplained))
+    left = {one.feature: one.z for one in verdict.unexplained}
+    return [replace(by_name[name], z_after=left.get(name, by_name[name].z_after)) for name in names]
+
+
 def _introduction() -> str:
     return (
         f"{len(FEATURES)} features were measured on each recording and on the simulator driven through the same "
         "motion. A feature is one number, such as how the rate error grows with the rate. Listed is every one that "
-        f"is off by more than {STANDS_OUT:g} times what chance does over all sessions (a standard deviation, from "
-        f"simulations without any gap), or by more than {LEFT_OVER:g} times after the causes are added."
+        f"deviates by more than {STANDS_OUT:g} times what chance does over all sessions (a standard deviation, from "
+        "simulations without any gap, with the relevance threshold below which a feature does not matter for yaw), or "
+        f"by more than {UNEXPLAINED:g} times after the causes are added."
     )
 
 
 def _nowhere(diagnosis: Diagnosis) -> str:
-    z = np.abs(together(diagnosis.drawn.attribution.evidence.z))
-    worst = FEATURES[int(np.argmax(z))]
+    worst = max(diagnosis.features, key=lambda one: abs(one.z_before))
     return (
         f"Nowhere. Of {len(FEATURES)} features measured on each recording and on the simulator driven through the "
-        f"same motion, the largest is off by {deviates(float(z.max()))} times what chance does ({text(worst.says)}); "
-        f"it takes {STANDS_OUT:g} to stand out."
+        f"same motion, the largest deviates by {deviates(worst.z_before)} times what chance does "
+        f"({text(worst.feature.says)}); "
+        f"{STANDS_OUT:g} count as a deviation."
     )
 
 
 def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
     has_causes = bool(diagnosis.verdict.causes)
-    after = ["left over", "share"] * has_causes
-    head = headings(["what it says", "times chance", "share", *after, "signature", "stage", "when"], words=3)
-    caption = "Worst first. Share: of the squares of all that stands out, each held at 20 times chance."
+    after = ["unexplained", "share"] * has_causes
+    head = headings(["what it says", "times chance", "share", *after, "feature", "stage", "when"], words=3)
+    caption = "Worst first. Share: of the squares of all deviations, each held at 20 times chance."
     return table(caption, head, [_row(diagnosis.verdict, one) for one in compared], words=3)
 
 
 def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
-    where, left = (_share(odds, one.feature.name) for odds in (verdict.where, verdict.leftover))
+    where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.unexplained))
     cells = [text(one.feature.says), deviates(one.z_before), where]
     if verdict.causes:
         after = deviates(one.z_after)
@@ -59,9 +68,9 @@ def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
     return [*cells, f"<code>{text(one.feature.name)}</code>", one.feature.stage, one.feature.regime]
 
 
-def _share(odds: Sequence[Deviation], name: str) -> str:
-    """Empty where the feature does not stand out."""
-    return next((percent(odd.share) for odd in odds if odd.feature == name), "")
+def _share(every: Sequence[Deviation], name: str) -> str:
+    """Empty where the feature does not deviate."""
+    return next((percent(one.share) for one in every if one.feature == name), "")
 
 
 def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
@@ -72,12 +81,15 @@ def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
         f"to it (two standard deviations){apart}. A dot inside a bar is explained."
     )
     legend = marks(has_causes=has_causes, has_left=False)
-    names = [_name(one) for one in compared]
-    return figure(f"<b>Real beside simulated.</b> {words}<br/>{legend}", panels(names, feature_svgs(compared)))
+    names = [_name(one, has_causes=has_causes) for one in compared]
+    return figure(
+        f"<b>Real beside simulated.</b> {words}<br/>{legend}",
+        panels(names, feature_svgs(compared, has_causes=has_causes)),
+    )
 
 
-def _name(one: FeatureComparison) -> str:
-    after = "" if one.after is None else f" → {deviates(one.z_after)}"
+def _name(one: FeatureComparison, *, has_causes: bool) -> str:
+    after = f" → {deviates(one.z_after)}" if has_causes else ""
     off = f"off {deviates(one.z_before)}{after} times chance"
     where = f"{text(one.feature.stage)}, {text(one.feature.name)}"
     return f"<strong>{text(one.feature.says)}</strong><br/>{span(f'{where}: {off}', 'note')}"

@@ -1,6 +1,7 @@
 """The figures of a diagnosis: features by session, and rate errors against all sorts of things."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,11 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.report.binned_medians import Medians, medians
-from gyrodrift.diagnose.report.compared import Band, FeatureComparison
-from gyrodrift.diagnose.report.regressors import Against
-from gyrodrift.diagnose.report.residual_series import Seconds
-from gyrodrift.diagnose.report.spectra import Spectra
+from gyrodrift.diagnose.predictive_checks.binned_medians import Medians
+from gyrodrift.diagnose.predictive_checks.dependences import Dependence
+from gyrodrift.diagnose.predictive_checks.feature_comparison import Band, FeatureComparison
+from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
+from gyrodrift.diagnose.predictive_checks.spectra import Spectra
 from gyrodrift.html.svg import (
     INK,
     PLAIN,
@@ -26,6 +27,8 @@ from gyrodrift.html.svg import (
     styled,
     thinned,
 )
+
+T = TypeVar("T")
 
 BEFORE, AFTER, LEFT = PLAIN, TUNED, TWO
 DOTS = 350
@@ -46,19 +49,19 @@ DECADE = 10.0
 """A spectrum spans so much at least: the scatter of noise should look level."""
 
 
-def feature_svgs(compared: Sequence[FeatureComparison]) -> list[str]:
+def feature_svgs(compared: Sequence[FeatureComparison], *, has_causes: bool) -> list[str]:
     """Of each a panel: the recordings as dots, and what the simulator expects as bars, session by session."""
     with styled():
-        return [_feature_svg(one, f"signature-{at}") for at, one in enumerate(compared)]
+        return [_feature_svg(one, f"feature-{at}", has_causes) for at, one in enumerate(compared)]
 
 
-def _feature_svg(compared: FeatureComparison, name: str) -> str:
+def _feature_svg(compared: FeatureComparison, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 1.45, left=0.22, bottom=0.2, top=0.96, right=0.98)
     axes = figure.add_subplot()
     sessions = np.arange(1.0, len(compared.real) + 1.0)
-    aside = 0.2 if compared.after is not None else 0.0
+    aside = 0.2 if has_causes else 0.0
     _draw_band(axes, sessions - aside, compared.before, BEFORE)
-    if compared.after is not None:
+    if has_causes:
         _draw_band(axes, sessions + aside, compared.after, AFTER)
     axes.plot(sessions, compared.real, "o", color=INK, markersize=3.6, markeredgewidth=0)
     axes.set(xlim=(0.4, len(sessions) + 0.6), ylabel=compared.unit)
@@ -79,25 +82,24 @@ def _draw_band(axes: Axes, x: Floats, band: Band, colour: str) -> None:
     axes.hlines(band.middle, x - width / 2.0, x + width / 2.0, color=colour, linewidth=1.8)
 
 
-def against_svgs(every: Sequence[Against], *, has_causes: bool) -> list[str]:
+def dependence_svgs(every: Sequence[Dependence], *, has_causes: bool) -> list[str]:
     """Rate errors against each regressor: above as they are, below what the simulator leaves of them."""
     with styled():
-        return [_against_svg(one, f"against-{at}", has_causes) for at, one in enumerate(every)]
+        return [_dependence_svg(one, f"against-{at}", has_causes) for at, one in enumerate(every)]
 
 
-def _against_svg(one: Against, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
+def _dependence_svg(one: Dependence, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
-    lines = [(medians(one.x, values), colour) for values, colour in _lines(one, has_causes)]
-    left = medians(one.x, one.left_dps)
+    lines = _lines(one.real, one.before, one.after, has_causes)
     _draw_cloud(above, one.x, one.real_dps, [line.y for line, _ in lines])
-    _draw_cloud(below, one.x, one.left_dps, [left.y])
-    _draw_errors(below, left, one.regressor.slack)
+    _draw_cloud(below, one.x, one.left_dps, [one.left.y])
+    _draw_errors(below, one.left, one.slack)
     for line, colour in lines:
         _draw_medians(above, line, colour)
-    _draw_medians(below, left, LEFT)
-    _label_two(figure, one.regressor.unit)
-    return as_svg(figure, name, f"Rate error against {one.regressor.name}")
+    _draw_medians(below, one.left, LEFT)
+    _label_two(figure, one.unit)
+    return as_svg(figure, name, f"Rate error against {one.name}")
 
 
 def _two(figure: Figure) -> tuple[Axes, Axes]:
@@ -109,7 +111,7 @@ def _two(figure: Figure) -> tuple[Axes, Axes]:
 
 def _label_two(figure: Figure, x_label: str) -> None:
     above, below = figure.axes
-    for axes, label in ((above, "error, deg/s"), (below, "left over")):
+    for axes, label in ((above, "error, deg/s"), (below, "unexplained")):
         label_steps(axes.yaxis, 4)
         axes.set_ylabel(label)
     figure.align_ylabels([above, below])
@@ -117,10 +119,9 @@ def _label_two(figure: Figure, x_label: str) -> None:
     below.set_xlabel(x_label, labelpad=1.0)
 
 
-def _lines(one: Against | Seconds, has_causes: bool) -> list[tuple[Floats, str]]:  # noqa: FBT001 - handed on
+def _lines(real: T, before: T, after: T, has_causes: bool) -> list[tuple[T, str]]:  # noqa: FBT001 - handed on
     """What is drawn with its colours, the most important last; without causes after is before."""
-    after = [(one.after_dps, AFTER)] if has_causes else []
-    return [(one.before_dps, BEFORE), *after, (one.real_dps, INK)]
+    return [(before, BEFORE), *([(after, AFTER)] if has_causes else []), (real, INK)]
 
 
 def _draw_cloud(axes: Axes, x: Floats, y: Floats, lines: Sequence[Floats]) -> None:
@@ -148,29 +149,29 @@ def _draw_medians(axes: Axes, line: Medians, colour: str) -> None:
         axes.plot(line.x, line.y, color=colour, linewidth=1.4)
 
 
-def over_time_svgs(sessions: Sequence[Seconds], *, has_causes: bool) -> list[str]:
+def over_time_svgs(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> list[str]:
     """Of each session a panel: medians of some seconds, real and simulated, and what the simulator leaves of them."""
     with styled():
         return [_over_time_svg(session, has_causes) for session in sessions]
 
 
-def _over_time_svg(session: Seconds, has_causes: bool) -> str:  # noqa: FBT001 - handed on
+def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
-    for values, colour in _lines(session, has_causes):
+    for values, colour in _lines(session.real_dps, session.before_dps, session.after_dps, has_causes):
         above.plot(*thinned(session.minutes, _smooth(values)), color=colour, linewidth=1.1)
     below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=LEFT, linewidth=1.1)
     for axes in (above, below):
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_DPS), max(high, LEAST_DPS))
-    for jump in session.jumps:
-        below.axvline(float(session.minutes[jump.second]), color=LEFT, linestyle=":", linewidth=1.0)
+    for one in session.change_points:
+        below.axvline(float(session.minutes[one.second]), color=LEFT, linestyle=":", linewidth=1.0)
     _label_two(figure, "minutes")
     return as_svg(figure, f"over-time-{session.number}", f"Rate error of session {session.number} over time")
 
 
 def _smooth(values: Floats) -> Floats:
-    """Running medians, which leave jumps as sharp as they are."""
+    """Running medians, which leave steps as sharp as they are."""
     half = SMOOTH_SECONDS // 2
     padded = np.pad(values, half, mode="edge")
     smooth: Floats = np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTH_SECONDS), axis=1)
@@ -183,8 +184,7 @@ def spectrum_svg(parts: Sequence[Spectra], *, has_causes: bool) -> str:
         figure = canvas(9.6, 3.2, left=0.07, bottom=0.14, top=0.97)
         axes = figure.add_subplot(xscale="log", yscale="log")
         for one in parts:
-            after = [(one.after, AFTER)] if has_causes else []
-            for values, colour in ((one.before, BEFORE), *after, (one.real, INK)):
+            for values, colour in _lines(one.real, one.before, one.after, has_causes):
                 axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, linewidth=1.4)
         axes.set_xlim(parts[0].hz[0], parts[-1].hz[-1])
         label_factors(axes.xaxis, *axes.get_xlim(), 8)

@@ -6,10 +6,10 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.inference.verdict import Deviation, Kind, NamedCause
+from gyrodrift.diagnose.inference.deviations import Deviation
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
-from gyrodrift.simulation.sessions import rig_yaml
 
 SHOWN = 3
 
@@ -24,27 +24,34 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     """
     text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
     write_whole(folder / "gap.json", [text, "\n"])
-    write_whole(folder / "rig.yaml", [rig_yaml(diagnosis.rig)])
+    write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
 
 
 def content(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `gap.json` holds."""
-    verdict, worth = diagnosis.verdict, diagnosis.worth
+    verdict, impact = diagnosis.verdict, diagnosis.yaw_impact
     return {
         "verdict": verdict.kind.value,
         "causes": [_cause(cause) for cause in verdict.causes],
-        "where": [_odd(odd) for odd in verdict.where],
-        "leftover": [_odd(odd) for odd in verdict.leftover],
+        "where": [_deviation(one) for one in verdict.where],
+        "leftover": [_deviation(one) for one in verdict.unexplained],
         "gap": asdict(verdict.gap),
-        "yaw": {name: getattr(worth, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
-        "transfer": {name: value for name, value in asdict(worth).items() if name.startswith("pi_")},
-        "second_opinion": asdict(diagnosis.second),
-        "detectable": diagnosis.detectable,
-        "untestable": diagnosis.untestable,
-        "calibration": diagnosis.calibration,
+        "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
+        "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
+        "linear_model": asdict(diagnosis.linear_model),
+        "detectable": {
+            one.effect: {one.parameter: one.value, "unit": one.unit}
+            for one in diagnosis.detectable
+            if one.value is not None
+        },
+        "untestable": {one.effect: one.why for one in diagnosis.untestable},
+        "calibration": {
+            one.name: {"rig": one.rig, "data": one.data, "low": one.low, "high": one.high}
+            for one in diagnosis.calibration
+        },
         "remarks": list(diagnosis.remarks),
-        "sessions": list(diagnosis.sessions),
-        "next": diagnosis.next,
+        "sessions": [session.name for session in diagnosis.sessions],
+        "next": diagnosis.next_step,
         "seconds": round(diagnosis.seconds, 3),
     }
 
@@ -62,14 +69,14 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
     }
 
 
-def _odd(odd: Deviation) -> dict[str, Any]:
+def _deviation(one: Deviation) -> dict[str, Any]:
     return {
-        "stage": odd.stage,
-        "signature": odd.feature,
-        "regime": odd.regime,
-        "z": round(odd.z, 2),
-        "share": round(odd.share, 4),
-        "says": odd.says,
+        "stage": one.stage,
+        "signature": one.feature,
+        "regime": one.regime,
+        "z": round(one.z, 2),
+        "share": round(one.share, 4),
+        "says": one.says,
     }
 
 
@@ -84,23 +91,23 @@ def _finite(value: Any) -> Any:
 
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict in ten lines or fewer."""
-    verdict, gap, worth = diagnosis.verdict, diagnosis.verdict.gap, diagnosis.worth
+    verdict, gap, impact = diagnosis.verdict, diagnosis.verdict.gap, diagnosis.yaw_impact
     lines = [headline(diagnosis)]
     lines += [f"  {said(cause)}" for cause in verdict.causes[:SHOWN]]
     if verdict.where:
-        lines.append("where: " + "; ".join(f"{odd.says} ({odd.stage}, {odd.regime})" for odd in verdict.where[:SHOWN]))
-    if verdict.causes and verdict.leftover:
-        lines.append("left over: " + "; ".join(f"{odd.says} ({odd.stage})" for odd in verdict.leftover[:SHOWN]))
+        lines.append("where: " + "; ".join(f"{one.says} ({one.stage}, {one.regime})" for one in verdict.where[:SHOWN]))
+    if verdict.causes and verdict.unexplained:
+        lines.append("unexplained: " + "; ".join(f"{one.says} ({one.stage})" for one in verdict.unexplained[:SHOWN]))
     shrink = "" if gap.shrink is None else f", {100.0 * gap.shrink:.0f} % of what can be closed"
     gaps = f"{gap.before:.2f} before, {gap.after:.2f} after, {gap.floor:.2f} without one"
-    judged = "sessions kept apart" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
+    judged = "held-out sessions" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
     lines.append(f"gap on {judged}: {gaps}{shrink}")
     lines.append(
-        f"yaw error: {worth.e_real_deg:.3g} deg real; simulated {worth.e_sim_before_deg:.3g} before, "
-        f"{worth.e_sim_after_deg:.3g} after"
+        f"yaw error: {impact.e_real_deg:.3g} deg real; simulated {impact.e_sim_before_deg:.3g} before, "
+        f"{impact.e_sim_after_deg:.3g} after"
     )
-    lines.append(f"second opinion, by likelihood alone: {diagnosis.second.says}")
-    lines.append(f"next: {diagnosis.next}")
+    lines.append(f"linear model, by likelihood alone: {diagnosis.linear_model.says}")
+    lines.append(f"next: {diagnosis.next_step}")
     return lines
 
 
@@ -114,7 +121,7 @@ def headline(diagnosis: Diagnosis) -> str:
             return f"effect: the sessions differ from the simulator by {names}"
         case Kind.PARTLY:
             explain = "explains" if len(diagnosis.verdict.causes) == 1 else "explain"
-            return f"partly: {names} {explain} some of the difference, and something is left over"
+            return f"partly: {names} {explain} some of the difference, and something is unexplained"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator by something that none of its effects explains"
 

@@ -2,10 +2,11 @@
 
 from math import sqrt
 
-from gyrodrift.diagnose.diagnosis import Diagnosis
-from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, SimToRealGap
+from gyrodrift.diagnose.inference.gap import SimToRealGap
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.files import headline
 from gyrodrift.diagnose.report.text import NAMES, fitted, fixed, interval, meaning, percent, size
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import header, paragraph, text, tile, tiles, warnings
 from gyrodrift.html.numbers import degrees, significant
 
@@ -27,15 +28,15 @@ def verdict(diagnosis: Diagnosis) -> str:
         f"gyrodrift diagnose · {_sessions(diagnosis)} · verdict: {kind}",
         sentence if begins_with_a_name else f"{sentence[:1].upper()}{sentence[1:]}",
         *(paragraph(words) for words in _in_words(diagnosis)),
-        warnings("Before believing it", _caveats(diagnosis)),
+        warnings("Before believing it", _warnings(diagnosis)),
         tiles([*_cause_tiles(diagnosis), _gap_tile(diagnosis), _yaw_tile(diagnosis), _transfer_tile(diagnosis)]),
-        paragraph(f"<b>Record next.</b> {text(diagnosis.next)}"),
+        paragraph(f"<b>Record next.</b> {text(diagnosis.next_step)}"),
     )
 
 
 def _sessions(diagnosis: Diagnosis) -> str:
     count = len(diagnosis.sessions)
-    minutes = sum(subject.seen.recording.seconds for subject in diagnosis.drawn.subjects) / 60.0
+    minutes = sum(session.minutes for session in diagnosis.sessions)
     return f"{count} session{'s' * (count > 1)}, {significant(minutes, 2)} minutes"
 
 
@@ -43,9 +44,9 @@ def _in_words(diagnosis: Diagnosis) -> list[str]:
     verdict = diagnosis.verdict
     said = [_where(diagnosis)]
     said += [_cause_words(diagnosis, cause) for cause in verdict.causes]
-    if verdict.causes and verdict.leftover:
-        left = "; ".join(text(odd.says) for odd in verdict.leftover[:WHERE])
-        said += [f"<b>Left over:</b> {left}. No effect of the simulator takes this away."]
+    if verdict.causes and verdict.unexplained:
+        left = "; ".join(text(one.says) for one in verdict.unexplained[:WHERE])
+        said += [f"<b>Unexplained:</b> {left}. No effect of the simulator takes this away."]
     if not verdict.causes and verdict.where:
         said += [NOTHING_NAMED]
     return said
@@ -58,8 +59,8 @@ def _where(diagnosis: Diagnosis) -> str:
             "The simulator was driven through the very motion of each recording, and nothing that was measured differs "
             "from it by more than chance does."
         )
-    said = list(dict.fromkeys(text(odd.says) for odd in where))
-    more = [f"and {len(said) - WHERE} more signs, below"] if len(said) > WHERE else []
+    said = list(dict.fromkeys(text(one.says) for one in where))
+    more = [f"and {len(said) - WHERE} more deviations, below"] if len(said) > WHERE else []
     return f"<b>What differs:</b> {'; '.join([*said[:WHERE], *more])}."
 
 
@@ -76,9 +77,9 @@ def _names(names: tuple[str, ...]) -> str:
     return " or ".join(f"<b>{text(name)}</b>" for name in names)
 
 
-def _caveats(diagnosis: Diagnosis) -> list[str]:
-    second = diagnosis.second
-    disagrees = [f"a second opinion, by likelihood alone, {second.says}"] if second.agrees is False else []
+def _warnings(diagnosis: Diagnosis) -> list[str]:
+    linear = diagnosis.linear_model
+    disagrees = [f"the linear model, by likelihood alone, {linear.says}"] if linear.agrees is False else []
     return [*diagnosis.remarks, *disagrees]
 
 
@@ -104,20 +105,17 @@ def _cause_tile(cause: NamedCause) -> str:
 
 def _examples_tile(diagnosis: Diagnosis) -> str:
     """Some of the smallest effects that would have been seen."""
-    known = diagnosis.detectable
+    known = {one.effect: size(one.value, one.unit) for one in diagnosis.detectable if one.value is not None}
     names = [name for name in EXAMPLES if name in known] or list(known)[: len(EXAMPLES)]
-    rows = []
-    for name in names:
-        (_, value), (_, unit) = known[name].items()
-        rows.append((text(name), size(float(value), str(unit))))
+    rows = [(text(name), known[name]) for name in names]
     return tile("Would have been seen from", rows) if rows else ""
 
 
 def _stages_tile(diagnosis: Diagnosis) -> str:
     """Where an unknown thing sits."""
     shares: dict[str, float] = {}
-    for odd in diagnosis.verdict.where:
-        shares[odd.stage] = shares.get(odd.stage, 0.0) + odd.share
+    for one in diagnosis.verdict.where:
+        shares[one.stage] = shares.get(one.stage, 0.0) + one.share
     worst_first = sorted(shares.items(), key=lambda share: -share[1])
     return tile("Where it shows, by share", [(text(stage), percent(share)) for stage, share in worst_first])
 
@@ -128,7 +126,7 @@ def _gap_tile(diagnosis: Diagnosis) -> str:
     rows = [before, floor]
     if diagnosis.verdict.causes:
         rows = [*_closed(gap), before, ("after", fixed(gap.after, 2)), floor]
-    judged = "on sessions kept apart" if len(diagnosis.sessions) > 1 else "on the session it was fitted on"
+    judged = "on held-out sessions" if len(diagnosis.sessions) > 1 else "on the session it was fitted on"
     return tile(f"Gap, {judged}", rows)
 
 
@@ -141,17 +139,17 @@ def _closed(gap: SimToRealGap) -> list[tuple[str, str]]:
 
 
 def _yaw_tile(diagnosis: Diagnosis) -> str:
-    worth, before = diagnosis.worth, NAMES[1] if diagnosis.verdict.causes else "simulated"
-    rows = [(NAMES[0], degrees(worth.e_real_deg)), (before, degrees(worth.e_sim_before_deg))]
-    rows += [(NAMES[2], degrees(worth.e_sim_after_deg))] * bool(diagnosis.verdict.causes)
+    impact, before = diagnosis.yaw_impact, NAMES[1] if diagnosis.verdict.causes else "simulated"
+    rows = [(NAMES[0], degrees(impact.e_real_deg)), (before, degrees(impact.e_sim_before_deg))]
+    rows += [(NAMES[2], degrees(impact.e_sim_after_deg))] * bool(diagnosis.verdict.causes)
     return tile("Mean yaw error of the same filter", rows)
 
 
 def _transfer_tile(diagnosis: Diagnosis) -> str:
-    worth, before = diagnosis.worth, NAMES[1] if diagnosis.verdict.causes else "simulated"
+    impact, before = diagnosis.yaw_impact, NAMES[1] if diagnosis.verdict.causes else "simulated"
     rows = [
-        (NAMES[2], degrees(sqrt(worth.pi_real_tuned_on_sim_after))),
-        (before, degrees(sqrt(worth.pi_real_tuned_on_sim_before))),
-        (NAMES[0], degrees(sqrt(worth.pi_real_tuned_on_real))),
+        (NAMES[2], degrees(sqrt(impact.pi_real_tuned_on_sim_after))),
+        (before, degrees(sqrt(impact.pi_real_tuned_on_sim_before))),
+        (NAMES[0], degrees(sqrt(impact.pi_real_tuned_on_real))),
     ]
     return tile("Yaw error of real sessions (RMS), tuned on", rows if diagnosis.verdict.causes else rows[1:])

@@ -3,24 +3,21 @@
 import shlex
 from pathlib import Path
 
-from firmware_sim.effects.catalogue import CATALOGUE
-from gyrodrift.diagnose.diagnosis import Diagnosis
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report.text import quiet, size
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import command_line, headings, paragraph, section, table, text
 
 
 def detectable(diagnosis: Diagnosis) -> str:
     """The section of the smallest effects."""
-    names = (name for name in diagnosis.drawn.attribution.names() if name in CATALOGUE)
-    stages = {name: CATALOGUE[name].stage for name in names}
     rows = []
-    for name, stage in stages.items():
-        known = list(diagnosis.detectable.get(name, {}).items())
-        parameter = known[0][0] if known else ""
-        smallest = size(float(known[0][1]), str(known[1][1])) if known else "at no size that was tried"
-        rows.append([text(name), smallest, quiet(text(parameter)), stage])
-    rows += [[text(name), "–", quiet(text(why)), ""] for name, why in diagnosis.untestable.items()]
+    for one in diagnosis.detectable:
+        smallest, parameter = "at no size that was tried", ""
+        if one.value is not None:
+            smallest, parameter = size(one.value, one.unit), one.parameter
+        rows.append([text(one.effect), smallest, quiet(text(parameter)), one.stage])
+    rows += [[text(one.effect), "–", quiet(text(one.why)), ""] for one in diagnosis.untestable]
     words = (
         "The smallest effect of each kind that these sessions would have shown. What is smaller may be there: this is "
         "what it means that an effect is not named. Longer sessions and richer motion show smaller ones. Steps, "
@@ -32,7 +29,7 @@ def detectable(diagnosis: Diagnosis) -> str:
     )
 
 
-def onward(diagnosis: Diagnosis, folder: Path) -> str:
+def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
     """The section of commands to be copied."""
     rig, home = shlex.quote(str(folder / "rig.yaml")), folder
     simulated, tuned = shlex.quote(str(home / "simulated")), shlex.quote(str(home / "tuned.yaml"))
@@ -57,5 +54,5 @@ def _rig_words(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict.kind is Kind.UNKNOWN:
         doubt = " It does not explain the recordings: do not rely on what is tuned with it."
     if diagnosis.verdict.kind is Kind.PARTLY:
-        doubt = " Something is left over, as said above: it is nearer to the real thing, and not the same."
+        doubt = " Something is unexplained, as said above: it is nearer to the real thing, and not the same."
     return f"<code>rig.yaml</code> beside this page is the rig with {names} switched on at the fitted size.{doubt}"

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from gyrodrift.diagnose.diagnosis import Diagnosis
 from gyrodrift.diagnose.report.causes import causes
 from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration, how_it_was_done
-from gyrodrift.diagnose.report.next_steps import detectable, onward
-from gyrodrift.diagnose.report.residuals import shape
+from gyrodrift.diagnose.report.next_steps import detectable, next_steps
+from gyrodrift.diagnose.report.residuals import residuals
+from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import page
 
 
@@ -17,11 +17,11 @@ def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
     body = [
         verdict(diagnosis),
         features(diagnosis),
-        shape(diagnosis),
+        residuals(diagnosis),
         causes(diagnosis),
         detectable(diagnosis),
         calibration(diagnosis),
-        onward(diagnosis, folder),
+        next_steps(diagnosis, folder),
         how_it_was_done(diagnosis, command),
     ]
     return page("Sim-to-real gap", body)

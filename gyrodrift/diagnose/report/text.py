@@ -3,46 +3,17 @@
 from math import isfinite
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.inference.verdict import NamedCause, Parameter
+from gyrodrift.diagnose.inference.parameters import Parameter
+from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.html.html import legend, span, text
 from gyrodrift.html.numbers import significant
-
-MEANINGS = {
-    "scale_factor": "the rate is too large or too small by the same share at every speed",
-    "scale_asymmetry": "the rate is too large in one direction and too small in the other",
-    "nonlinearity": "the gain changes with the rate, most at full speed",
-    "deadband": "rates below a width read zero",
-    "saturation": "rates beyond a limit are cut off",
-    "quantization": "the rate comes in coarser steps than the rig says",
-    "bandwidth": "quick changes of the rate are smoothed away and come late",
-    "latency": "the rate comes a fixed time later than the motion",
-    "bias_instability": "the bias wanders slowly, and stays about where it is (1/f noise)",
-    "rate_random_walk": "the bias walks away by small random steps",
-    "popcorn": "the bias jumps to and fro between two levels",
-    "spikes": "now and then a single rate is wild",
-    "vibration": "a tone of one frequency lies in the rate",
-    "vibration_rectification": "the bias grows with the square of the rate",
-    "g_sensitivity": "the bias changes once per turn, as on a tilted table",
-    "temp_bias": "the bias follows the temperature",
-    "temp_scale": "the gain follows the temperature",
-    "warmup": "the bias settles after power-on, quickly first and then slower",
-    "encoder_eccentricity": "the encoder's angle errs once per turn, as with a disc off its centre",
-    "encoder_slip": "the encoder's angle jumps, and stays there",
-    "encoder_quantization": "the encoder has fewer counts per turn than the rig says",
-    "backlash": "the encoder stays behind by a play when the motion reverses",
-    "clock_drift": "the device's clock runs fast or slow against the host's",
-    "timestamp_jitter": "the device's time stamps scatter",
-    "usb_batching": "samples reach the host in bunches",
-    "sample_drop": "samples never arrive",
-    "stale_hold": "a sample repeats the one before it",
-}
-"""What each effect does, for a person; of others their own description tells."""
 
 NAMES = ("recordings", "simulated before", "simulated after")
 """What is compared, in all figures and tables: before and after the causes are added to the rig."""
 
 REAL, BEFORE, AFTER = zip(("", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
-LEFT = ("two", "key", "left over")
+LEFT = ("two", "key", "unexplained")
 UNKNOWN = "–"
 """In the place of a number that there is not."""
 
@@ -59,8 +30,7 @@ def marks(*, has_causes: bool, has_left: bool = True) -> str:
 
 def meaning(effect: Effect) -> str:
     """What an effect does, in a sentence, as HTML."""
-    first, *_ = (type(effect).__doc__ or "").split("\n")
-    return text(MEANINGS.get(effect.name, first.strip(".")))
+    return text(KINDS[effect.name].meaning)
 
 
 def size(value: float, unit: str) -> str:

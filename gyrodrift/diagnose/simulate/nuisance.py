@@ -1,17 +1,35 @@
-"""Dependences that no effect of the catalogue has, added to a rate as shapes, so that no effect is bent to them.
+"""Out-of-catalogue models: dependences that no effect has, added to a rate so that no effect is bent to them.
 
 Where one of them explains a gap best, the verdict is that the gap is unknown, and what it depends on.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
+from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
+from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape
+from gyrodrift.diagnose.simulate.grids import between
 
-Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
-"""A session's design and dice to what is added to its rate, deg/s at size 1, shape (n,)."""
+THRESHOLDS_SIMULATED = 100.0
+THRESHOLDS_LEAST, THRESHOLDS_MOST = 3.0, 3000.0
+"""Sizes of regressors, in multiples of their relevance thresholds."""
+
+PERIODIC_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
+PERIODIC_REALISATIONS = 4
+"""Of sines whose phase is left to chance."""
+
+
+def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
+    """All of them; their names begin with a question mark."""
+    for column in COLUMNS:
+        if not column.in_catalogue:
+            yield _of_regressor(column.name, column.threshold)
+    yield _of_sine("?swing", in_time(hints.period_s))
+    yield _of_sine("?ripple", in_angle(hints.turn_order))
+    yield _of_sine("?angle_ripple", of_angle_error(hints.angle_turn_order))
 
 
 def regressor(name: str) -> Shape:
@@ -19,7 +37,7 @@ def regressor(name: str) -> Shape:
     return lambda design, _: design.out_of_catalogue[name]
 
 
-def swing(period_s: float) -> Shape:
+def in_time(period_s: float) -> Shape:
     """A sine over time."""
 
     def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
@@ -30,7 +48,7 @@ def swing(period_s: float) -> Shape:
     return shape
 
 
-def ripple(order: int) -> Shape:
+def in_angle(order: int) -> Shape:
     """A sine of a multiple of the angle."""
 
     def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
@@ -40,7 +58,7 @@ def ripple(order: int) -> Shape:
     return shape
 
 
-def angle_ripple(order: int) -> Shape:
+def of_angle_error(order: int) -> Shape:
     """What an angle that errs by such a sine looks like from the rate; size is the angle's, in degrees."""
 
     def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
@@ -49,3 +67,35 @@ def angle_ripple(order: int) -> Shape:
         return slope
 
     return shape
+
+
+def _of_regressor(name: str, threshold: float) -> Candidate:
+    up = threshold * between(THRESHOLDS_LEAST, THRESHOLDS_MOST)
+    return Candidate(
+        name=f"?{name}",
+        variant="",
+        make=_no_effect,
+        parameter="size",
+        grid_points=threshold * np.array([-THRESHOLDS_SIMULATED, THRESHOLDS_SIMULATED]),
+        sizes=np.concatenate([-up[::-1], up]),
+        group=f"?{name}",
+        shape=regressor(name),
+    )
+
+
+def _of_sine(name: str, shape: Shape) -> Candidate:
+    return Candidate(
+        name=name,
+        variant="",
+        make=_no_effect,
+        parameter="size",
+        grid_points=np.array(PERIODIC_POINTS),
+        sizes=between(PERIODIC_POINTS[0], PERIODIC_POINTS[-1]),
+        group=name,
+        realisations=PERIODIC_REALISATIONS,
+        shape=shape,
+    )
+
+
+def _no_effect(_: float) -> Effect:
+    raise LookupError("no effect of the catalogue does this")

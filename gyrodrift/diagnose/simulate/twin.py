@@ -9,20 +9,29 @@ from firmware_sim.effects.effect import Effect, Moments
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features import timing as clock
+from gyrodrift.diagnose.features import residuals, timing
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.features.spectral_line import white_dps
-from gyrodrift.diagnose.features.vector import Facts, measure
+from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
-from gyrodrift.diagnose.simulate.nuisance import Shape
+from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
 
 SHAPES = 1
-"""Tells their dice from those of effects, which go by their names."""
+"""Tells their random streams from those of effects, which go by their names."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseRun:
+    """One realisation of the rig as it stands, driven through a recording's motion, and its features, (F,)."""
+
+    seed: int
+    seen: Cleaned
+    values: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,16 +57,30 @@ class Subject:
         return measure(self.seen, self.design, self.facts)
 
     def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
-        """The rig with more effects, driven through the recording's motion; the same seed throws the same dice."""
+        """The rig with more effects, driven through the recording's motion; the same seed is the same realisation."""
         return cleaned(self._played(effects, seed))
 
     def simulated(self, effects: tuple[Effect, ...], seed: int) -> Measured:
         """Features of that."""
         return measure(self.replayed(effects, seed), self.design, self.facts)
 
-    def simulated_times(self, effects: tuple[Effect, ...], seed: int) -> Measured:
+    def base_run(self, seed: int) -> BaseRun:
+        """The rig as it stands, driven through the recording's motion."""
+        seen = self.replayed((), seed)
+        return BaseRun(seed, seen, measure(seen, self.design, self.facts).values)
+
+    def residual_features(self, seen: Cleaned) -> Floats:
+        """The first features: those that a slow change of the rate moves."""
+        return residuals.measure(seen, self.design).values
+
+    def value_features(self, seen: Cleaned) -> Floats:
+        """All features but those of times, which are the last."""
+        of_samples = measure_samples(seen, self.design, self.facts).values
+        return np.concatenate([self.residual_features(seen), of_samples])
+
+    def time_features(self, effects: tuple[Effect, ...], seed: int) -> Floats:
         """Only those of clock and link, for effects that touch nothing else."""
-        return clock.measure(self._played(effects, seed))
+        return timing.measure(self._played(effects, seed)).values
 
     def with_rate(self, effects: tuple[Effect, ...], seed: int, without: Cleaned) -> Cleaned:
         """What a simulation is with effects that only add to the rate, without playing it again."""
@@ -68,23 +91,23 @@ class Subject:
         )
         rate_dps = without.rate_dps
         for effect in effects:
-            rng = np.random.default_rng([self._dice(seed), crc32(effect.name.encode())])
+            rng = np.random.default_rng([self._stream(seed), crc32(effect.name.encode())])
             rate_dps = effect.begin(rng, 1.0 / motion.period_s)(rate_dps, truth)
         return replace(without, rate_dps=rate_dps)
 
     def with_shape(self, shape: Shape, size: float, seed: int, without: Cleaned) -> Cleaned:
         """What a simulation is with something added to its rate that is no effect."""
-        added_dps = shape(self.design, np.random.default_rng([self._dice(seed), SHAPES]))
+        added_dps = shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
         return replace(without, rate_dps=without.rate_dps + size * added_dps)
 
-    def _dice(self, seed: int) -> int:
-        """No two sessions throw the same."""
+    def _stream(self, seed: int) -> int:
+        """No two sessions are the same realisation."""
         return crc32(self.seen.recording.name.encode()) + seed
 
     def session(self, effects: tuple[Effect, ...], seed: int) -> Session:
         """The rig with more effects, driven through the recording's motion, as a host would have recorded it."""
         rig = self.rig.model_copy(update={"effects": (*self.rig.effects, *effects)})
-        block = next(play(rig, self.design.motion, self._dice(seed), block_samples=self.design.samples))
+        block = next(play(rig, self.design.motion, self._stream(seed), block_samples=self.design.samples))
         return as_recorded(block, rig.base, self.seen.recording.name)
 
     def _played(self, effects: tuple[Effect, ...], seed: int) -> Recording:

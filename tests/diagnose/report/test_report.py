@@ -1,5 +1,6 @@
-"""The report of a diagnosis: one file for a person, the verdict first, and a chart of every sign of the gap."""
+"""The report of a diagnosis: one file for a person, the verdict first, and a chart of every deviation."""
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,33 +9,32 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from diagnosis_support import SCALED, diagnosis
 from page_support import parsed, row, words
 
-from firmware_sim.motion.profile import load_profile
-from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.cli import main
-from gyrodrift.diagnose.diagnosis import Diagnosis, DiagnosisRequest, diagnose
+from firmware_sim.rig import load_rig
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.verdict import Deviation, Kind, SimToRealGap
-from gyrodrift.session.files import load_session, write_session
-from gyrodrift.simulation.sessions import write_sessions
+from gyrodrift.diagnose.inference.deviations import Deviation
+from gyrodrift.diagnose.inference.gap import SimToRealGap
+from gyrodrift.diagnose.inference.verdict import Kind
+from gyrodrift.diagnose.report.files import content, summary, write_files
+from gyrodrift.diagnose.result import Diagnosis
+from gyrodrift.html.html import page
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+from gyrodrift.diagnose.report.features import features
+from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.page import report_html
+
+pytestmark = pytest.mark.xdist_group("diagnosis_report")
 
 OUT = Path("out of the way")
 
 
-def recorded(folder: Path, sessions: int, *effects: str) -> list[Path]:
-    rig = with_effects(load_rig(None), [parse_effect(text) for text in effects])
-    return list(write_sessions(rig, load_profile("identify"), folder, 4, sessions, 3.0))
-
-
 @pytest.fixture(scope="module")
-def scaled(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
-    """Of two short sessions of a gyro that reads too much, against a rig that does not; one effect withheld."""
-    paths = recorded(tmp_path_factory.mktemp("scaled"), 2, "scale_factor:error_percent=1.2")
-    return diagnose(DiagnosisRequest(paths, load_rig(None), frozenset({"popcorn"}), 1, None, lambda *_: None))
+def scaled() -> Diagnosis:
+    """Of two sessions of a gyro that reads too much, against a rig that does not; one effect withheld."""
+    return diagnosis(SCALED)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
         "Mean yaw error",
         "tuned on",
         "Record next.",
-        scaled.next,
+        scaled.next_step,
     ]
     order += ["Where they differ", "What the difference looks like", "Which effect it is", "How to go on"]
     said, at = words(html), -1
@@ -77,14 +77,19 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
         at = said.index(part, at + 1)
 
 
-def test_every_sign_of_the_gap_has_a_row_and_a_chart(scaled: Diagnosis) -> None:
+def test_every_deviation_has_a_row_and_a_chart(scaled: Diagnosis) -> None:
     """Whichever it is, before and after the cause was added."""
     everywhere = tuple(Deviation(one.stage, one.name, one.regime, one.says, 9.0, 0.01) for one in FEATURES)
-    html = report_html(replace(scaled, verdict=replace(scaled.verdict, where=everywhere)), OUT)
-    charts = ["".join(panel.itertext()) for panel in panels(html)]
+    drawn = page("", [features(replace(scaled, verdict=replace(scaled.verdict, where=everywhere)))])
+    charts = ["".join(panel.itertext()) for panel in panels(drawn)]
     for one in FEATURES:
-        assert row(html, one.says)
+        assert row(drawn, one.says)
         assert sum(one.says in chart and f"{one.name}:" in chart and "→" in chart for chart in charts) == 1
+
+
+def test_rate_errors_have_a_chart_each(html: str) -> None:
+    """Of each dependence, and of each session over time."""
+    charts = ["".join(panel.itertext()) for panel in panels(html)]
     assert all(any(shown in chart for chart in charts) for shown in ("temperature", "angle within the turn"))
     assert sum("session-0" in chart for chart in charts) == 2
 
@@ -104,8 +109,9 @@ def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
     assert "latency" in names
     assert "popcorn" not in names
     assert "Withheld popcorn" in re.sub(r"\s+", " ", " ".join(parsed(html).itertext()))
-    smallest = scaled.detectable["scale_factor"]["error_percent"]
-    assert f"{smallest:.3g}"[:4] in words(html)
+    smallest = next(one.value for one in scaled.detectable if one.effect == "scale_factor")
+    assert smallest == 4.0  # five times the logarithm of 1 + size² passes 12 there
+    assert row(html, "scale_factor")[:3] == ["scale_factor", "4 %", "error_percent"]
 
 
 def test_it_says_how_to_go_on(html: str) -> None:
@@ -123,33 +129,88 @@ def test_the_same_diagnosis_gives_the_same_page(html: str, scaled: Diagnosis) ->
 
 def test_what_could_be_said_of_a_diagnosis_is_only_text(scaled: Diagnosis) -> None:
     """Remarks and names may hold anything."""
-    odd = replace(scaled, remarks=("<script>alert('&')</script> $x^$",), next="a < b")
-    page = report_html(odd, Path("<out>"), "<b>")
-    assert "<script>alert('&')</script> $x^$" in words(page)
-    assert "a < b" in words(page)
-    assert "<script" not in page
+    changed = replace(scaled, remarks=("<script>alert('&')</script> $x^$",), next_step="a < b")
+    html = report_html(changed, Path("<out>"), "<b>")
+    assert "<script>alert('&')</script> $x^$" in words(html)
+    assert "a < b" in words(html)
+    assert "<script" not in html
 
 
 def test_numbers_that_there_are_not_are_dashes(scaled: Diagnosis) -> None:
     """Never nan or None."""
     gap = SimToRealGap(nan, nan, nan, None, None, None)
-    lost = replace(scaled, verdict=replace(scaled.verdict, gap=gap, kind=Kind.UNKNOWN), detectable={})
+    lost = replace(scaled, verdict=replace(scaled.verdict, gap=gap, kind=Kind.UNKNOWN), detectable=())
     said = words(report_html(lost, OUT))
     assert not re.search(r"\b(nan|None|inf)\b", said)
     assert "It does not explain the recordings" in said
 
 
-def test_one_bare_session_without_a_gap(tmp_path: Path) -> None:
-    """Without host times, temperature and counter, from the command line: nothing is drawn that is not there."""
-    (path,) = recorded(tmp_path / "whole", 1)
-    bare = tmp_path / "bare.csv"
-    write_session(bare, [replace(load_session(path), t_host_s=None, temp_c=None, seq=None)])
-    assert main(["diagnose", str(bare), "--out", str(tmp_path / "out"), "--jobs", "1"]) == 0
-    html = (tmp_path / "out" / "report.html").read_text()
+def test_where_there_is_no_gap_nothing_is_switched_on() -> None:
+    """One kind of simulation is drawn, the feature that deviates most is told, and what would have been seen."""
+    html = report_html(diagnosis({"rate": 1.0}), OUT)
     said = words(html)
-    assert "one session only" in said
-    assert "clock_drift: no host times" in said
-    assert row(html, "1. bare")[-1] == "nothing"
-    assert len(list(panels(html))) > 3
-    assert not any("°C" in "".join(panel.itertext()) for panel in panels(html))
-    assert f"gyrodrift diagnose {bare}" in said
+    assert "Nowhere. Of" in said
+    assert f"deviates by {2.0**0.5:.1f} times what chance does" in said
+    assert "simulated before" not in said
+    assert "Would have been seen from" in said
+    assert "there is nothing to switch on" in said
+    assert len(list(panels(html))) == 5
+
+
+def test_what_nothing_explains_is_placed_by_stage() -> None:
+    """No effect is named."""
+    said = words(page("", [verdict(diagnosis({"temperature": 10.0}))]))
+    assert "verdict: unknown" in said
+    assert "Where it shows, by share environment 100 %" in said
+    assert "none is named and none is switched on" in said
+
+
+def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
+    """In the session that has them."""
+    names = ["".join(panel.itertext()) for panel in panels(html) if "change point" in "".join(panel.itertext())]
+    assert len(names) == 2
+    assert "1. session-011 change point: 1.5 min (0.25)" in names[0]
+    assert "2. session-02no change points" in names[1]
+
+
+def test_a_linear_model_that_disagrees_is_a_warning(scaled: Diagnosis) -> None:
+    """Before anything is believed."""
+    linear = replace(scaled.linear_model, agrees=False, says="disagrees: it would name temp_bias")
+    said = words(page("", [verdict(replace(scaled, linear_model=linear))]))
+    assert "Before believing it the linear model, by likelihood alone, disagrees: it would name temp_bias" in said
+
+
+def test_files_hold_what_was_found(scaled: Diagnosis, tmp_path: Path) -> None:
+    """As JSON without what is no number, and as a rig with the effect at its size."""
+    gap = replace(scaled.verdict.gap, before=nan)
+    write_files(tmp_path, replace(scaled, verdict=replace(scaled.verdict, gap=gap)))
+    found = json.loads((tmp_path / "gap.json").read_text())
+    assert found["gap"]["before"] is None
+    assert found["verdict"] == "partly"
+    assert found["causes"][0]["effect"] == "scale_factor"
+    assert found["detectable"]["scale_factor"] == {"error_percent": 4.0, "unit": "%"}
+    assert found["untestable"] == {"clock_drift": "no host times", "temp_bias": "no temperature"}
+    assert found["calibration"]["bias_dps"] == {"rig": 0.5, "data": 0.35, "low": 0.34, "high": 0.36}
+    assert found["sessions"] == ["session-01", "session-02"]
+    (effect,) = load_rig(tmp_path / "rig.yaml").effects
+    assert effect.name == "scale_factor"
+
+
+def test_the_keys_of_the_file_are_those_that_others_read(scaled: Diagnosis) -> None:
+    """Of the whole, of a cause, of a deviation and of the gap."""
+    found = content(scaled)
+    assert {
+        *("verdict", "causes", "where", "leftover", "gap", "yaw", "transfer", "detectable", "calibration", "next"),
+        "seconds",
+    } <= set(found)
+    assert set(found["causes"][0]) == {"effect", "group", "probability", "parameters", "tied_with"}
+    assert {"stage", "signature", "regime", "z", "share"} <= set(found["where"][0])
+    assert set(found["gap"]) == {"before", "after", "floor", "shrink", "shrink_low", "shrink_high"}
+
+
+def test_the_summary_is_short(scaled: Diagnosis) -> None:
+    """The verdict first, what to record next last."""
+    lines = summary(scaled)
+    assert len(lines) <= 10
+    assert lines[0] == "partly: scale_factor explains some of the difference, and something is unexplained"
+    assert lines[-1] == f"next: {scaled.next_step}"

@@ -151,7 +151,7 @@ def spike_places(other: Effect | None) -> set[int]:
 
 @pytest.mark.parametrize("other", [e for e in OTHERS if e.name not in {"spikes", "stale_hold"}], ids=ids_of)
 def test_spikes_come_at_the_same_samples_beside_any_other_effect(other: Effect) -> None:
-    """Switching one effect on leaves the dice of another as they were; only what got lost is missing."""
+    """Switching one effect on leaves the realisation of another as it was; only what got lost is missing."""
     arrived = set(record(rig_of(other), MOTION, 10.0).seq.tolist())
     alone = spike_places(None)
     assert len(alone) > 20
@@ -188,7 +188,7 @@ def test_a_bias_goes_its_way_beside_any_other_effect(name: str, other: str) -> N
 
 
 @pytest.mark.parametrize("name", ["popcorn", "rate_random_walk", "bias_instability", "spikes", "vibration"])
-def test_the_same_effect_twice_throws_its_own_dice_each_time(name: str) -> None:
+def test_the_same_effect_twice_is_another_realisation_each_time(name: str) -> None:
     """Two of a kind are not one of double size."""
     bare, one, two = (record(rig_of(*[effect_of(name)] * times), MOTION, 100.0).rate_dps for times in (0, 1, 2))
     assert np.abs((two - bare) - 2.0 * (one - bare)).max() > 0.01

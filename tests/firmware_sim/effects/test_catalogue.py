@@ -1,8 +1,8 @@
-"""The catalogue: the 27 effects of the contract, each with its stage, its sizes and a word on what is typical."""
+"""The catalogue: every effect has its stage, its sizes and a word on what is typical; 27 are promised to users."""
 
 import pytest
 
-from firmware_sim.effects.catalogue import CATALOGUE, ORDER
+from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, Place
 
 STAGES = {
@@ -14,16 +14,15 @@ STAGES = {
     "clock": "clock_drift timestamp_jitter",
     "link": "usb_batching sample_drop stale_hold",
 }
-"""Section 7 of the contract, typed out."""
+"""Names that rig files and gap.json are promised to know, typed out."""
 
 
-def test_the_catalogue_is_that_of_the_contract() -> None:
-    """No effect is missing, none is called otherwise, and each belongs to its stage."""
-    stages: dict[str, set[str]] = {}
-    for name, kind in CATALOGUE.items():
-        stages.setdefault(kind.stage, set()).add(name)
-    assert stages == {stage: set(names.split()) for stage, names in STAGES.items()}
-    assert len(CATALOGUE) == len(ORDER) == 27
+def test_the_promised_effects_are_there() -> None:
+    """None is missing, none is called otherwise, and each belongs to its stage; others may stand beside them."""
+    promised = {name: stage for stage, names in STAGES.items() for name in names.split()}
+    assert len(promised) == 27
+    assert {name: CATALOGUE[name].stage for name in promised} == promised
+    assert {kind.stage for kind in CATALOGUE.values()} <= set(STAGES)
 
 
 @pytest.mark.parametrize("kind", CATALOGUE.values(), ids=list(CATALOGUE))

@@ -1,7 +1,6 @@
-"""What a rate error may depend on, second by second: motion, angle, temperature, time, rest, direction before."""
+"""What a rate error may depend on, second by second: motion, angle, temperature, time, rest, last direction."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,15 +9,14 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.motion_terms import TURN_DPS
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
-from gyrodrift.diagnose.report.residual_series import Seconds, minutes_of
+from gyrodrift.diagnose.predictive_checks.residual_series import minutes_of
 from gyrodrift.diagnose.simulate.twin import Subject
 
-LEAST_SECONDS = 20
 SLACK_S = 1e-4
 """A motion rebuilt from an encoder is not known better."""
 
 
-class Regressor(NamedTuple):
+class ResidualRegressor(NamedTuple):
     """What it is for each second of a session; NaN where a second does not have it.
 
     slack
@@ -29,32 +27,6 @@ class Regressor(NamedTuple):
     unit: str
     of: Callable[[Subject], Floats]
     slack: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Against:
-    """The seconds of all drawn sessions in which a regressor is known, in order of x; shape (seconds,) each."""
-
-    regressor: Regressor
-    x: Floats
-    real_dps: Floats
-    before_dps: Floats
-    after_dps: Floats
-    left_dps: Floats
-
-
-def against(sessions: Sequence[Seconds]) -> list[Against]:
-    """Every regressor that takes more than one value in these sessions."""
-    found = [_against(sessions, regressor) for regressor in REGRESSORS]
-    return [one for one in found if len(one.x) >= LEAST_SECONDS and one.x[-1] > one.x[0]]
-
-
-def _against(sessions: Sequence[Seconds], regressor: Regressor) -> Against:
-    x = np.concatenate([regressor.of(session.subject) for session in sessions])
-    order = np.argsort(x, kind="stable")[: int(np.count_nonzero(np.isfinite(x)))]  # NaN come last
-    columns = ("real_dps", "before_dps", "after_dps", "left_dps")
-    pooled = [np.concatenate([getattr(session, name) for session in sessions])[order] for name in columns]
-    return Against(regressor, x[order], *pooled)
 
 
 def _rate(subject: Subject) -> Floats:
@@ -104,12 +76,12 @@ def _second_s(subject: Subject) -> float:
 
 
 REGRESSORS = (
-    Regressor("rate", "deg/s", _rate),
-    Regressor("acceleration", "deg/s²", _acceleration, SLACK_S),
-    Regressor("acceleration, either way", "deg/s²", _any_acceleration, SLACK_S),
-    Regressor("angle within the turn", "deg", _angle),
-    Regressor("temperature", "°C", _temperature),
-    Regressor("time since the session began", "min", minutes_of),
-    Regressor("time since it last moved, at rest", "s", _rest),
-    Regressor("direction it came from, at rest", "−1 clockwise, 1 counter-clockwise", _direction),
+    ResidualRegressor("rate", "deg/s", _rate),
+    ResidualRegressor("acceleration", "deg/s²", _acceleration, SLACK_S),
+    ResidualRegressor("acceleration, either way", "deg/s²", _any_acceleration, SLACK_S),
+    ResidualRegressor("angle within the turn", "deg", _angle),
+    ResidualRegressor("temperature", "°C", _temperature),
+    ResidualRegressor("time since the session began", "min", minutes_of),
+    ResidualRegressor("time since it last moved, at rest", "s", _rest),
+    ResidualRegressor("direction it came from, at rest", "−1 clockwise, 1 counter-clockwise", _direction),
 )

@@ -1,4 +1,4 @@
-"""Spectra of the rate error, real and simulated: below half a hertz from seconds, above from samples."""
+"""Spectra of the rate error, real and simulated: below half a hertz from block means, above from samples."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the gap is worth: yaw errors of the real filter, and what parameters tuned in simulation cost in reality."""
+"""What the gap costs in yaw: errors of the real filter, and sim-to-real transfer of parameters tuned in simulation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,13 +18,21 @@ from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
 
 EVALUATIONS = 300
-KEPT_APART = 3
+"""Of the cost, for each of the three tunings."""
+
+HELD_OUT_EVERY = 3
 """Every third session is scored and not tuned on."""
 
 
 @dataclass(frozen=True, slots=True)
-class Worth:
-    """Mean absolute yaw errors in deg, under the parameters tuned on the simulator as it stands, and PI in deg²."""
+class YawImpact:
+    """What a gap costs where it matters.
+
+    e_real_deg, e_sim_before_deg, e_sim_after_deg
+        Mean absolute yaw errors under the parameters tuned on the simulator as it stands, deg.
+    pi_real_tuned_on_sim_before, pi_real_tuned_on_sim_after, pi_real_tuned_on_real
+        Mean squared yaw errors of real sessions that were held out, deg², by what the parameters were tuned on.
+    """
 
     e_real_deg: float
     e_sim_before_deg: float
@@ -34,32 +42,32 @@ class Worth:
     pi_real_tuned_on_real: float
 
 
-def worth_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> Worth:
-    """Tune on simulated and real sessions, and score on real ones kept apart."""
+def yaw_impact_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> YawImpact:
+    """Tune on simulated and real sessions, and score on real ones held out."""
     real = [reference_of(_as_session(subject.seen.recording)) for subject in subjects]
     before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
     after = [reference_of(subject.session(effects, seed)) for seed, subject in enumerate(subjects)]
     number = range(len(subjects))
-    tuned_on = [at for at in number if at % KEPT_APART != KEPT_APART - 1 or len(subjects) == 1]
+    tuned_on = [at for at in number if at % HELD_OUT_EVERY != HELD_OUT_EVERY - 1 or len(subjects) == 1]
     scored_on = [at for at in number if at not in tuned_on] or tuned_on
-    best = [_tuned([courses[at] for at in tuned_on]) for courses in (before, after, real)]
+    best = [_tuned([references[at] for at in tuned_on]) for references in (before, after, real)]
     with Cost(real) as on_real, Cost(before) as on_before, Cost(after) as on_after:
         pi = on_real.cost(np.vstack(best), scored_on).pi
         errors = [float(cost.cost(best[0]).mean_absolutes.mean()) for cost in (on_real, on_before, on_after)]
-    return Worth(*errors, *(float(value) for value in pi))
+    return YawImpact(*errors, *(float(value) for value in pi))
 
 
 def _as_session(recording: Recording) -> Session:
-    """What the gates made of a session, without its holes."""
+    """What the recording checks made of a session, without its holes."""
     came = np.isfinite(recording.rate_dps)
     return Session(
         recording.name, recording.device_s[came], recording.rate_dps[came], encoder_deg=recording.encoder_deg[came]
     )
 
 
-def _tuned(courses: Sequence[Reference]) -> Floats:
+def _tuned(references: Sequence[Reference]) -> Floats:
     """(1, 5) parameters."""
-    with Cost(courses) as cost:
+    with Cost(references) as cost:
         axes = axes_of(DEFAULT)
         objective = Objective(cost.pi, axes, EVALUATIONS)
         run_to_budget(METHODS["race"](), objective, 0)

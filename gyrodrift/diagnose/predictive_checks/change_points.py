@@ -1,4 +1,4 @@
-"""Where a bias jumps: change points of what is left of the rate error, by binary segmentation."""
+"""Change points of the bias: steps of what is unexplained of the rate error, by binary segmentation."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -8,35 +8,42 @@ import numpy as np
 from gyrodrift.arrays import Floats, Integers, Mask
 
 LEAST_SECONDS = 10
+"""Between two change points, and on both sides of one."""
+
+MAD_TO_SIGMA = 1.4826
+"""The standard deviation of normal numbers over their median absolute deviation."""
+
 CLEAR = 6.0
 """Standard errors by which the means on both sides of a split differ; chance reaches 4 in a long session."""
 
-JUMPS_MOST = 30
+MAX_CHANGE_POINTS = 30
 LEAST_DPS = 2e-3
-"""Smaller jumps are nobody's trouble."""
+"""Smaller ones are practically negligible: what is relevant of a bias that depends on angle or direction,
+`features/design_matrix.py`."""
 
 AT_ONCE, AT_ONCE_CLEAR = 0.6, 5.0
-"""A jump has this share of its height, and so many standard errors, within LEAST_SECONDS before and after it, beyond
-what the drift there makes; what takes longer is a drift."""
+"""A change point has this share of its height, and so many standard errors, within LEAST_SECONDS before and after it,
+beyond what the drift there makes; what takes longer is a drift."""
 
 HELD = 4.0
+"""Standard deviations from the median of its neighbours beyond which a second is an outlier."""
 
 
-class Jump(NamedTuple):
+class ChangePoint(NamedTuple):
     """The second from which on the level is another one, and by how much, deg/s."""
 
     second: int
     step_dps: float
 
 
-def jumps_of(left_dps: Floats, is_even: Mask) -> tuple[Jump, ...]:
+def change_points_of(left_dps: Floats, is_even: Mask) -> tuple[ChangePoint, ...]:
     """Of what is left in the seconds that rest or turn evenly; shape (seconds,) each."""
     seconds = np.flatnonzero(is_even)
     if len(seconds) < 2 * LEAST_SECONDS:
         return ()
     level_dps = left_dps[seconds]
-    spread_dps = 1.4826 * float(np.median(np.abs(np.diff(level_dps)))) / np.sqrt(2.0) + 1e-9
-    level_dps = _without_wild(level_dps, HELD * spread_dps)
+    spread_dps = MAD_TO_SIGMA * float(np.median(np.abs(np.diff(level_dps)))) / np.sqrt(2.0) + 1e-9
+    level_dps = _without_outliers(level_dps, HELD * spread_dps)
     edges = [0, *sorted(_splits(level_dps, spread_dps)), len(seconds)]
     means = [float(level_dps[start:end].mean()) for start, end in pairwise(edges)]
     found = []
@@ -45,7 +52,7 @@ def jumps_of(left_dps: Floats, is_even: Mask) -> tuple[Jump, ...]:
         least_dps = max(AT_ONCE_CLEAR * np.sqrt(10.0 / LEAST_SECONDS) * spread_dps, LEAST_DPS)
         beyond_dps = step_dps - drift_dps
         if beyond_dps / height_dps > AT_ONCE and abs(beyond_dps) > least_dps:
-            found.append(Jump(int(seconds[at]), step_dps))
+            found.append(ChangePoint(int(seconds[at]), step_dps))
     return tuple(found)
 
 
@@ -59,7 +66,7 @@ def _at_once(seconds: Integers, level_dps: Floats, at: int) -> tuple[float, floa
     return float(quarters[2] - quarters[1]), float(drift_dps)
 
 
-def _without_wild(values: Floats, most: float) -> Floats:
+def _without_outliers(values: Floats, most: float) -> Floats:
     """Held near the median of their neighbours."""
     padded = np.pad(values, 2, mode="edge")
     around = np.median([padded[shift : shift + len(values)] for shift in range(5)], axis=0)
@@ -71,7 +78,7 @@ def _splits(values: Floats, spread: float) -> list[int]:
     """The clearest split first, then those of its parts, until none is clear or there are too many."""
     found: list[int] = []
     parts = [(0, len(values))]
-    while len(found) < JUMPS_MOST:
+    while len(found) < MAX_CHANGE_POINTS:
         best = max((_split(values[start:end], spread, start) for start, end in parts), key=lambda split: split[1])
         if best[1] < CLEAR:
             break

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.diagnose.report.binned_medians import LEAST, bins_of, medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.binned_medians import LEAST, bins_of, medians, shape_dps
 
-DICE = np.random.default_rng(2)
-X = np.sort(DICE.uniform(-100.0, 100.0, 2000))
+RNG = np.random.default_rng(2)
+X = np.sort(RNG.uniform(-100.0, 100.0, 2000))
 
 
 @given(st.lists(st.integers(-20, 20) | st.floats(-1e6, 1e6), max_size=300))
@@ -25,8 +25,8 @@ def test_bins_part_the_values(values: list[float]) -> None:
 
 
 def test_medians_follow_a_shape() -> None:
-    """Past wild points, with an error that holds."""
-    y = np.abs(X) + DICE.normal(0.0, 5.0, len(X))
+    """Past outliers, with an error that holds."""
+    y = np.abs(X) + RNG.normal(0.0, 5.0, len(X))
     y[::50] = 1e4
     found = medians(X, y)
     assert len(found.x) > 10
@@ -43,7 +43,7 @@ def test_values_that_come_often_have_a_bin_of_their_own() -> None:
 
 def test_a_shape_is_as_high_as_it_is() -> None:
     """RMS of what follows x; noise alone has next to none."""
-    noise = DICE.normal(0.0, 1.0, len(X))
+    noise = RNG.normal(0.0, 1.0, len(X))
     assert shape_dps(X, 0.02 * X + noise) == pytest.approx(np.std(0.02 * X), rel=0.1)
     assert shape_dps(X, noise) < 0.1
 

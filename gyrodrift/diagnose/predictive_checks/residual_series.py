@@ -1,4 +1,4 @@
-"""The rate error of sessions second by second, real and simulated, before and after the causes are added."""
+"""The rate error of a session second by second, real and simulated, before and after the causes are added."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,29 +6,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.diagnosis import Diagnosis
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint, change_points_of
+from gyrodrift.diagnose.predictive_checks.spectra import Spectra, spectra_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
-from gyrodrift.diagnose.report.change_points import Jump, jumps_of
-from gyrodrift.diagnose.report.spectra import Spectra, spectra_of
 from gyrodrift.diagnose.simulate.twin import Subject
-
-DRAWN = 6
-"""Sessions; with more of them the page would be long and say no more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seconds:
+class ResidualSeries:
     """Mean rate errors of the seconds of a session, each less its median, the bias: deg/s, shape (seconds,) each.
 
     number
         Of the session, from 1.
+    minutes
+        Middles of the seconds since the session began.
     real_dps, before_dps, after_dps
         Of the recording, and of the simulator driven through its motion, without the causes and with them.
     left_dps
-        Of the recording less that of the simulator with the causes that leave nothing to chance.
-    jumps
+        Of the recording less that of the simulator with the causes that are not random: what these leave unexplained.
+    change_points
         Of what is left.
     slow, quick
         Spectra below and above half a hertz.
@@ -36,41 +34,33 @@ class Seconds:
 
     number: int
     name: str
-    subject: Subject
     minutes: Floats
     real_dps: Floats
     before_dps: Floats
     after_dps: Floats
     left_dps: Floats
-    jumps: tuple[Jump, ...]
+    change_points: tuple[ChangePoint, ...]
     slow: Spectra
     quick: Spectra
 
 
-def seconds_of(diagnosis: Diagnosis) -> list[Seconds]:
-    """Of at most DRAWN sessions, evenly chosen."""
-    subjects, causes = diagnosis.drawn.subjects, diagnosis.verdict.causes
-    chosen = np.unique(np.linspace(0, len(subjects) - 1, min(len(subjects), DRAWN)).round().astype(int))
-    return [_seconds(subjects[at], causes, int(at) + 1) for at in chosen]
-
-
-def _seconds(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> Seconds:
+def residual_series_of(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> ResidualSeries:
+    """Replay a session with and without the causes; its number is the seed."""
     design = subject.design
-    certain = tuple(cause for cause in causes if cause.cause.answer.candidate.dice == 1)
+    certain = tuple(cause for cause in causes if not cause.cause.is_random)
     before, after, steady = _replays(subject, [(), causes, certain], number)
     real_dps = block_residual_dps(subject.seen, design)
     slow, quick = spectra_of(subject, before, after)
     left_dps = _level(real_dps - block_residual_dps(steady, design))
-    return Seconds(
+    return ResidualSeries(
         number=number,
         name=subject.seen.recording.name,
-        subject=subject,
         minutes=minutes_of(subject),
         real_dps=_level(real_dps),
         before_dps=_level(block_residual_dps(before, design)),
         after_dps=_level(block_residual_dps(after, design)),
         left_dps=left_dps,
-        jumps=jumps_of(left_dps, design.regimes.block_is_even),
+        change_points=change_points_of(left_dps, design.regimes.block_is_even),
         slow=slow,
         quick=quick,
     )
@@ -99,5 +89,5 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
 
 
 def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
-    share = float(np.prod([cause.cause.answer.candidate.noise_share for cause in causes]))
+    share = float(np.prod([cause.cause.candidate.noise_share for cause in causes]))
     return subject.with_noise(share).replayed(tuple(cause.effect for cause in causes), seed)

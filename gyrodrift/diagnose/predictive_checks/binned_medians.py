@@ -18,7 +18,11 @@ FINEST = 1.0 / 64.0
 ERROR_OF_MEDIAN = 1.2533
 """The standard error of a median over that of a mean, of normal numbers."""
 
-WILD = 6.0
+OUTLIER = 6.0
+"""Standard deviations from the median at which a value is held."""
+
+MAD_TO_SIGMA = 1.4826
+"""The standard deviation of normal numbers over their median absolute deviation."""
 
 
 class Medians(NamedTuple):
@@ -54,7 +58,7 @@ def medians(x: Floats, y: Floats) -> Medians:
     rows = []
     for one in bins_of(x):
         middle = float(np.median(y[one]))
-        spread = 1.4826 * float(np.median(np.abs(y[one] - middle)))
+        spread = MAD_TO_SIGMA * float(np.median(np.abs(y[one] - middle)))
         rows.append((float(np.median(x[one])), middle, ERROR_OF_MEDIAN * spread / np.sqrt(one.stop - one.start)))
     return Medians(*np.array(rows).reshape(-1, 3).T)
 
@@ -65,7 +69,7 @@ def shape_dps(x: Floats, y: Floats) -> float:
     if len(bins) < 2:
         return 0.0
     middle = float(np.median(y))
-    most = WILD * 1.4826 * float(np.median(np.abs(y - middle)))
+    most = OUTLIER * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))
     held = np.clip(y, middle - most, middle + most) if most > 0.0 else y
     counts = np.array([one.stop - one.start for one in bins])
     levels = np.array([held[one].mean() for one in bins])

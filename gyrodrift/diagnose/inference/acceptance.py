@@ -1,0 +1,34 @@
+"""When a cause is accepted: it gains enough on held-out sessions, and not by making everything uncertain."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gyrodrift.diagnose.inference.fit import CauseSet, without
+from gyrodrift.diagnose.inference.likelihood import log_likelihood
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+
+GAIN = 6.0
+STANDARD_ERRORS = 1.0
+"""A cause has to raise the log-likelihood of held-out sessions by GAIN and by so many standard errors of the gain."""
+
+
+def passes_acceptance(surrogate: Surrogate, longer: CauseSet, shorter: CauseSet) -> bool:
+    """Whether a longer set gains enough on held-out sessions, each cause that it adds by where it moves features."""
+    gains = longer.scores - shorter.scores
+    error = float(gains.std(ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
+    if longer.total - shorter.total <= GAIN + STANDARD_ERRORS * error:
+        return False
+    added = [cause for cause in longer.causes if cause.name not in shorter.names]
+    return all(log_likelihood_gain(surrogate, longer.causes, cause) > GAIN for cause in added)
+
+
+def log_likelihood_gain(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> float:
+    """What is gained by where a cause moves the features, beside one that spreads them as widely."""
+    evidence = surrogate.evidence
+    change, variance, discrepancy = surrogate.prediction(causes)
+    unmoved = surrogate.prediction(without(causes, one)).change
+    wide = evidence.sigma**2 + variance
+    with_it = log_likelihood(evidence.difference - change, wide, discrepancy)
+    beside_it = log_likelihood(evidence.difference - unmoved, wide, discrepancy)
+    return float((with_it - beside_it).sum())

@@ -1,0 +1,52 @@
+"""How small each effect could have been and still been seen in these sessions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.acceptance import GAIN
+from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM
+from gyrodrift.diagnose.inference.parameters import unit_of
+
+CLEAR_GAIN = 2.0 * GAIN
+"""Of the log-likelihood: twice what accepts a cause, so that it would not be by luck."""
+
+
+@dataclass(frozen=True, slots=True)
+class Detectable:
+    """The smallest size of an effect that these sessions would have shown; None where no size that was tried would."""
+
+    effect: str
+    stage: str
+    parameter: str
+    value: float | None
+    unit: str
+
+
+def gains_of(change: Floats) -> Floats:
+    """(sizes,) log-likelihood that a change, (sizes, sessions, F) in sigmas, costs a rig that does not have it."""
+    squares = np.square(change) / DEGREES_OF_FREEDOM
+    gains: Floats = 0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares).sum(axis=(1, 2))
+    return gains
+
+
+def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
+    """Of each effect of the catalogue that was tried, in the order of the candidates."""
+    found: dict[str, Detectable] = {}
+    for response in evidence.responses:
+        candidate = response.candidate
+        if candidate.is_out_of_catalogue:
+            continue
+        name, unit = candidate.parameter, unit_of(candidate.parameter)
+        gains = gains_of(response.mean / evidence.sigma)
+        seen = candidate.sizes[gains > CLEAR_GAIN]
+        value = None
+        if len(seen):
+            smallest = min((float(size) for size in seen), key=abs)
+            value = abs(float(getattr(candidate.make(smallest), name)))
+        known = found.get(candidate.name)
+        if known is None or known.value is None or (value is not None and value < known.value):
+            found[candidate.name] = Detectable(candidate.name, candidate.stage, name, value, unit)
+    return tuple(found.values())

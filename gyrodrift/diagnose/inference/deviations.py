@@ -1,0 +1,94 @@
+"""Which features deviate, before anything is added and after: standard normal deviates pooled over sessions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.fit import CauseSet, fitted_without, without
+from gyrodrift.diagnose.inference.surrogate import Surrogate
+
+STANDS_OUT = 4.5
+UNEXPLAINED = 5.0
+"""Pooled z beyond which a feature counts as a deviation, before and after causes are added."""
+
+WORST_Z = 20.0
+"""No feature counts for more than this: a z of hundreds says no more than one of twenty."""
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """A feature that deviates; z pooled over all sessions, and its share of all that deviates."""
+
+    stage: str
+    feature: str
+    regime: str
+    says: str
+    z: float
+    share: float = 0.0
+
+
+def pooled_z(z: Floats) -> Floats:
+    """(F,) one normal deviate for all sessions: a common shift, or a scatter of either sign, whichever is clearer."""
+    count = len(z)
+    shift = z.mean(axis=0) * np.sqrt(count)
+    scatter = np.linalg.norm(z, axis=0) - np.sqrt(count)
+    found: Floats = np.where(scatter > np.abs(shift), scatter * np.where(shift < 0.0, -1.0, 1.0), shift)
+    return found
+
+
+def held_out_z(surrogate: Surrogate, found: CauseSet) -> Floats:
+    """(sessions, F) what each session leaves unexplained under sizes fitted on the others."""
+    evidence = surrogate.evidence
+    if not found.causes:
+        return evidence.z
+    z = np.empty_like(evidence.z)
+    for held_out in range(len(evidence.names)):
+        causes = fitted_without(surrogate, found.causes, held_out)
+        z[held_out] = surrogate.standardised_residuals(causes)[held_out]
+    return z
+
+
+def deviations(z: Floats, threshold: float) -> tuple[Deviation, ...]:
+    """Features whose pooled z, (F,), is beyond a threshold, the worst first."""
+    order = [int(number) for number in np.argsort(-np.abs(z)) if abs(z[number]) > threshold]
+    return shared([_deviation(number, float(z[number])) for number in order])
+
+
+def out_of_catalogue(surrogate: Surrogate, found: CauseSet) -> list[Deviation]:
+    """What was explained by no effect, by the feature it stands for; its z is what it would be without."""
+    found_deviations = []
+    for cause in found.causes:
+        if cause.is_out_of_catalogue:
+            z = pooled_z(surrogate.standardised_residuals(without(found.causes, cause)))
+            number = NUMBER[cause.name.removeprefix("?")]
+            found_deviations.append(_deviation(number, float(z[number])))
+    return found_deviations
+
+
+def worst_first(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
+    """Each feature once."""
+    by_name: dict[str, Deviation] = {}
+    for one in sorted(every, key=lambda one: -abs(one.z)):
+        by_name.setdefault(one.feature, one)
+    return shared(list(by_name.values()))
+
+
+def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
+    """With the share that each has in the squares of all of them."""
+    squares = [min(abs(one.z), WORST_Z) ** 2 for one in every]
+    total = sum(squares) or 1.0
+    return tuple(replace(one, share=square / total) for one, square in zip(every, squares, strict=True))
+
+
+def explained_share(deviates: Mask, before: Floats, after: Floats) -> float:
+    """Share of the squares of what deviates that is taken away; below 0 where something is added to it."""
+    held = [np.square(np.minimum(np.abs(z[deviates]), WORST_Z)).sum() for z in (before, after)]
+    return float(1.0 - held[1] / held[0])
+
+
+def _deviation(number: int, z: float) -> Deviation:
+    one = FEATURES[number]
+    return Deviation(one.stage, one.name, one.regime, one.says, z)

@@ -1,0 +1,77 @@
+"""How large the gap is, and how far it shrinks, on sessions held out from the fit; with an interval by bootstrap."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.deviations import WORST_Z
+from gyrodrift.diagnose.inference.evidence import Evidence
+
+BOOTSTRAPS = 2000
+INTERVAL = (0.05, 0.95)
+"""Quantiles over sets of sessions drawn with replacement: nine in ten lie within."""
+
+SEED = 0
+NO_GAP = 1.05
+"""A gap that is no larger than this many times its floor has nothing to close."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimToRealGap:
+    """Root mean square of the features' z, each held at 20, on sessions held out from the fit.
+
+    floor
+        What the simulator scores against itself.
+    shrink, shrink_low, shrink_high
+        Share of what lies above the floor that is closed, and its interval; None where there is nothing to close.
+    """
+
+    before: float
+    after: float
+    floor: float
+    shrink: float | None
+    shrink_low: float | None
+    shrink_high: float | None
+
+
+def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
+    """The gap before anything is added, and after, by what held-out sessions leave unexplained, (sessions, F)."""
+    before, after, floor = by_session(evidence.z), by_session(after_z), floor_of(evidence)
+    rng = np.random.default_rng(SEED)
+    drawn = rng.integers(len(before), size=(BOOTSTRAPS, len(before)))
+    spread = [shrink_of(before[rows], after[rows], floor) for rows in drawn]
+    known = [value for value in spread if value is not None]
+    whole = shrink_of(before, after, floor)
+    if whole is None or not known:
+        return SimToRealGap(total_of(before), total_of(after), floor, whole, None, None)
+    low, high = np.quantile(known, INTERVAL)
+    return SimToRealGap(total_of(before), total_of(after), floor, whole, float(low), float(high))
+
+
+def no_gap(evidence: Evidence) -> SimToRealGap:
+    """Of sessions that the simulator explains as it stands: what chance leaves cannot be closed."""
+    before = total_of(by_session(evidence.z))
+    return SimToRealGap(before, before, floor_of(evidence), None, None, None)
+
+
+def floor_of(evidence: Evidence) -> float:
+    """What the simulator scores against itself."""
+    return total_of(by_session(evidence.nulls))
+
+
+def by_session(z: Floats) -> Floats:
+    """(sessions,) root mean squares over features, each z held at WORST_Z."""
+    found: Floats = np.sqrt(np.square(np.minimum(np.abs(z), WORST_Z)).mean(axis=1))
+    return found
+
+
+def total_of(by_session: Floats) -> float:
+    """The root mean square over sessions."""
+    return float(np.sqrt(np.square(by_session).mean()))
+
+
+def shrink_of(before: Floats, after: Floats, floor: float) -> float | None:
+    """Of the gap above the floor, how much is closed; None where there was none."""
+    high = total_of(before)
+    return (high - max(total_of(after), floor)) / (high - floor) if high > floor * NO_GAP else None

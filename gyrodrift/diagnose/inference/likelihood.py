@@ -1,0 +1,60 @@
+"""The likelihood of features under a predicted change: a Student density that knows its model to be inexact.
+
+A candidate is never the exact form of a real effect: what it changes may be off by a share of the change, and what it
+does to one regressor leaks to the others. This is the model discrepancy of M. C. Kennedy and A. O'Hagan, Bayesian
+calibration of computer models (2001). Without its variance, what a large true cause leaves unexplained would be
+explained by a crowd of small wrong ones.
+"""
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import IS_LOG, STATIC
+
+DEGREES_OF_FREEDOM = 4.0
+"""Of the Student density: few, so that no single feature decides."""
+
+DISCREPANCY, CROSS_TALK = 0.1, 0.04
+"""Shares of its own change by which a candidate may be off, in the same feature and in other regressors."""
+
+LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
+"""Bounds of logarithms of variances that are added as variances, so that nothing overflows or becomes 0."""
+
+
+def combined(change: Floats, more: Floats) -> Floats:
+    """Two changes at once: logarithms of variances add as variances, all else as it is."""
+    added = change + more
+    powers = np.exp(np.clip(change, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(more, -LOG_RANGE, LOG_RANGE))
+    both = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
+    joined: Floats = np.where(IS_LOG & (change > 0.0) & (more > 0.0), both, added)
+    return joined
+
+
+def discrepancy_variance(mean: Floats, difference: Floats) -> Floats:
+    """Variance for not being the exact form: a share of the change itself, and of all that goes to the regressors.
+
+    But no more than of what there is to explain, or far too large a cause would excuse everything.
+
+    mean
+        (…, F) what a candidate changes.
+    difference
+        (sessions, F) what there is to explain.
+    """
+    variance: Floats = np.square(DISCREPANCY * np.minimum(np.abs(mean), np.abs(difference)))
+    cross_talk = CROSS_TALK * np.minimum(_static(mean), _static(difference))
+    variance[..., :STATIC] += cross_talk**2
+    return variance
+
+
+def _static(change: Floats) -> Floats:
+    """(…, 1) length of what goes to the regressors."""
+    length: Floats = np.linalg.norm(change[..., :STATIC], axis=-1, keepdims=True)
+    return length
+
+
+def log_likelihood(residual: Floats, variance: Floats, discrepancy: Floats) -> Floats:
+    """Sum over features of the logarithm of a Student density; model discrepancy is no spread, and costs nothing."""
+    squares = np.square(residual) / (DEGREES_OF_FREEDOM * (variance + discrepancy))
+    densities = -0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares) - 0.5 * np.log(variance)
+    total: Floats = densities.sum(axis=-1)
+    return total

@@ -1,0 +1,85 @@
+"""Parameters of a named cause: its best size between those of the grid, and the interval of sizes as plausible."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from firmware_sim.effects.effect import Effect
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.alternatives import Alternatives
+
+PLAUSIBLE = 2.0
+"""Log-likelihood: sizes that score less than the best by no more belong to the interval; chi-square of one degree of
+freedom would have 1.92 for 95 %."""
+
+UNITS = {
+    "percent": "%",
+    "percent_fs": "% of full scale",
+    "percent_per_c": "%/°C",
+    "dps_per_c": "deg/s/°C",
+    "dps": "deg/s",
+    "deg": "deg",
+    "ms": "ms",
+    "hz": "Hz",
+    "ppm": "ppm",
+    "dph": "deg/h",
+    "dps_rts": "deg/s/√s",
+    "dps_at_100_dps": "deg/s at 100 deg/s",
+    "s": "s",
+    "per_hour": "1/h",
+    "cpr": "counts per turn",
+}
+"""By how the names of parameters end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A fitted parameter with the sizes that would do nearly as well."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+def unit_of(parameter: str) -> str:
+    """Unit of a parameter, by the end of its name."""
+    ends = [end for end in UNITS if parameter == end or parameter.endswith(f"_{end}")]
+    return UNITS[max(ends, key=len)] if ends else ""
+
+
+def best_size(sizes: Floats, profile: Floats) -> float:
+    """Between the sizes of the grid: the top of a parabola through the best and its neighbours."""
+    at = int(np.argmax(profile))
+    if not 0 < at < len(sizes) - 1 or sizes[at - 1] * sizes[at + 1] <= 0.0:
+        return float(sizes[at])
+    left, middle, right = profile[at - 1 : at + 2]
+    bend = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+    ratio = sizes[at + 1] / sizes[at] if shift > 0.0 else sizes[at] / sizes[at - 1]
+    return float(sizes[at] * ratio**shift)
+
+
+def effect_of(one: Alternatives) -> Effect:
+    """The effect of the simulator at the fitted size."""
+    candidate = one.cause.candidate
+    return candidate.make(best_size(candidate.sizes, one.profile))
+
+
+def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
+    """The size with its interval first, and then what is fixed with the candidate."""
+    candidate, profile = one.cause.candidate, one.profile
+    best = best_size(candidate.sizes, profile)
+    plausible = candidate.sizes[profile > profile.max() - PLAUSIBLE]
+    name, unit = candidate.parameter, unit_of(candidate.parameter)
+    value, *ends = (_value(candidate.make(float(size)), name) for size in (best, plausible[0], plausible[-1]))
+    found = [Parameter(name, value, min(value, *ends), max(value, *ends), unit)]
+    for other, fixed in candidate.make(best).model_dump().items():
+        if other not in {name, "name"}:
+            found.append(Parameter(other, fixed, fixed, fixed, unit_of(other)))
+    return tuple(found)
+
+
+def _value(effect: Effect, parameter: str) -> float:
+    return float(getattr(effect, parameter))

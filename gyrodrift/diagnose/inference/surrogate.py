@@ -1,0 +1,152 @@
+"""The surrogate of the simulator: tables of responses that are added, corrected where a set was simulated as a whole.
+
+A hypothesis is a set of candidates with sizes. The surrogate predicts a mean and a spread for every feature of every
+session under it. It never changes: what is learned from a further simulation makes a new one, so that every prediction
+and every score follows from the surrogate and the set alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.likelihood import combined, discrepancy_variance, log_likelihood
+from gyrodrift.diagnose.simulate.candidate import Candidate
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """A candidate at one of its sizes; `at` is the number of the size."""
+
+    response: Response
+    at: int
+
+    @property
+    def candidate(self) -> Candidate:
+        """What may act."""
+        return self.response.candidate
+
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.candidate.name
+
+    @property
+    def is_out_of_catalogue(self) -> bool:
+        """Whether no effect of the simulator does this."""
+        return self.candidate.is_out_of_catalogue
+
+    @property
+    def is_random(self) -> bool:
+        """Whether two realisations of it differ."""
+        return self.candidate.realisations > 1
+
+    @property
+    def size(self) -> float:
+        """In the units of the candidate's sizes."""
+        return float(self.candidate.sizes[self.at])
+
+
+class Prediction(NamedTuple):
+    """Of a set of causes, (sessions, F) each.
+
+    change
+        Of the features.
+    variance
+        What random causes add to that of the features.
+    discrepancy
+        The model-discrepancy variance.
+    """
+
+    change: Floats
+    variance: Floats
+    discrepancy: Floats
+
+
+class Correction(NamedTuple):
+    """(sessions, F) what the tables lack of the change that a set of candidates makes when simulated as a whole."""
+
+    responses: frozenset[Response]
+    change: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surrogate:
+    """Predictions on evidence that does not change.
+
+    corrections
+        One for each set that was simulated; where two fit a larger set equally well, the first holds.
+    """
+
+    evidence: Evidence
+    corrections: tuple[Correction, ...] = ()
+
+    def prediction(self, causes: Sequence[Cause]) -> Prediction:
+        """What a set of causes does."""
+        added = self._added(causes)
+        return added._replace(change=added.change + self._correction(_responses(causes)))
+
+    def scores(self, causes: Sequence[Cause]) -> Floats:
+        """(sessions,) logarithm of the likelihood of each session's features."""
+        change, variance, discrepancy = self.prediction(causes)
+        evidence = self.evidence
+        return log_likelihood(evidence.difference - change, evidence.sigma**2 + variance, discrepancy)
+
+    def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
+        """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
+        change, variance, discrepancy = self.prediction(causes)
+        evidence = self.evidence
+        left: Floats = (evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + discrepancy)
+        return left
+
+    def curve(self, others: Sequence[Cause], response: Response, step: int = 1) -> Floats:
+        """(sizes, sessions) scores when a candidate joins others, at each of its sizes or every `step`th."""
+        change, variance, discrepancy = self.prediction(others)
+        mean = response.mean[::step]
+        both = _responses(others) | {response}
+        if not others or self._knows(both):
+            change = change + self._correction(both) - self._correction(both - {response})
+        residual = self.evidence.difference - combined(change, mean)
+        widened = self.evidence.sigma**2 + variance + np.square(response.spread[::step])[:, None]
+        return log_likelihood(residual, widened, discrepancy + discrepancy_variance(mean, self.evidence.difference))
+
+    def knows(self, causes: Sequence[Cause]) -> bool:
+        """Whether this set of candidates was simulated as a whole, at whatever sizes."""
+        return self._knows(_responses(causes))
+
+    def refined(self, causes: Sequence[Cause], change: Floats) -> "Surrogate":
+        """A surrogate that is exact at a set of causes, whose simulated change is given, (sessions, F).
+
+        Sets within this one come behind all others from then on: they are the older knowledge of it.
+        """
+        responses = _responses(causes)
+        others = [one for one in self.corrections if not one.responses <= responses]
+        within = [one for one in self.corrections if one.responses < responses]
+        new = Correction(responses, change - self._added(causes).change)
+        return replace(self, corrections=(*others, new, *within))
+
+    def _added(self, causes: Sequence[Cause]) -> Prediction:
+        """By the tables alone."""
+        change = np.zeros_like(self.evidence.difference)
+        variance, discrepancy = np.zeros_like(change), np.zeros_like(change)
+        for cause in causes:
+            mean = cause.response.mean[cause.at]
+            change = combined(change, mean)
+            variance = variance + np.square(cause.response.spread[cause.at])
+            discrepancy = discrepancy + discrepancy_variance(mean, self.evidence.difference)
+        return Prediction(change, variance, discrepancy)
+
+    def _knows(self, responses: frozenset[Response]) -> bool:
+        return any(one.responses == responses for one in self.corrections)
+
+    def _correction(self, responses: frozenset[Response]) -> Floats | float:
+        """Of the set, or of the largest part of it that was simulated as a whole."""
+        parts = [one for one in self.corrections if one.responses <= responses]
+        return max(parts, key=lambda one: len(one.responses)).change if parts else 0.0
+
+
+def _responses(causes: Sequence[Cause]) -> frozenset[Response]:
+    return frozenset(cause.response for cause in causes)

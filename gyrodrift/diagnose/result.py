@@ -1,0 +1,84 @@
+"""The result of a diagnosis: everything that its files hold and its report draws."""
+
+from dataclasses import dataclass, field
+
+from gyrodrift.diagnose.inference.detectable import Detectable
+from gyrodrift.diagnose.inference.linear_model import LinearModel
+from gyrodrift.diagnose.inference.ranking import Alike, Ranked
+from gyrodrift.diagnose.inference.verdict import Verdict
+from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
+from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
+from gyrodrift.diagnose.simulate.yaw_impact import YawImpact
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosedSession:
+    """A session that was used, and the rig's base values that were fitted to it."""
+
+    name: str
+    minutes: float
+    sample_rate_hz: float
+    bias_dps: float
+    noise_dps_rthz: float
+    has_host_times: bool
+    has_temperature: bool
+    has_counter: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BaseValue:
+    """A base value of the rig beside those of the sessions: their median, least and largest."""
+
+    name: str
+    rig: float
+    data: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Untestable:
+    """An effect of which the sessions cannot speak, and what they lack for it."""
+
+    effect: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Everything that is reported.
+
+    remarks
+        What the recording checks found, and what else limits this result; a sentence each.
+    detectable
+        Of each effect that was tried, the smallest size that would have been seen.
+    next_step
+        What to record next, in a sentence.
+    seconds
+        What all of it took.
+    rig_yaml
+        The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
+    ranking, lookalikes
+        The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
+    features
+        Real beside simulated, in the order of FEATURES.
+    residuals
+        Rate errors of some sessions, real beside simulated.
+    """
+
+    verdict: Verdict
+    linear_model: LinearModel
+    yaw_impact: YawImpact
+    remarks: tuple[str, ...]
+    untestable: tuple[Untestable, ...]
+    withheld: tuple[str, ...]
+    detectable: tuple[Detectable, ...]
+    calibration: tuple[BaseValue, ...]
+    next_step: str
+    seconds: float
+    sessions: tuple[DiagnosedSession, ...]
+    rig_yaml: str
+    ranking: tuple[Ranked, ...]
+    lookalikes: tuple[Alike, ...]
+    features: tuple[FeatureComparison, ...] = field(repr=False)
+    residuals: ResidualChecks = field(repr=False)

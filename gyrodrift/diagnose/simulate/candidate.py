@@ -1,0 +1,225 @@
+"""What a candidate cause is: one record for each effect, and what becomes of it on given recordings.
+
+A `CandidateKind` is all that diagnose knows of an effect. With what the recordings show (`Hints`) it gives one or more
+`Candidate`s: the effect with its second parameter fixed, at a grid of sizes.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum, StrEnum
+
+import numpy as np
+
+from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.effects.effect import Effect
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+
+Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
+"""A session's design and random stream to what is added to its rate, deg/s at size 1, shape (n,)."""
+
+
+class Need(StrEnum):
+    """What recordings have to hold for an effect to show in them."""
+
+    MOTION = "motion"
+    TEMPERATURE = "temperature"
+    HOST = "host"
+    COUNTER = "counter"
+
+
+class Touches(Enum):
+    """What an effect changes in a recording; features of all else are taken over from a simulation without it.
+
+    TIMES        stamps and arrivals; rate and angle of each sample stay as they were
+    SLOW_RATE    it adds to the rate something slow beside a sample: noise, numbers and times stay
+    VALUES       rates and angles; which samples come and when stays
+    EVERYTHING   anything
+    """
+
+    TIMES = "times"
+    SLOW_RATE = "slow rate"
+    VALUES = "values"
+    EVERYTHING = "everything"
+
+
+@dataclass(frozen=True, slots=True)
+class CandidateGroup:
+    """Effects that are easily taken for each other, and how to record so that they part."""
+
+    name: str
+    separated_by: str = "record other speeds, both directions and longer rests"
+
+
+@dataclass(frozen=True, slots=True)
+class Hints:
+    """What the recordings themselves show of a candidate's second parameter, the median over all of them.
+
+    line_hz, spike_dps, slip_deg
+        The strongest tone at rest, heights of outliers and of jumps of the angle.
+    rate_step_dps, angle_step_deg
+        The steps that rates and angles come in.
+    least_dps, largest_dps
+        Rates other than zero that the device put out.
+    period_s, turn_order, angle_turn_order
+        Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
+    """
+
+    line_hz: float
+    spike_dps: float
+    slip_deg: float
+    rate_step_dps: float
+    angle_step_deg: float
+    least_dps: float
+    largest_dps: float
+    period_s: float
+    turn_order: int
+    angle_turn_order: int
+
+
+@dataclass(frozen=True, slots=True)
+class SizeGrid:
+    """Sizes that are simulated, rising, and those that a fit decides between; 0 stands for none. Shape (some,) each."""
+
+    points: Floats
+    sizes: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A grid of sizes with everything else fixed.
+
+    fixed
+        Other parameters of the effect.
+    phase_deg
+        Of an effect once per turn; only those of 0 and 90 degrees are simulated.
+    noise_share
+        What share of the scatter that the recording shows was there before this effect changed it.
+    """
+
+    grid: SizeGrid
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    phase_deg: float | None = None
+    noise_share: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Tells it from the others of its kind."""
+        if self.noise_share != 1.0:
+            return f"noise times {self.noise_share:g}"
+        return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An effect with its second parameter fixed, or an out-of-catalogue model, tried at some sizes.
+
+    variant
+        Tells it from others of the same name.
+    make
+        The effect of a size.
+    parameter
+        Which parameter is the size.
+    grid_points
+        Sizes that are simulated, rising; 0 stands for none, and sizes in between are interpolated.
+    sizes
+        Those that a fit decides between.
+    group
+        Effects of one group are easily taken for each other.
+    realisations
+        How many draws a size takes: one where chance plays no part.
+    phase_deg, noise_share
+        As in `Variant`.
+    shape
+        Of an out-of-catalogue model: what is added to the rate.
+    """
+
+    name: str
+    variant: str
+    make: Callable[[float], Effect]
+    parameter: str
+    grid_points: Floats
+    sizes: Floats
+    group: str
+    needs: tuple[Need, ...] = ()
+    touches: Touches = Touches.EVERYTHING
+    realisations: int = 1
+    phase_deg: float | None = None
+    noise_share: float = 1.0
+    shape: Shape | None = None
+
+    @property
+    def stage(self) -> str:
+        """Of the rig."""
+        return CATALOGUE[self.name].stage
+
+    @property
+    def is_out_of_catalogue(self) -> bool:
+        """Whether it is no effect of the catalogue."""
+        return self.shape is not None
+
+
+@dataclass(frozen=True, slots=True)
+class CandidateKind:
+    """All that is known of an effect as a cause.
+
+    name
+        Of the effect in the catalogue of the simulator.
+    parameter
+        Which of its parameters is the size.
+    variants
+        What is tried, given what the recordings show.
+    meaning
+        What the effect does, in a sentence for a person, without its period.
+    group
+        Effects that look like it; where None is given it is a group of its own.
+    needs, touches
+        What recordings have to hold for it, and what it changes in them.
+    realisations
+        How many draws a size takes: one where chance plays no part.
+    matters_from
+        Size of its parameter below which it is practically negligible for yaw, twice what the relevance threshold of
+        its regressor amounts to (nonlinearity: eight times); None where nothing is known.
+    of_size
+        From a size to the parameter, where that is not the size itself.
+    """
+
+    name: str
+    parameter: str
+    variants: Callable[[Hints], Sequence[Variant]]
+    meaning: str
+    group: CandidateGroup | None = None
+    needs: tuple[Need, ...] = ()
+    touches: Touches = Touches.EVERYTHING
+    realisations: int = 1
+    matters_from: float | None = None
+    of_size: Callable[[float], float] = float
+
+    @property
+    def looks_like(self) -> CandidateGroup:
+        """Its group, or one of its own."""
+        return self.group or CandidateGroup(self.name)
+
+    def candidates(self, hints: Hints) -> list[Candidate]:
+        """One for each variant."""
+        return [self._candidate(variant) for variant in self.variants(hints)]
+
+    def _candidate(self, variant: Variant) -> Candidate:
+        return Candidate(
+            name=self.name,
+            variant=variant.label,
+            make=lambda size: self._effect(size, variant.fixed),
+            parameter=self.parameter,
+            grid_points=variant.grid.points,
+            sizes=variant.grid.sizes,
+            group=self.looks_like.name,
+            needs=self.needs,
+            touches=self.touches,
+            realisations=self.realisations,
+            phase_deg=variant.phase_deg,
+            noise_share=variant.noise_share,
+        )
+
+    def _effect(self, size: float, fixed: Mapping[str, float]) -> Effect:
+        values = {"name": self.name, self.parameter: self.of_size(size), **fixed}
+        return CATALOGUE[self.name].model_validate(values)

@@ -1,0 +1,71 @@
+"""Grids of sizes and the variants made of them: the parts that the records of candidates are put together from."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.simulate.candidate import Hints, SizeGrid, Variant
+
+PER_DECADE = 12
+"""Sizes between which a fit decides, to a decade: steps of a fifth."""
+
+PHASES_DEG = tuple(30.0 * step for step in range(12))
+
+INNER = 10.0
+"""What is linear in its size is simulated at this part of its largest one, far from the ends of any range."""
+
+Variants = Callable[[Hints], Sequence[Variant]]
+
+
+def between(least: float, most: float) -> Floats:
+    """Sizes in even ratios, PER_DECADE of them to a decade."""
+    return np.geomspace(least, most, round(PER_DECADE * np.log10(most / least)) + 1)
+
+
+def linear_grid(least: float, most: float) -> SizeGrid:
+    """Of either sign, for what is exactly linear in its size: two simulations say all."""
+    up = between(least, most)
+    return SizeGrid(np.array([-most, most]) / INNER, np.concatenate([-up[::-1], up]))
+
+
+def simulated_grid(*points: float) -> SizeGrid:
+    """Simulated at these sizes, interpolated between them."""
+    return SizeGrid(np.array(points), between(points[0], points[-1]))
+
+
+def read_grid(size: float) -> SizeGrid:
+    """Of an effect whose size the recordings show outright."""
+    sizes = np.array([size])
+    return SizeGrid(sizes, sizes)
+
+
+def linear(least: float, most: float) -> Variants:
+    """One variant on a linear grid."""
+    return lambda _: [Variant(linear_grid(least, most))]
+
+
+def simulated(*points: float) -> Variants:
+    """One variant, simulated at these sizes."""
+    return lambda _: [Variant(simulated_grid(*points))]
+
+
+def turned(least: float, most: float) -> Variants:
+    """Linear, once per turn: the simulations at 0 and 90 degrees are turned to every other phase."""
+    grid = SizeGrid(np.array([most / INNER]), between(least, most))
+    return lambda _: [Variant(grid, {"phase_deg": phase_deg}, phase_deg) for phase_deg in PHASES_DEG]
+
+
+def each(parameter: str, values: Sequence[float], grid: SizeGrid) -> Variants:
+    """A variant for each value of a second parameter."""
+    return lambda _: [Variant(grid, {parameter: value}) for value in values]
+
+
+def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Variants:
+    """A second parameter that the recordings show."""
+    return lambda hints: [Variant(simulated_grid(*points), {parameter: hint(hints)})]
+
+
+def read_off(hint: Callable[[Hints], float], noise_shares: Sequence[float] = (1.0,)) -> Variants:
+    """The size itself is what the recordings show; tried with so much noise beneath it."""
+    return lambda hints: [Variant(read_grid(hint(hints)), noise_share=share) for share in noise_shares]

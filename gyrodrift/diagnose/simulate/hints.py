@@ -1,0 +1,134 @@
+"""What recordings show by themselves of a candidate's second parameter: an estimator and a default for each hint."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_residuals import unexplained_dps
+from gyrodrift.diagnose.features.design_matrix import TURN_ORDERS
+from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
+from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
+from gyrodrift.diagnose.features.spectral_line import spectral_line
+from gyrodrift.diagnose.recording.outliers import step_of
+from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.twin import Subject
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A session with what several estimators look at.
+
+    slow_dps
+        Rates near zero, where a step of the rate is least hidden; shape (some,).
+    left_dps
+        What the regressors leave of the block residuals, shape (blocks,).
+    """
+
+    subject: Subject
+    slow_dps: Floats
+    left_dps: Floats
+
+
+Estimator = Callable[[Sequence[Shown]], float]
+"""All sessions to a hint; 0 where they show nothing."""
+
+
+class HintSource(NamedTuple):
+    """Where a hint comes from, and what is usual where the recordings show nothing."""
+
+    estimator: Estimator
+    default: float = 0.0
+
+
+def hints_of(subjects: Sequence[Subject]) -> Hints:
+    """What the sessions show, or what is usual where they show nothing."""
+    shown = [
+        Shown(subject, _near_zero_dps(subject), unexplained_dps(subject.seen, subject.design)) for subject in subjects
+    ]
+    values: dict[str, Any] = {name: source.estimator(shown) or source.default for name, source in SOURCES.items()}
+    return Hints(**values)
+
+
+def line_hz(shown: Sequence[Shown]) -> float:
+    """Frequency of the strongest tone at rest."""
+    return _median([spectral_line(one.subject.seen, one.subject.design).frequency_hz for one in shown])
+
+
+def spike_dps(shown: Sequence[Shown]) -> float:
+    """Height of outliers of the rate, over those of all sessions."""
+    heights = np.concatenate([np.abs(one.subject.seen.spikes_dps) for one in shown])
+    return _median(heights) if len(heights) else 0.0
+
+
+def slip_deg(shown: Sequence[Shown]) -> float:
+    """Height of jumps of the angle, over those of all sessions."""
+    heights = np.concatenate([np.abs(one.subject.seen.slips_deg) for one in shown])
+    return _median(heights) if len(heights) else 0.0
+
+
+def rate_step_dps(shown: Sequence[Shown]) -> float:
+    """The step that rates come in."""
+    return _median([step_of(one.slow_dps) for one in shown])
+
+
+def angle_step_deg(shown: Sequence[Shown]) -> float:
+    """The step that angles come in."""
+    return _median([step_of(one.subject.seen.recording.encoder_deg) for one in shown])
+
+
+def least_dps(shown: Sequence[Shown]) -> float:
+    """The smallest rate other than zero."""
+    return _median([smallest(rates[rates > 0.0]) for rates in (np.abs(one.slow_dps) for one in shown)])
+
+
+def largest_dps(shown: Sequence[Shown]) -> float:
+    """The largest rate of all sessions."""
+    return max(float(np.abs(one.subject.seen.rate_dps).max()) for one in shown)
+
+
+def period_s(shown: Sequence[Shown]) -> float:
+    """The clearest period in time of what is left of the rate."""
+    return _median([periodic_component(one.left_dps)[1] for one in shown])
+
+
+def turn_order(shown: Sequence[Shown]) -> int:
+    """The part of a turn that what is left of the rate follows best."""
+    return _order([angle_shares(one.left_dps, one.subject.design.turn_basis) for one in shown])
+
+
+def angle_turn_order(shown: Sequence[Shown]) -> int:
+    """The same of an angle that errs."""
+    return _order([angle_shares(one.left_dps, one.subject.design.turn_rate_basis) for one in shown])
+
+
+SOURCES = {
+    "line_hz": HintSource(line_hz, default=20.0),
+    "spike_dps": HintSource(spike_dps, default=20.0),
+    "slip_deg": HintSource(slip_deg, default=0.5),
+    "rate_step_dps": HintSource(rate_step_dps),
+    "angle_step_deg": HintSource(angle_step_deg),
+    "least_dps": HintSource(least_dps),
+    "largest_dps": HintSource(largest_dps),
+    "period_s": HintSource(period_s, default=100.0),
+    "turn_order": HintSource(turn_order),
+    "angle_turn_order": HintSource(angle_turn_order),
+}
+"""One for each field of `Hints`; without a default there is always something to read off."""
+
+
+def _median(values: Sequence[float] | Floats) -> float:
+    return float(np.median(values))
+
+
+def _order(shares: Sequence[Floats]) -> int:
+    """Which part of a turn takes most over all sessions, its sine and its cosine together."""
+    return TURN_ORDERS[0] + int(np.argmax(np.mean(shares, axis=0).reshape(-1, 2).sum(axis=1)))
+
+
+def _near_zero_dps(subject: Subject) -> Floats:
+    rates = subject.seen.recording.rate_dps
+    near = rates[np.isfinite(rates) & (np.abs(rates) < NEAR_ZERO_DPS)]
+    return near if np.any(near != 0.0) else rates[np.isfinite(rates) & (rates != 0.0)]

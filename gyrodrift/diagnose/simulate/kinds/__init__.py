@@ -1,0 +1,1 @@
+"""What is known of each effect as a cause: a record each."""

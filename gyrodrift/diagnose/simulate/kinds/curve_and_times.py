@@ -1,0 +1,123 @@
+"""Effects on values, delays and times, which are simulated size by size."""
+
+import numpy as np
+
+from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
+from gyrodrift.diagnose.simulate.grids import between, read_off, simulated
+from gyrodrift.diagnose.simulate.kinds.groups import COARSE_VALUES, LAG, REVERSAL, TIMES
+
+NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
+"""Coarse steps scatter by themselves: how much noise there is beneath them is tried out."""
+
+CUTOFFS_HZ = {1.0: (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5), 2.0: (15.0, 7.0, 3.0)}
+"""By how much noise there was before the low-pass took some."""
+
+
+def _time_constant_s(cutoff_hz: float) -> float:
+    """And the other way round."""
+    return 1.0 / (2.0 * np.pi * cutoff_hz)
+
+
+def _low_passes(_: Hints) -> list[Variant]:
+    """The size is the time constant, so that 0 is none."""
+    variants = []
+    for share, cutoffs_hz in CUTOFFS_HZ.items():
+        points = 1.0 / (2.0 * np.pi * np.array(cutoffs_hz))
+        variants.append(Variant(SizeGrid(points, between(points[0], points[-1])), noise_share=share))
+    return variants
+
+
+CURVE_AND_TIMES = (
+    CandidateKind(
+        "deadband",
+        "width_dps",
+        read_off(lambda hints: hints.least_dps),
+        "rates below a width read zero",
+        COARSE_VALUES,
+        (Need.MOTION,),
+        Touches.VALUES,
+    ),
+    CandidateKind(
+        "quantization",
+        "step_dps",
+        read_off(lambda hints: hints.rate_step_dps, NOISE_SHARES),
+        "the rate comes in coarser steps than the rig says",
+        COARSE_VALUES,
+        (),
+        Touches.VALUES,
+    ),
+    CandidateKind(
+        "saturation",
+        "limit_dps",
+        read_off(lambda hints: hints.largest_dps),
+        "rates beyond a limit are cut off",
+        None,
+        (Need.MOTION,),
+        Touches.VALUES,
+    ),
+    CandidateKind(
+        "bandwidth",
+        "cutoff_hz",
+        _low_passes,
+        "quick changes of the rate are smoothed away and come late",
+        LAG,
+        (Need.MOTION,),
+        Touches.VALUES,
+        of_size=_time_constant_s,
+    ),
+    CandidateKind(
+        "latency",
+        "delay_ms",
+        simulated(0.3, 2.0, 8.0, 20.0, 50.0),
+        "the rate comes a fixed time later than the motion",
+        LAG,
+        (Need.MOTION,),
+        Touches.VALUES,
+    ),
+    CandidateKind(
+        "backlash",
+        "play_deg",
+        simulated(0.01, 0.03, 0.1, 0.3, 1.0),
+        "the encoder stays behind by a play when the motion reverses",
+        REVERSAL,
+        (Need.MOTION,),
+        Touches.VALUES,
+    ),
+    CandidateKind(
+        "timestamp_jitter",
+        "sigma_ms",
+        simulated(0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
+        "the device's time stamps scatter",
+        TIMES,
+        (),
+        Touches.TIMES,
+    ),
+    CandidateKind(
+        "usb_batching",
+        "interval_ms",
+        simulated(1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0),
+        "samples reach the host in bunches",
+        TIMES,
+        (Need.HOST,),
+        Touches.TIMES,
+    ),
+    CandidateKind(
+        "sample_drop",
+        "share_percent",
+        simulated(0.01, 0.1, 1.0, 5.0),
+        "samples never arrive",
+        None,
+        (Need.COUNTER,),
+        realisations=2,
+    ),
+    CandidateKind(
+        "stale_hold",
+        "share_percent",
+        simulated(0.02, 0.2, 2.0, 10.0),
+        "a sample repeats the one before it",
+        COARSE_VALUES,
+        (Need.MOTION,),
+        Touches.VALUES,
+        realisations=2,
+    ),
+)

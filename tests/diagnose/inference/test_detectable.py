@@ -1,0 +1,67 @@
+"""How small an effect would have been seen, and how the candidates rank."""
+
+import numpy as np
+import pytest
+from inference_support import SESSIONS, SIZES, candidate, evidence, response
+
+from gyrodrift.diagnose.inference.detectable import detectable
+from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+
+RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
+
+
+def test_the_smallest_size_is_the_first_that_gains_twelve() -> None:
+    """Ten times the logarithm of 1 + z²/4 passes 12 at z = 3.05: of sizes 1 to 8 sigmas, at 4."""
+    (found,) = detectable(evidence({}, RATE))
+    assert SESSIONS * 2.5 * np.log1p(3.05**2 / 4.0) == pytest.approx(12.0, abs=0.02)
+    assert (found.effect, found.parameter, found.value, found.unit) == ("scale_factor", "error_percent", 4.0, "%")
+    assert found.stage == "sensor"
+
+
+def test_of_variants_the_one_that_is_seen_first_counts() -> None:
+    """Wherever it stands."""
+    for variants in ((0.5, 1.0), (1.0, 0.5), (0.01, 1.0)):
+        responses = [response("scale_factor", {"rate": each}) for each in variants]
+        assert [one.value for one in detectable(evidence({}, *responses))] == [4.0]
+
+
+def test_what_would_not_be_seen_at_any_size_has_none() -> None:
+    """And what is no effect is not listed."""
+    weak, strange = response("scale_factor", {"rate": 0.01}), Response(candidate("?moving"), BOTH.mean, BOTH.spread)
+    assert [(one.effect, one.value) for one in detectable(evidence({}, weak, strange))] == [("scale_factor", None)]
+
+
+def test_a_size_below_zero_counts_by_its_amount() -> None:
+    """A scale that is 4 % too small is as large as one that is too large."""
+    below = response("scale_factor", {"rate": 1.0}, -SIZES[::-1])
+    assert detectable(evidence({}, below))[0].value == 4.0
+
+
+def test_candidates_are_ranked_by_what_they_gain_alone() -> None:
+    """The cause that was found has nothing to gain beside itself, and the other next to nothing."""
+    first, second = ranking(Surrogate(evidence({"rate": 6.0}, BOTH, RATE)), (Cause(RATE, 5),))
+    assert (first.name, second.name) == ("scale_factor", "clock_drift")
+    assert first.gain == pytest.approx(SESSIONS * 2.5 * np.log1p(9.0))
+    assert first.gain > second.gain
+    assert first.value == 6.0
+    assert first.gain_beside is None
+    assert second.gain_beside is not None
+    assert second.gain_beside < 0.0
+    assert first.takes_away == pytest.approx(1.0)
+    assert second.takes_away is not None
+    assert second.takes_away < 1.0
+
+
+def test_where_nothing_deviates_nothing_is_taken_away() -> None:
+    """There is no share of nothing."""
+    assert [one.takes_away for one in ranking(Surrogate(evidence({}, RATE)), ())] == [None]
+
+
+def test_lookalikes_have_their_cosine() -> None:
+    """Of (1, 0) and (1, 1) it is the root of a half, too little to be told; of (1, 0) and (1, 0.5) it is 0.89."""
+    near = response("temp_bias", {"rate": 1.0, "clock_ratio": 0.5})
+    found = lookalikes(evidence({}, RATE, BOTH, near))
+    assert [(one.first, one.second) for one in found] == [("clock_drift", "temp_bias"), ("scale_factor", "temp_bias")]
+    assert [one.cosine for one in found] == pytest.approx([1.5 / np.sqrt(2.0 * 1.25), 1.0 / np.sqrt(1.25)])

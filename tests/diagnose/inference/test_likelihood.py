@@ -1,0 +1,60 @@
+"""The likelihood of features: a Student density, and a model that is known to be inexact."""
+
+import numpy as np
+import pytest
+from inference_support import row
+from scipy.stats import t as student
+
+from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC
+from gyrodrift.diagnose.inference.likelihood import combined, discrepancy_variance, log_likelihood
+
+NONE = np.zeros(len(FEATURES))
+LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
+OTHER = FEATURES[int(np.flatnonzero(~IS_LOG & ~LINEAR)[0])].name
+
+
+def test_it_is_a_student_density_of_four_degrees_of_freedom() -> None:
+    """Up to a constant, with the spread as its scale."""
+    residual, sigma = np.linspace(-9.0, 9.0, len(FEATURES)), np.geomspace(0.1, 10.0, len(FEATURES))
+    found = log_likelihood(residual, sigma**2, NONE) - log_likelihood(NONE, np.ones(len(FEATURES)), NONE)
+    expected = student.logpdf(residual, 4.0, scale=sigma) - student.logpdf(NONE, 4.0)
+    assert found == pytest.approx(expected.sum())
+
+
+def test_discrepancy_excuses_what_is_off_and_costs_nothing_elsewhere() -> None:
+    """Unlike spread, which is paid for even where everything fits."""
+    ones = np.ones(len(FEATURES))
+    assert log_likelihood(NONE, ones, 9.0 * ones) == log_likelihood(NONE, ones, NONE)
+    assert log_likelihood(NONE, 10.0 * ones, NONE) < log_likelihood(NONE, ones, NONE)
+    off = row({"rate": 6.0})
+    assert log_likelihood(off, ones, row({"rate": 9.0})) > log_likelihood(off, ones, NONE)
+
+
+def test_discrepancy_is_a_share_of_the_change_and_leaks_to_other_regressors() -> None:
+    """A tenth of 5 in its own feature, 4 % of the length 5 in every regressor, none in what is no regressor."""
+    variance = discrepancy_variance(row({"rate": 3.0, "abs_rate": 4.0}), row({"rate": 30.0, "abs_rate": 40.0}))
+    assert variance[NUMBER["rate"]] == pytest.approx(0.3**2 + 0.2**2)
+    assert variance[NUMBER["abs_rate"]] == pytest.approx(0.4**2 + 0.2**2)
+    assert variance[NUMBER["rate_cubed"]] == pytest.approx(0.2**2)
+    assert not variance[STATIC:].any()
+
+
+def test_a_cause_that_is_far_too_large_excuses_no_more_than_there_is() -> None:
+    """The difference bounds what may be off."""
+    difference = row({"rate": 2.0})
+    huge, equal = (discrepancy_variance(row({"rate": size}), difference) for size in (1e6, 2.0))
+    assert huge == pytest.approx(equal)
+
+
+def test_logarithms_of_variances_add_as_variances() -> None:
+    """Twice and thrice the variance are four times it: 2 + 3 − 1; all else is a sum."""
+    both = combined(row({LOG: np.log(2.0), "rate": 2.0, OTHER: 1.0}), row({LOG: np.log(3.0), "rate": 3.0, OTHER: 1.0}))
+    assert both[NUMBER[LOG]] == pytest.approx(np.log(4.0))
+    assert both[NUMBER["rate"]] == 5.0
+    assert both[NUMBER[OTHER]] == 2.0
+
+
+def test_a_variance_that_falls_is_added_as_it_is() -> None:
+    """Only what two effects put on top of the same noise adds as variances."""
+    both = combined(row({LOG: np.log(2.0)}), row({LOG: -1.0}))
+    assert both[NUMBER[LOG]] == pytest.approx(np.log(2.0) - 1.0)

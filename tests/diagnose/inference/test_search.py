@@ -1,0 +1,132 @@
+"""The search over sets of causes, on toys whose truth is known: one cause, masked pairs, idle causes, and none."""
+
+import numpy as np
+import pytest
+from inference_support import SESSIONS, added, candidate, evidence, random_response, response, rows
+
+from gyrodrift.diagnose.features.vector import NUMBER
+from gyrodrift.diagnose.inference.acceptance import GAIN, log_likelihood_gain, passes_acceptance
+from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.fit import CauseSet, cross_validated
+from gyrodrift.diagnose.inference.search import exchanged, search, with_one_more, without_idle
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+
+RATE = response("scale_factor", {"rate": 2.0})
+DRIFT = response("clock_drift", {"clock_ratio": 3.0})
+
+
+def test_of_two_candidates_the_true_one_is_found_at_its_size() -> None:
+    """And nothing beside it."""
+    found = search(evidence({"rate": 10.0}, RATE, DRIFT), added).found
+    assert found.names == ("scale_factor",)
+    assert found.causes[0].size == 5.0
+
+
+def test_the_gain_is_that_of_the_density() -> None:
+    """Of four sessions each half of five times the logarithm of 1 + z²/4, where nothing is left."""
+    result = search(evidence({"rate": 10.0}, RATE, DRIFT), added)
+    assert result.found.total - result.nothing.total == pytest.approx(SESSIONS * 2.5 * np.log1p(10.0**2 / 4.0))
+
+
+def test_where_nothing_deviates_nothing_is_found() -> None:
+    """Nor where what does is too little for a cause."""
+    for amount in (0.0, 1.0):
+        result = search(evidence({"rate": amount}, RATE, DRIFT), added)
+        assert result.found is result.nothing
+
+
+def test_without_candidates_nothing_is_found() -> None:
+    """However much deviates."""
+    assert search(evidence({"rate": 50.0}), added).found.causes == ()
+
+
+def test_a_second_cause_is_added() -> None:
+    """Each at its own size."""
+    found = search(evidence({"rate": 6.0, "clock_ratio": 12.0}, RATE, DRIFT), added).found
+    assert {cause.name: cause.size for cause in found.causes} == {"scale_factor": 3.0, "clock_drift": 4.0}
+
+
+def test_two_that_mask_each_other_are_found() -> None:
+    """In the feature that both move they cancel, so that either alone makes it worse and a decoy gains more."""
+    up = response("scale_factor", {"rate": 8.0, "abs_rate": 2.5})
+    down = response("clock_drift", {"rate": -8.0, "clock_ratio": 2.5})
+    decoy = response("temp_bias", {"abs_rate": 2.5, "temperature": 1.0})
+    surrogate_evidence = evidence({"abs_rate": 12.5, "clock_ratio": 12.5}, up, down, decoy)
+    first, _ = with_one_more(Surrogate(surrogate_evidence), (), added)
+    assert first[0].names == ("temp_bias",)
+    found = search(surrogate_evidence, added).found
+    assert set(found.names) == {"scale_factor", "clock_drift"}
+    assert [cause.size for cause in found.causes] == [5.0, 5.0]
+
+
+def test_a_cause_that_is_idle_beside_the_others_is_dropped() -> None:
+    """Backward elimination leaves the one that explains."""
+    surrogate = Surrogate(evidence({"rate": 10.0}, RATE, DRIFT))
+    both, surrogate = cross_validated(surrogate, (Cause(RATE, 4), Cause(DRIFT, 0)), added)
+    found, _ = without_idle(surrogate, both, added)
+    assert found.names == ("scale_factor",)
+
+
+def test_no_cause_that_explains_is_dropped() -> None:
+    """Both are needed."""
+    surrogate = Surrogate(evidence({"rate": 10.0, "clock_ratio": 9.0}, RATE, DRIFT))
+    both, surrogate = cross_validated(surrogate, (Cause(RATE, 4), Cause(DRIFT, 2)), added)
+    assert without_idle(surrogate, both, added)[0] is both
+
+
+def test_a_wrong_cause_is_exchanged_for_the_right_one() -> None:
+    """Beside one that stays."""
+    wrong = response("temp_bias", {"rate": 1.0, "temperature": 1.0})
+    surrogate = Surrogate(evidence({"rate": 10.0, "clock_ratio": 9.0}, RATE, DRIFT, wrong))
+    found, surrogate = cross_validated(surrogate, (Cause(wrong, 4), Cause(DRIFT, 2)), added)
+    better, _ = exchanged(surrogate, found, added)
+    assert set(better.names) == {"scale_factor", "clock_drift"}
+    assert better.total > found.total
+
+
+def test_what_no_effect_does_is_found_where_it_explains_best() -> None:
+    """An effect that does half of it does not take its place; one that does all of it does."""
+    strange = Response(candidate("?moving"), response("scale_factor", {"moving": 2.0}).mean, RATE.spread)
+    half = response("temp_bias", {"moving": 1.0, "temperature": 1.0})
+    whole = response("temp_bias", {"moving": 2.0})
+    assert search(evidence({"moving": 10.0}, strange, half), added).found.names == ("?moving",)
+    assert search(evidence({"moving": 10.0}, strange, whole), added).found.names == ("temp_bias",)
+
+
+def test_a_cause_that_only_makes_everything_uncertain_is_not_accepted() -> None:
+    """What a wide spread gains is no gain by where the features are."""
+    walk = random_response("rate_random_walk", {"time": 3.0})
+    difference = rows({})
+    difference[:, NUMBER["time"]] = [20.0, -20.0, 20.0, -20.0]
+    surrogate = Surrogate(evidence(difference, walk))
+    found, surrogate = cross_validated(surrogate, (Cause(walk, 6),), added)
+    nothing = CauseSet((), surrogate.scores(()))
+    assert found.total - nothing.total > GAIN
+    assert log_likelihood_gain(surrogate, found.causes, found.causes[0]) == 0.0
+    assert not passes_acceptance(surrogate, found, nothing)
+
+
+def test_a_gain_has_to_be_larger_than_its_standard_error() -> None:
+    """Three sessions that gain nothing do not confirm what one gains."""
+    cause = Cause(RATE, 4)
+    surrogate = Surrogate(evidence({"rate": 10.0}, RATE))
+    nothing = CauseSet((), np.zeros(SESSIONS))
+    assert passes_acceptance(surrogate, CauseSet((cause,), np.full(SESSIONS, 2.5)), nothing)
+    assert not passes_acceptance(surrogate, CauseSet((cause,), np.array([10.0, 0.0, 0.0, 0.0])), nothing)
+
+
+def test_one_session_is_enough_for_a_search() -> None:
+    """Under its own sizes, without a standard error."""
+    alone = response("scale_factor", {"rate": 4.0}, sessions=1)
+    found = search(evidence(rows({"rate": 20.0}, 1), alone), added).found
+    assert found.causes[0].size == 5.0
+
+
+def test_a_search_ends_the_same_whatever_was_searched_before() -> None:
+    """To the bit: nothing is kept between searches."""
+    one = evidence({"rate": 6.0, "clock_ratio": 12.0}, RATE, DRIFT)
+    first = search(one, added)
+    search(evidence({"rate": 2.0, "clock_ratio": 3.0}, RATE, DRIFT), added)
+    again = search(one, added)
+    assert again.found.causes == first.found.causes
+    assert np.array_equal(again.found.scores, first.found.scores)

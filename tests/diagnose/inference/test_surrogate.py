@@ -1,0 +1,84 @@
+"""Predictions of the surrogate: responses that add up, corrected where a set was simulated, and no memory beside."""
+
+import numpy as np
+import pytest
+from inference_support import SIZES, evidence, random_response, response, row, rows
+
+from gyrodrift.diagnose.features.vector import NUMBER
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+
+RATE, DRIFT = response("scale_factor", {"rate": 2.0}), response("clock_drift", {"clock_ratio": 3.0})
+THIRD = response("temp_bias", {"temperature": 1.0})
+SURROGATE = Surrogate(evidence({"rate": 6.0, "clock_ratio": 6.0}, RATE, DRIFT, THIRD))
+TWO, THREE = Cause(RATE, 1), Cause(RATE, 2)
+ONE_DRIFT = Cause(DRIFT, 0)
+
+
+def test_changes_add_up() -> None:
+    """Size 2 of 2 per size, and size 1 of 3."""
+    change = SURROGATE.prediction((TWO, ONE_DRIFT)).change
+    assert change == pytest.approx(rows({"rate": 4.0, "clock_ratio": 3.0}))
+
+
+def test_random_causes_add_variance() -> None:
+    """Two standard deviations of 3 and 4 are one of 5."""
+    walk, jitter = (
+        random_response("rate_random_walk", {"time": 3.0}),
+        random_response("timestamp_jitter", {"time": 4.0}),
+    )
+    surrogate = Surrogate(evidence({}, walk, jitter))
+    assert surrogate.prediction((Cause(walk, 0), Cause(jitter, 0))).variance[:, NUMBER["time"]] == pytest.approx(25.0)
+
+
+def test_a_curve_is_the_score_at_every_size() -> None:
+    """Of a candidate by itself and beside another."""
+    for others in ((), (ONE_DRIFT,)):
+        scores = [SURROGATE.scores((*others, Cause(RATE, at))) for at in range(len(SIZES))]
+        assert SURROGATE.curve(others, RATE) == pytest.approx(np.array(scores))
+        assert SURROGATE.curve(others, RATE, 3) == pytest.approx(np.array(scores[::3]))
+
+
+def test_what_was_simulated_is_predicted_exactly() -> None:
+    """And the same offset holds at other sizes, alone and in a curve."""
+    simulated = rows({"rate": 4.5, "abs_rate": 1.0})
+    refined = SURROGATE.refined((TWO,), simulated)
+    assert refined.prediction((TWO,)).change == pytest.approx(simulated)
+    assert refined.prediction((THREE,)).change == pytest.approx(rows({"rate": 6.5, "abs_rate": 1.0}))
+    assert refined.curve((), RATE)[2] == pytest.approx(refined.scores((THREE,)))
+    assert refined.knows((THREE,))
+    assert not refined.knows((TWO, ONE_DRIFT))
+
+
+def test_a_score_follows_from_the_surrogate_and_the_set_alone() -> None:
+    """Whatever was simulated since, the one that did not learn of it says what it said."""
+    before = SURROGATE.scores((TWO, ONE_DRIFT))
+    refined = SURROGATE.refined((TWO,), rows({"rate": 9.0}))
+    assert refined.scores((TWO, ONE_DRIFT)) != pytest.approx(before)
+    assert np.array_equal(SURROGATE.scores((TWO, ONE_DRIFT)), before)
+
+
+def test_a_set_that_was_not_simulated_takes_the_largest_part_that_was() -> None:
+    """Of its single causes and its pair, the pair."""
+    surrogate = SURROGATE.refined((TWO,), rows({"rate": 5.0})).refined((ONE_DRIFT,), rows({"clock_ratio": 9.0}))
+    surrogate = surrogate.refined((TWO, ONE_DRIFT), rows({"rate": 4.0, "clock_ratio": 3.0}))
+    both = (TWO, ONE_DRIFT, Cause(THIRD, 4))
+    assert surrogate.prediction(both).change == pytest.approx(
+        rows({"rate": 4.0, "clock_ratio": 3.0, "temperature": 5.0})
+    )
+
+
+def test_of_parts_as_large_that_of_the_older_set_around_it_is_behind() -> None:
+    """A part within a set that was simulated later is the older knowledge; elsewhere the first holds."""
+    surrogate = SURROGATE.refined((TWO,), rows({"rate": 5.0})).refined((ONE_DRIFT,), rows({"clock_ratio": 4.0}))
+    both = (TWO, ONE_DRIFT)
+    assert surrogate.prediction(both).change == pytest.approx(rows({"rate": 5.0, "clock_ratio": 3.0}))
+    with_third = surrogate.refined((TWO, Cause(THIRD, 0)), rows({"rate": 4.0, "temperature": 1.0}))
+    assert with_third.prediction(both).change == pytest.approx(rows({"rate": 4.0, "clock_ratio": 4.0}))
+
+
+def test_residuals_are_in_standard_deviations() -> None:
+    """Of 6 there are 2 left, over a sigma of 1, a tenth of the change of 4, and what leaks of it."""
+    residual = SURROGATE.standardised_residuals((TWO,))[0]
+    assert residual[NUMBER["rate"]] == pytest.approx(2.0 / np.sqrt(1.0 + 0.4**2 + (0.04 * 4.0) ** 2))
+    assert residual[NUMBER["clock_ratio"]] == 6.0
+    assert row({})[0] == residual[-1] == 0.0

@@ -1,0 +1,126 @@
+"""The verdict: what kind of gap it is, ties told as ties, what no effect explains, and in which order causes stand."""
+
+import numpy as np
+import pytest
+from inference_support import Amounts, added, candidate, evidence, response
+
+from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.search import search
+from gyrodrift.diagnose.inference.verdict import Kind, Verdict, kind_of, verdict_of
+
+RATE = response("scale_factor", {"rate": 2.0})
+DRIFT = response("clock_drift", {"clock_ratio": 3.0})
+SOME, NONE = np.array([True, False]), np.array([False, False])
+
+
+def judged(one: Evidence) -> Verdict:
+    """Of a search from nothing."""
+    result = search(one, added)
+    return verdict_of(result, alternatives_of(result, added)[0])
+
+
+@pytest.mark.parametrize(
+    ("deviates", "explained", "has_causes", "has_unexplained", "kind"),
+    [
+        (NONE, 1.0, False, False, Kind.NONE),
+        (SOME, 0.0, False, True, Kind.UNKNOWN),
+        (SOME, 0.9, True, False, Kind.EFFECT),
+        (SOME, 0.4, True, True, Kind.PARTLY),
+        (SOME, 0.39, True, True, Kind.UNKNOWN),
+        (SOME, 0.1, True, False, Kind.EFFECT),
+    ],
+)
+def test_kinds(deviates: np.ndarray, explained: float, has_causes: bool, has_unexplained: bool, kind: Kind) -> None:  # noqa: FBT001 - parametrized
+    """By whether anything deviates, is named, is explained and is left."""
+    assert kind_of(deviates, explained, has_causes=has_causes, has_unexplained=has_unexplained) is kind
+
+
+def test_no_gap() -> None:
+    """Nothing is named, nothing deviates, and there is nothing to close."""
+    verdict = judged(evidence({"rate": 1.0}, RATE, DRIFT))
+    assert verdict.kind is Kind.NONE
+    assert (verdict.causes, verdict.where, verdict.unexplained) == ((), (), ())
+    assert verdict.gap.shrink is None
+    assert verdict.gap.before == verdict.gap.after
+
+
+def test_a_cause_that_explains_all_is_the_effect() -> None:
+    """With its size, what it did first, and nothing left."""
+    verdict = judged(evidence({"rate": 10.0}, RATE, DRIFT))
+    assert verdict.kind is Kind.EFFECT
+    (cause,) = verdict.causes
+    assert (cause.effect.name, cause.group) == ("scale_factor", "scale")
+    assert cause.parameters[0].value == pytest.approx(5.0, rel=0.02)
+    assert cause.tied_with == ()
+    assert cause.probability > 0.9
+    assert [one.feature for one in verdict.where] == ["rate"]
+    assert verdict.where[0].z == pytest.approx(20.0)  # 10 in each of four sessions
+    assert verdict.unexplained == ()
+
+
+def test_a_cause_that_leaves_something_explains_it_partly() -> None:
+    """What is left is told, and lowers the probability."""
+    verdict = judged(evidence({"rate": 10.0, "temperature_rate": 4.0}, RATE, DRIFT))
+    assert verdict.kind is Kind.PARTLY
+    assert [one.feature for one in verdict.unexplained] == ["temperature_rate"]
+    assert verdict.causes[0].probability < judged(evidence({"rate": 10.0}, RATE, DRIFT)).causes[0].probability
+
+
+@pytest.mark.parametrize("names", [("latency", "backlash"), ("backlash", "latency")])
+def test_two_that_do_the_same_are_tied(names: tuple[str, str]) -> None:
+    """Whichever is named tells of the other, and is less probable for it: 2.8 less four times the logarithm of 2."""
+    verdict = judged(evidence({"lag": 10.0}, *(response(name, {"lag": 2.0}) for name in names)))
+    (cause,) = verdict.causes
+    assert {cause.effect.name, *cause.tied_with} == set(names)
+    assert cause.probability == pytest.approx(1.0 / (1.0 + np.exp(-2.8 + 4.0 * np.log(2.0))), abs=0.01)
+
+
+def test_one_that_does_half_of_it_is_not_tied() -> None:
+    """It leaves too much."""
+    whole, half = response("latency", {"lag": 2.0, "lag_bend": 2.0}), response("backlash", {"lag": 2.0})
+    (cause,) = judged(evidence({"lag": 10.0, "lag_bend": 10.0}, whole, half)).causes
+    assert cause.effect.name == "latency"
+    assert cause.tied_with == ()
+
+
+def test_what_no_effect_does_is_unknown() -> None:
+    """Nothing is named; what it depends on stands first, before what deviates more."""
+    both: Amounts = {"moving": 2.0, "rate": 2.5}
+    strange = Response(candidate("?moving"), response("scale_factor", both).mean, RATE.spread)
+    verdict = judged(evidence({"moving": 10.0, "rate": 12.5}, strange, DRIFT))
+    assert verdict.kind is Kind.UNKNOWN
+    assert verdict.causes == ()
+    assert [one.feature for one in verdict.where] == ["moving", "rate"]
+    assert verdict.unexplained == verdict.where
+    assert sum(one.share for one in verdict.where) == pytest.approx(1.0)
+    assert verdict.gap.after == verdict.gap.before
+
+
+def test_what_no_effect_does_is_left_over_beside_a_cause() -> None:
+    """The cause is named, and the rest is told as what it would be without an explanation."""
+    strange = Response(candidate("?moving"), response("scale_factor", {"moving": 2.0}).mean, RATE.spread)
+    verdict = judged(evidence({"moving": 10.0, "rate": 10.0}, strange, RATE))
+    assert verdict.kind is Kind.PARTLY
+    assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
+    assert [one.feature for one in verdict.unexplained] == ["moving"]
+    assert verdict.unexplained[0].z > 15.0
+
+
+def test_a_gap_that_nothing_explains_is_unknown() -> None:
+    """Without any candidate that moves what deviates."""
+    verdict = judged(evidence({"temperature": 10.0}, RATE, DRIFT))
+    assert verdict.kind is Kind.UNKNOWN
+    assert verdict.causes == ()
+    assert verdict.unexplained == verdict.where
+
+
+def test_a_profile_has_the_score_of_the_set_at_each_size() -> None:
+    """And its top at the size that was found."""
+    result = search(evidence({"rate": 10.0, "clock_ratio": 9.0}, RATE, DRIFT), added)
+    every, surrogate = alternatives_of(result, added)
+    for one in every:
+        assert int(np.argmax(one.profile)) == one.cause.at
+        assert one.profile.max() == pytest.approx(surrogate.scores(result.found.causes).sum())
+        assert one.rivals == ()
+        assert one.rival_weight == 0.0

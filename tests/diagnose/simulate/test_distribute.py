@@ -1,0 +1,77 @@
+"""Response tables of several sessions, in one process and in several."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from simulate_support import BASE, HINTS, candidate_of, plain, session_of
+
+from firmware_sim.rig import Rig
+from gyrodrift.diagnose.simulate import distribute, responses
+from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.simulate.distribute import SessionTask, SimulationPlan, response_tables
+from gyrodrift.diagnose.simulate.responses import ResponseTable, response_table
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.errors import DataError
+from gyrodrift.session.formats import write_session
+
+
+@pytest.fixture(autouse=True)
+def one_null(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Null differences take longest, and one shows as well as five who worked it out."""
+    monkeypatch.setattr(responses, "NULL_RUNS", 1)
+
+
+TRIED = (candidate_of("scale_factor"), candidate_of("popcorn"))
+
+
+def named(name: str) -> Subject:
+    """The plain session by another name: its realisations are its own."""
+    seen = plain().seen
+    return replace(plain(), seen=replace(seen, recording=replace(seen.recording, name=name)))
+
+
+def same(first: ResponseTable, second: ResponseTable) -> bool:
+    return first.responses.keys() == second.responses.keys() and all(
+        np.array_equal(one, other)
+        for one, other in (
+            (first.difference, second.difference),
+            (first.nulls, second.nulls),
+            *((first.responses[key], second.responses[key]) for key in first.responses),
+        )
+    )
+
+
+def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
+    """No file is read: there is none at the paths. Tables come in the order of the sessions and are counted."""
+    subjects = (named("a"), named("b"))
+    paths = tuple(Path(f"/nowhere/{one.seen.recording.name}.mcap") for one in subjects)
+    plan = SimulationPlan(paths, subjects, Rig(base=BASE), HINTS, TRIED)
+    told: list[tuple[str, int, int]] = []
+    here = response_tables(plan, 1, None, lambda *step: told.append(step))
+    there = response_tables(plan, 2, None, lambda *_: None)
+    assert [table.name for table in there] == ["a", "b"]
+    assert all(same(one, other) for one, other in zip(here, there, strict=True))
+    assert not same(here[0], here[1])
+    assert told == [("sessions replayed", number, 2) for number in (1, 2)]
+
+
+def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path) -> None:
+    """By its path, with the names of what is to be tried."""
+    path = tmp_path / "plain.csv"
+    write_session(path, [session_of()])
+    recording = distribute.checked_recording(path).recording
+    assert recording is not None
+    subject = subject_of(recording, Rig(base=BASE))
+    task = SessionTask(path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]))
+    popcorns = [one for one in candidates(HINTS) if one.name in task.names]
+    assert same(distribute.read_and_simulate(task), response_table(subject, popcorns))
+
+
+def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
+    """One that is cut to half a minute is no session to a worker any more."""
+    path = tmp_path / "cut.csv"
+    write_session(path, [session_of(minutes=0.5)])
+    with pytest.raises(DataError, match=r"cut\.csv: changed while"):
+        distribute.read_and_simulate(SessionTask(path, Rig(base=BASE), HINTS, frozenset()))

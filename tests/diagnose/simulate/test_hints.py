@@ -1,0 +1,83 @@
+"""What recordings show of the second parameters of candidates."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from simulate_support import plain, session_of, subject_from
+
+from firmware_sim.rig import parse_effect
+from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.hints import SOURCES, hints_of
+
+
+def hints_with(*effects: str) -> Hints:
+    """Of one session of the rig with these effects."""
+    return hints_of([subject_from(session_of(*map(parse_effect, effects)))])
+
+
+def test_there_is_a_source_for_each_hint() -> None:
+    """And no other."""
+    assert list(SOURCES) == [field.name for field in fields(Hints)]
+
+
+def test_where_nothing_is_shown_a_hint_is_what_is_usual() -> None:
+    """A plain session has neither outliers nor jumps, and its steps are those of the rig."""
+    hints = hints_of([plain()])
+    assert (hints.spike_dps, hints.slip_deg) == (20.0, 0.5)
+    assert hints.rate_step_dps == pytest.approx(0.00763, rel=1e-3)
+    assert hints.angle_step_deg == pytest.approx(0.01, rel=1e-3)
+
+
+def test_a_tone_is_found_at_its_frequency() -> None:
+    """Within the width of a bin, 100 Hz / 256."""
+    hints = hints_with("vibration:amplitude_dps=0.3,frequency_hz=17")
+    assert hints.line_hz == pytest.approx(17.0, abs=100.0 / 256.0)
+
+
+def test_steps_and_limits_are_read_off() -> None:
+    """Each as the rig was given it."""
+    hints = hints_with(
+        "quantization:step_dps=0.25",
+        "saturation:limit_dps=60",
+        "encoder_quantization:cpr=1024",
+    )
+    assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
+    assert hints.largest_dps == pytest.approx(60.0, rel=0.01)
+    assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)
+
+
+def test_outliers_are_found_with_their_height() -> None:
+    """But for the noise of the samples around them."""
+    assert hints_with("spikes:height_dps=30,share_percent=0.2").spike_dps == pytest.approx(30.0, rel=0.01)
+
+
+def test_a_dead_band_shows_as_the_smallest_rate() -> None:
+    """What is put out begins where the band ends."""
+    assert hints_with("deadband:width_dps=0.5").least_dps == pytest.approx(0.5, rel=0.05)
+
+
+def test_a_slip_is_found_with_its_height() -> None:
+    """At rest and in motion."""
+    assert hints_with("encoder_slip:step_deg=2,per_hour=200").slip_deg == pytest.approx(2.0, rel=0.05)
+
+
+def test_periods_in_time_and_angle_are_found() -> None:
+    """Sines that are put into rate and angle by hand."""
+    session = session_of(minutes=5.0)
+    assert session.encoder_deg is not None
+    turn = np.deg2rad(session.encoder_deg)
+    in_time = replace(session, rate_dps=session.rate_dps + 0.2 * np.sin(2.0 * np.pi * session.t_device_s / 45.0))
+    assert hints_of([subject_from(in_time)]).period_s == pytest.approx(45.0, rel=0.1)
+    in_angle = replace(session, rate_dps=session.rate_dps + 0.2 * np.sin(5.0 * turn))
+    assert hints_of([subject_from(in_angle)]).turn_order == 5
+    of_angle = replace(session, encoder_deg=session.encoder_deg + 0.1 * np.sin(4.0 * turn))
+    assert hints_of([subject_from(of_angle)]).angle_turn_order == 4
+
+
+def test_of_several_sessions_the_median_counts_and_the_largest_rate_of_all() -> None:
+    """Two with steps and one without: the step is theirs."""
+    coarse = subject_from(session_of(parse_effect("quantization:step_dps=0.25")))
+    hints = hints_of([coarse, plain(), coarse])
+    assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
+    assert hints.largest_dps == max(float(np.abs(one.seen.rate_dps).max()) for one in (coarse, plain()))

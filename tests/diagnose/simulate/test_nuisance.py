@@ -1,0 +1,53 @@
+"""Out-of-catalogue models: shapes that are added to a rate."""
+
+import numpy as np
+import pytest
+from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, response_at
+
+from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
+from gyrodrift.diagnose.simulate.nuisance import in_angle, in_time, of_angle_error
+
+
+def test_they_are_told_from_effects_by_name_and_make_none() -> None:
+    """Each begins with a question mark, comes behind all effects, and is a group of its own."""
+    found = candidates(HINTS)
+    outside = [one for one in found if one.is_out_of_catalogue]
+    assert found[-len(outside) :] == outside
+    assert {one.name for one in outside}.isdisjoint(KINDS)
+    assert all(one.name.startswith("?") and one.group == one.name and not one.needs for one in outside)
+    with pytest.raises(LookupError, match="no effect"):
+        outside[0].make(1.0)
+
+
+def test_a_sine_in_time_has_its_period() -> None:
+    """After a period it comes again, after half of one with the opposite sign; 1 at most."""
+    shape = in_time(20.0)(plain().design, np.random.default_rng(0))
+    points = round(20.0 * RATE_HZ)
+    assert shape[points:] == pytest.approx(shape[:-points], abs=1e-3)
+    assert shape[points // 2 :] == pytest.approx(-shape[: -points // 2], abs=1e-3)
+    assert 0.999 < np.abs(shape).max() <= 1.0
+
+
+def test_a_sine_in_angle_has_its_order() -> None:
+    """All of it is sine and cosine of that multiple of the angle."""
+    design = plain().design
+    shape = in_angle(4)(design, np.random.default_rng(0))
+    turn = np.deg2rad(4.0 * design.motion.angle_deg)
+    sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(turn), np.cos(turn)]), shape, rcond=None)[0]
+    assert np.hypot(sine, cosine) == pytest.approx(1.0)
+
+
+def test_the_rate_of_an_angle_error_sums_up_to_that_error() -> None:
+    """Its integral is a sine of one degree in that multiple of the angle: 2 degrees from top to bottom."""
+    shape_dps = of_angle_error(3)(plain().design, np.random.default_rng(0))
+    angle_deg = np.cumsum(shape_dps) / RATE_HZ
+    assert np.ptp(angle_deg) == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_regressor_moves_the_coefficient_of_its_own() -> None:
+    """Beside everything else that it could be taken for, half at half the size."""
+    candidate = candidate_of("?moving")
+    size = float(candidate.grid_points[-1])
+    whole, half = response_at(candidate, size, size / 2.0)[:, 0]
+    assert feature(whole, "moving") > 0.0
+    assert feature(half, "moving") == pytest.approx(0.5 * feature(whole, "moving"), rel=1e-6)

@@ -1,0 +1,130 @@
+"""How features respond to known effects on a short session, against what the effects do by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+from simulate_support import (
+    HINTS,
+    MOTION,
+    RATE_HZ,
+    base_run,
+    candidate_of,
+    feature,
+    plain,
+    response_at,
+)
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.simulate.candidate import Touches
+from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.diagnose.simulate.responses import response_table
+
+OF_TIMES = np.array(
+    [one.name.startswith(("clock_", "stamp_", "arrival_", "drop_", "repeat_", "disorder_")) for one in FEATURES]
+)
+LINEAR_FEATURES = ("rate", "abs_rate", "rate_cubed", "turn_sine", "turn_cosine", "lag")
+
+
+def true_dps() -> Floats:
+    """The rate of the table at the samples."""
+    rate_dps: Floats = MOTION.at(np.arange(plain().design.samples) / RATE_HZ)[1]
+    return rate_dps
+
+
+def test_a_gain_moves_the_rate_coefficient_by_its_share_of_the_rate() -> None:
+    """1 % too much is 1 % of the norm of the mean rates of all seconds about their mean."""
+    seconds = true_dps()[: plain().design.samples // 100 * 100].reshape(-1, 100).mean(axis=1)
+    moved = feature(response_at(candidate_of("scale_factor"), 1.0), "rate")
+    assert moved == pytest.approx(0.01 * np.linalg.norm(seconds - seconds.mean()), rel=2e-3)
+
+
+def test_a_delay_moves_the_lag_by_delay_times_acceleration() -> None:
+    """8 ms are 8 ms of what acceleration there is beside constant, rate and magnitude of the rate."""
+    rate_dps = gaussian_filter1d(true_dps(), 0.02 * RATE_HZ)
+    known = np.column_stack([np.ones(len(rate_dps)), rate_dps, np.abs(rate_dps)])
+    accelerations = np.gradient(rate_dps, 1.0 / RATE_HZ)
+    beside = accelerations - known @ np.linalg.lstsq(known, accelerations, rcond=None)[0]
+    short, long = feature(response_at(candidate_of("latency"), 2.0, 8.0), "lag")[:, 0]
+    assert long == pytest.approx(-0.008 * np.linalg.norm(beside), rel=0.02)
+    assert long / short == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, kind in KINDS.items() if len(kind.candidates(HINTS)[0].grid_points) == 2]
+)
+def test_a_linear_effect_responds_half_at_half_the_size_and_turns_with_its_sign(name: str) -> None:
+    """On the coefficients of the regressors."""
+    candidate = candidate_of(name)
+    most = float(candidate.grid_points[-1])
+    whole, half, opposite = response_at(candidate, most, most / 2.0, -most)[:, 0]
+    for one in LINEAR_FEATURES:
+        assert feature(half, one) == pytest.approx(0.5 * feature(whole, one), abs=1e-6 + 1e-9 * most)
+        assert feature(opposite, one) == pytest.approx(-feature(whole, one), abs=1e-6 + 1e-9 * most)
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.touches is Touches.TIMES])
+def test_an_effect_on_times_leaves_rate_and_angle_alone(name: str) -> None:
+    """Simulated in full, only features of clock and link move."""
+    candidate = candidate_of(name)
+    effect = candidate.make(float(candidate.grid_points[-1]))
+    moved = plain().simulated((effect,), 0).values - base_run(0).values
+    assert not moved[~OF_TIMES].any()
+    assert np.abs(moved[OF_TIMES]).max() > 1e-3
+
+
+def test_a_clock_that_drifts_moves_the_ratio_of_the_clocks_by_that() -> None:
+    """5000 ppm are 0.005."""
+    moved = response_at(candidate_of("clock_drift"), 5000.0)
+    assert feature(moved, "clock_ratio") == pytest.approx(0.005, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.touches is Touches.VALUES])
+def test_an_effect_on_values_leaves_times_alone(name: str) -> None:
+    """Simulated in full, features of clock and link stay, and the others are what the response says."""
+    candidate = candidate_of(name)
+    size = float(candidate.grid_points[-1])
+    moved = plain().simulated((candidate.make(size),), 0).values - base_run(0).values
+    assert not moved[OF_TIMES].any()
+    assert np.array_equal(response_at(candidate, size)[0, 0], moved)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, kind in KINDS.items() if kind.touches is Touches.SLOW_RATE and kind.realisations == 1]
+)
+def test_an_effect_on_the_slow_rate_is_added_as_the_rig_would(name: str) -> None:
+    """The response without a new simulation is that of one, but for a count of rounding."""
+    candidate = candidate_of(name)
+    size = float(candidate.grid_points[len(candidate.grid_points) // 2])
+    full = plain().simulated((candidate.make(size),), 0).values - base_run(0).values
+    added = response_at(candidate, size)[0, 0]
+    for one in LINEAR_FEATURES:
+        assert feature(added, one) == pytest.approx(feature(full, one), abs=0.02, rel=0.02)
+
+
+def test_a_response_of_the_slow_rate_has_no_part_in_times() -> None:
+    """Of an effect as of an out-of-catalogue model."""
+    for name in ("scale_factor", "?swing"):
+        assert not response_at(candidate_of(name), 0.1)[0, 0][OF_TIMES].any()
+
+
+def test_realisations_differ_and_come_again() -> None:
+    """Popcorn twice is twice the same four draws, which are not each other."""
+    drawn = response_at(candidate_of("popcorn"), 0.1)
+    assert drawn.shape == (1, 4, len(FEATURES))
+    assert np.array_equal(drawn, response_at(candidate_of("popcorn"), 0.1))
+    assert len(np.unique(drawn[0], axis=0)) == 4
+
+
+def test_the_table_of_a_session_without_a_gap_is_within_its_null_distribution() -> None:
+    """Differences, thresholds, runs and nulls have one column for each feature; a session of the rig differs little."""
+    tried = [candidate_of("scale_factor"), replace(candidate_of("g_sensitivity"), phase_deg=30.0)]
+    table = response_table(plain(), tried)
+    assert list(table.responses) == ["scale_factor "]
+    assert table.responses["scale_factor "].shape == (2, 1, len(FEATURES))
+    assert table.runs.shape[1] == table.nulls.shape[1] == len(FEATURES)
+    sigma = np.hypot(table.nulls.std(axis=0, ddof=1), table.floors)
+    off = np.abs(table.difference - table.nulls.mean(axis=0))[sigma > 0.0] / sigma[sigma > 0.0]
+    assert np.quantile(off, 0.95) < 3.0

@@ -1,0 +1,149 @@
+"""Diagnoses made by hand, for tests of what is drawn and written of them: nothing is simulated or loaded."""
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+from inference_support import Amounts, added, evidence, response
+
+from firmware_sim.rig import load_rig
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
+from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.features.within_second import LAG_FEATURES
+from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.detectable import detectable
+from gyrodrift.diagnose.inference.linear_model import LinearModel
+from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.search import search
+from gyrodrift.diagnose.inference.verdict import verdict_of
+from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
+from gyrodrift.diagnose.predictive_checks.dependences import Dependence
+from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
+from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
+from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
+from gyrodrift.diagnose.predictive_checks.spectra import Spectra
+from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
+from gyrodrift.diagnose.simulate.yaw_impact import YawImpact
+from gyrodrift.simulation.sessions import rig_yaml
+
+SESSIONS, SECONDS = 2, 180
+SCALED: Amounts = {"rate": 10.0, "rate_cubed": 5.5}
+"""Sessions of a gyro that reads too much, and of which something is left unexplained."""
+
+RESPONSES = (
+    response("scale_factor", {"rate": 2.0}, sessions=SESSIONS),
+    response("scale_asymmetry", {"rate": 1.0, "abs_rate": 0.5}, sessions=SESSIONS),
+    response("latency", {"lag": 2.0}, sessions=SESSIONS),
+)
+
+
+def diagnosis(away: Amounts) -> Diagnosis:
+    """Of two sessions whose features deviate by so many sigmas; popcorn was withheld, two effects are untestable."""
+    result = search(evidence(np.tile(_row(away), (SESSIONS, 1)), *RESPONSES), added)
+    alternatives, surrogate = alternatives_of(result, added)
+    verdict, causes = verdict_of(result, alternatives), result.found.causes
+    rig = load_rig(None)
+    effects = tuple(cause.effect for cause in verdict.causes)
+    none = np.zeros((SESSIONS, len(FEATURES)))
+    return Diagnosis(
+        verdict=verdict,
+        linear_model=LinearModel(
+            "scale_factor", "error_percent", 4.98, 4.9, 5.06, "%", 90.0, agrees=True, says="agrees on scale_factor"
+        ),
+        yaw_impact=YawImpact(12.5, 0.5, 12.1, 160.0, 155.0, 150.0),
+        remarks=(),
+        untestable=(Untestable("clock_drift", "no host times"), Untestable("temp_bias", "no temperature")),
+        withheld=("popcorn",),
+        detectable=detectable(surrogate.evidence),
+        calibration=(
+            BaseValue("bias_dps", 0.5, 0.35, 0.34, 0.36),
+            BaseValue("sample_rate_hz", 100.0, 99.0, 98.0, 100.0),
+        ),
+        next_step="Record more sessions: with three and more the fit can be checked.",
+        seconds=12.5,
+        sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
+        rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
+        ranking=ranking(surrogate, causes),
+        lookalikes=lookalikes(surrogate.evidence),
+        features=feature_comparisons_of(surrogate, causes, none, [design()] * SESSIONS),
+        residuals=_residuals(),
+    )
+
+
+def _row(away: Amounts) -> Floats:
+    return np.array([away.get(feature.name, 0.0) for feature in FEATURES])
+
+
+def design() -> DesignMatrix:
+    """As far as a comparison of features asks for it: how long its bases are."""
+    one = SimpleNamespace(
+        static=SimpleNamespace(vectors=np.zeros((SECONDS, len(COLUMNS)))),
+        lag=SimpleNamespace(vectors=np.zeros((100 * SECONDS, len(LAG_FEATURES)))),
+    )
+    return cast("DesignMatrix", one)
+
+
+def _session(number: int) -> DiagnosedSession:
+    return DiagnosedSession(
+        name=f"session-0{number}",
+        minutes=3.0,
+        sample_rate_hz=100.0,
+        bias_dps=0.35,
+        noise_dps_rthz=0.0035,
+        has_host_times=number == 1,
+        has_temperature=number == 1,
+        has_counter=number == 1,
+    )
+
+
+def _residuals() -> ResidualChecks:
+    """Of rates that go up and down, with an error in proportion to them, and a change point in the first session."""
+    rng = np.random.default_rng(1)
+    rate_dps = np.repeat(rng.uniform(-90.0, 90.0, SECONDS // 10), 10)
+    noise_dps = rng.normal(0.0, 0.01, (SESSIONS, 4, SECONDS))
+    hz = np.geomspace(0.01, 40.0, 30)
+    spectra = Spectra(hz, np.full(30, 3.0), np.full(30, 2.0), np.full(30, 1.0))
+    minutes = np.arange(0.5, SECONDS, dtype=np.float64) / 60.0
+    sessions = tuple(
+        ResidualSeries(
+            number=number + 1,
+            name=f"session-0{number + 1}",
+            minutes=minutes,
+            real_dps=0.05 * rate_dps + noise_dps[number, 0],
+            before_dps=noise_dps[number, 1],
+            after_dps=0.05 * rate_dps + noise_dps[number, 2],
+            left_dps=noise_dps[number, 3],
+            change_points=(ChangePoint(90, 0.25),) if number == 0 else (),
+            slow=spectra,
+            quick=spectra,
+        )
+        for number in range(SESSIONS)
+    )
+    x = np.tile(rate_dps, SESSIONS)
+    names = ("rate", "temperature", "angle within the turn")
+    return ResidualChecks(sessions, tuple(_dependence(name, x, sessions) for name in names), (spectra,))
+
+
+def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> Dependence:
+    order = np.argsort(x)
+    real, before, after, left = (
+        np.concatenate([getattr(one, f"{column}_dps") for one in sessions])[order]
+        for column in ("real", "before", "after", "left")
+    )
+    x = x[order]
+    return Dependence(
+        name=name,
+        unit="deg/s",
+        slack=1e-4,
+        x=x,
+        real_dps=real,
+        left_dps=left,
+        real=medians(x, real),
+        before=medians(x, before),
+        after=medians(x, after),
+        left=medians(x, left),
+        follows_before_dps=shape_dps(x, real - before),
+        follows_dps=shape_dps(x, left),
+    )
