@@ -48,9 +48,6 @@ FLOOR_DPH = (4.0, 40.0)
 MOVES_DPS = 1.0
 """What counts as moving where a drive is entered on its way."""
 
-Motions = Callable[[Rng, float], tuple[Segment, ...]]
-"""Segments of at least so many seconds, the first of which sets out from rest."""
-
 Effects = Callable[[Rng], Sequence[Effect]]
 
 

@@ -100,7 +100,7 @@ def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:
 
 def _effects(evidence: Evidence) -> list[Response]:
     """Of the catalogue."""
-    return [response for response in evidence.responses if not response.candidate.is_strange]
+    return [response for response in evidence.responses if not response.candidate.is_out_of_catalogue]
 
 
 def _direction(evidence: Evidence, response: Response) -> Floats:

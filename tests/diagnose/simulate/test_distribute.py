@@ -14,7 +14,7 @@ from gyrodrift.diagnose.simulate.distribute import SessionTask, SimulationPlan, 
 from gyrodrift.diagnose.simulate.responses import ResponseTable, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
-from gyrodrift.session.formats import write_session
+from gyrodrift.session.files import write_session
 
 
 @pytest.fixture(autouse=True)
