@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import Feature, Response
 from gyrodrift.diagnose.features.motion_terms import MotionTerms
-from gyrodrift.diagnose.features.units import RMS_DPS, Reading
+from gyrodrift.diagnose.features.units import RMS_DPS, FeatureReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class DesignColumn(Feature):
     """
 
     _: KW_ONLY
-    reading: Reading = RMS_DPS
+    reading: FeatureReading = RMS_DPS
     response: Response = Response.LINEAR
     is_slow: bool = False
     in_catalogue: bool = True

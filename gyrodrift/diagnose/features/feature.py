@@ -6,7 +6,7 @@ from enum import Enum
 from typing import Generic, NamedTuple, TypeVar
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.units import Reading
+from gyrodrift.diagnose.features.units import FeatureReading
 
 Observed = TypeVar("Observed")
 
@@ -54,7 +54,7 @@ class Feature:
     threshold: float
     source: str
     _: KW_ONLY
-    reading: Reading
+    reading: FeatureReading
     response: Response = Response.SATURATING
     is_blurred: bool = False
 

@@ -8,7 +8,7 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.diagnosis import Diagnosis, Drawn
 from gyrodrift.diagnose.features.feature import Feature
-from gyrodrift.diagnose.features.units import Reading
+from gyrodrift.diagnose.features.units import FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER, rms_scale
 from gyrodrift.diagnose.inference.verdict import together
 
@@ -90,6 +90,6 @@ def predicted(drawn: Drawn) -> tuple[Floats, Floats]:
     return change, spread
 
 
-def _band(reading: Reading, middle: Floats, sigma: Floats, by: Floats) -> Band:
+def _band(reading: FeatureReading, middle: Floats, sigma: Floats, by: Floats) -> Band:
     ends = (reading.of((middle + deviates * sigma) / by) for deviates in (-BAND, 0.0, BAND))
     return Band(*ends)
