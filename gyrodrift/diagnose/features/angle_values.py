@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, COUNTS_ABOVE_ONE, JUMPS
 from gyrodrift.diagnose.recording.outliers import Cleaned
@@ -55,7 +55,7 @@ ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
         0.2,
         "0.2 in ln of a variance: a tenth of the amplitude",
         reading=AMPLITUDE_DEG,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=_log_scatter,
     ),
     Statistic(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.stamps import log_largest_step, log_wander, off_line_s, slow_medians
 from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, SAMPLE_PERIODS, SAMPLES
 from gyrodrift.diagnose.recording.recording import Recording
@@ -99,7 +99,7 @@ ARRIVALS: tuple[Statistic[Arrivals], ...] = (
         0.5,
         "0.5 in ln: two thirds of the scatter, and 0.3 ms of none",
         reading=MILLISECONDS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda arrivals: float(np.log(arrivals.scatter_s + LEAST_ARRIVAL_S)),
     ),
     *(_gap(number, quantile) for number, quantile in enumerate(QUANTILES)),

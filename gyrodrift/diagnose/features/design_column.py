@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.feature import Feature, Response
+from gyrodrift.diagnose.features.feature import Feature, ResponseLaw
 from gyrodrift.diagnose.features.motion_terms import MotionTerms
-from gyrodrift.diagnose.features.units import RMS_DPS, Reading
+from gyrodrift.diagnose.features.units import RMS_DPS, FeatureReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +22,8 @@ class DesignColumn(Feature):
     """
 
     _: KW_ONLY
-    reading: Reading = RMS_DPS
-    response: Response = Response.LINEAR
+    reading: FeatureReading = RMS_DPS
+    response: ResponseLaw = ResponseLaw.LINEAR
     is_slow: bool = False
     in_catalogue: bool = True
     compute: Callable[[MotionTerms], Floats]

@@ -6,12 +6,12 @@ from enum import Enum
 from typing import Generic, NamedTuple, TypeVar
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.units import Reading
+from gyrodrift.diagnose.features.units import FeatureReading
 
 Observed = TypeVar("Observed")
 
 
-class Response(Enum):
+class ResponseLaw(Enum):
     """How the value of a feature follows the size of an effect.
 
     LINEAR
@@ -54,8 +54,8 @@ class Feature:
     threshold: float
     source: str
     _: KW_ONLY
-    reading: Reading
-    response: Response = Response.SATURATING
+    reading: FeatureReading
+    response: ResponseLaw = ResponseLaw.SATURATING
     is_blurred: bool = False
 
 

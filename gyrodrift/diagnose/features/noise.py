@@ -8,7 +8,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
 from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
@@ -99,7 +99,7 @@ def _rest(number: int, points: int) -> Statistic[SampleNoise]:
         0.08,
         "0.08 in ln of a variance: 4 % of the amplitude",
         reading=OVER_MIDDLE,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: noise.rest[number],
     )
 
@@ -113,7 +113,7 @@ def _slow(number: int, points: int) -> Statistic[SampleNoise]:
         0.1,
         "0.1 in ln of a variance: 5 % of the amplitude",
         reading=OVER_MIDDLE,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         is_blurred=True,
         compute=lambda noise: noise.slow[number],
     )
@@ -128,7 +128,7 @@ def _fast(number: int, points: int) -> Statistic[SampleNoise]:
         0.22,
         "0.22 in ln of a variance: 11 % of the amplitude",
         reading=OVER_MIDDLE,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         is_blurred=True,
         compute=lambda noise: noise.fast[number],
     )
@@ -146,7 +146,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
         0.5,
         "0.5 in ln: two thirds more than its neighbours",
         reading=OVER_NEIGHBOURS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: spectral_line(noise.seen, noise.design).log_height,
     ),
     Statistic(
@@ -157,7 +157,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
         0.15,
         "0.15 in ln of a variance: 8 % of the amplitude",
         reading=OVER_USUAL,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=_burst_ratio,
     ),
     Statistic(

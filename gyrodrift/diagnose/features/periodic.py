@@ -5,7 +5,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means
 from gyrodrift.diagnose.features.block_residuals import BlockResiduals
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.units import OVER_CHANCE, OVER_REMAINDER
 
 PERIODS_S = (40.0, 200.0)
@@ -63,7 +63,7 @@ PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
         0.5,
         "0.5 in ln of a ratio of variances: a quarter of the amplitude",
         reading=OVER_REMAINDER,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: periodic_component(seen.even_dps)[0],
     ),
     Statistic(
@@ -74,7 +74,7 @@ PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
         0.3,
         "0.3 in ln of a ratio of variances: a third more than chance gives",
         reading=OVER_CHANCE,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_basis),
     ),
     Statistic(
@@ -85,7 +85,7 @@ PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
         0.3,
         "0.3 in ln of a ratio of variances: a third more than chance gives",
         reading=OVER_CHANCE,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_rate_basis),
     ),
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, PPM
 from gyrodrift.diagnose.recording.order_statistics import median, row_medians
 from gyrodrift.diagnose.recording.recording import Recording, line
@@ -97,7 +97,7 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
         1e-5,
         "10 ppm: 0.004 deg per turn",
         reading=PPM,
-        response=Response.LINEAR,
+        response=ResponseLaw.LINEAR,
         compute=lambda stamps: stamps.ratio,
     ),
     Statistic(
@@ -108,7 +108,7 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
         0.35,
         "0.35 in ln: 40 % of the scatter, and 0.01 ms of none",
         reading=MILLISECONDS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda stamps: float(np.log(stamps.scatter_s + LEAST_STAMP_S)),
     ),
     Statistic(

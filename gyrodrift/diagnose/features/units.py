@@ -11,7 +11,7 @@ LARGEST_EXPONENT = 50.0
 """Beyond it a number is no longer read as one; it bounds what a report may show."""
 
 
-class Reading(NamedTuple):
+class FeatureReading(NamedTuple):
     """A unit, and how the value of a feature is taken to it; rising throughout."""
 
     unit: str
@@ -60,25 +60,25 @@ def _millionths(ratio: Floats) -> Floats:
     return 1e6 * ratio
 
 
-RMS_DPS = Reading("deg/s RMS", _as_it_is)
-AMPLITUDE_DPS = Reading("deg/s", _amplitude)
-AMPLITUDE_DEG = Reading("deg", _amplitude)
-STANDARD_ERRORS = Reading("standard errors", _as_it_is)
-EXCESS_KURTOSIS = Reading("excess kurtosis", _as_it_is)
-KURTOSIS_OF_STEPS = Reading("kurtosis of steps", _above_one)
-OVER_REST = Reading("times as at rest", _amplitude)
-OVER_USUAL = Reading("times as usual", _exponential)
-OVER_MIDDLE = Reading("times its middle", _amplitude)
-OVER_NEIGHBOURS = Reading("times its neighbours", _above_one)
-OVER_REMAINDER = Reading("times what it leaves", _exponential)
-OVER_CHANCE = Reading("times as by chance", _exponential)
-OVER_ENCODER = Reading("of the encoder's", _exponential)
-PERCENT_OF_SAMPLES = Reading("% of samples", _percent)
-SAMPLES = Reading("samples", _exponential)
-VALUES = Reading("values", _exponential)
-COUNTS = Reading("counts", _doubled)
-COUNTS_ABOVE_ONE = Reading("counts", _doubled_above_one)
-JUMPS = Reading("jumps", _square)
-PPM = Reading("ppm", _millionths)
-MILLISECONDS = Reading("ms", _milli)
-SAMPLE_PERIODS = Reading("sample periods", _as_it_is)
+RMS_DPS = FeatureReading("deg/s RMS", _as_it_is)
+AMPLITUDE_DPS = FeatureReading("deg/s", _amplitude)
+AMPLITUDE_DEG = FeatureReading("deg", _amplitude)
+STANDARD_ERRORS = FeatureReading("standard errors", _as_it_is)
+EXCESS_KURTOSIS = FeatureReading("excess kurtosis", _as_it_is)
+KURTOSIS_OF_STEPS = FeatureReading("kurtosis of steps", _above_one)
+OVER_REST = FeatureReading("times as at rest", _amplitude)
+OVER_USUAL = FeatureReading("times as usual", _exponential)
+OVER_MIDDLE = FeatureReading("times its middle", _amplitude)
+OVER_NEIGHBOURS = FeatureReading("times its neighbours", _above_one)
+OVER_REMAINDER = FeatureReading("times what it leaves", _exponential)
+OVER_CHANCE = FeatureReading("times as by chance", _exponential)
+OVER_ENCODER = FeatureReading("of the encoder's", _exponential)
+PERCENT_OF_SAMPLES = FeatureReading("% of samples", _percent)
+SAMPLES = FeatureReading("samples", _exponential)
+VALUES = FeatureReading("values", _exponential)
+COUNTS = FeatureReading("counts", _doubled)
+COUNTS_ABOVE_ONE = FeatureReading("counts", _doubled_above_one)
+JUMPS = FeatureReading("jumps", _square)
+PPM = FeatureReading("ppm", _millionths)
+MILLISECONDS = FeatureReading("ms", _milli)
+SAMPLE_PERIODS = FeatureReading("sample periods", _as_it_is)

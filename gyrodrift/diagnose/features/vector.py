@@ -9,7 +9,7 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features import residuals, timing
 from gyrodrift.diagnose.features.angle_values import ANGLE_VALUES, AngleValues
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
-from gyrodrift.diagnose.features.feature import Feature, Measured, Response, numbers_of
+from gyrodrift.diagnose.features.feature import Feature, Measured, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.noise import NOISE, sample_noise_of
 from gyrodrift.diagnose.features.rate_values import RATE_VALUES, rate_values_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
@@ -26,8 +26,8 @@ def _mask(is_such: Callable[[Feature], bool]) -> Mask:
     return np.array([is_such(feature) for feature in FEATURES])
 
 
-LINEAR = _mask(lambda feature: feature.response is Response.LINEAR)
-IS_LOG = _mask(lambda feature: feature.response is Response.LOG_VARIANCE)
+LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
+IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
 BLURRED = _mask(lambda feature: feature.is_blurred)
 
 SAMPLE_THRESHOLDS = np.array([feature.threshold for feature in SAMPLE_FEATURES])

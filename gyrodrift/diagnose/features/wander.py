@@ -5,7 +5,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_variance
 from gyrodrift.diagnose.features.block_residuals import BlockResiduals
-from gyrodrift.diagnose.features.feature import Response, Statistic
+from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.units import (
     AMPLITUDE_DPS,
     EXCESS_KURTOSIS,
@@ -46,7 +46,7 @@ def _wander(count: int) -> Statistic[BlockResiduals]:
         f"the bias wanders within {2 * count} s",
         *EIGHTH,
         reading=AMPLITUDE_DPS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: _steps(seen.unexplained_dps, count),
     )
 
@@ -59,7 +59,7 @@ def _walk(count: int) -> Statistic[BlockResiduals]:
         f"the bias, taken by itself, wanders within {2 * count} s",
         *EIGHTH,
         reading=AMPLITUDE_DPS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: _steps(seen.bias_dps, count),
     )
 
@@ -119,7 +119,7 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
         "the bias wanders while it rests",
         *EIGHTH,
         reading=AMPLITUDE_DPS,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: log_variance(seen.unexplained_dps[seen.design.regimes.block_at_rest]),
     ),
     Statistic(
@@ -178,7 +178,7 @@ SCATTER: tuple[Statistic[BlockResiduals], ...] = (
         "second by second the rate scatters more when it moves",
         *EIGHTH,
         reading=OVER_REST,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=_moving_beside_rest,
     ),
     Statistic(
@@ -188,7 +188,7 @@ SCATTER: tuple[Statistic[BlockResiduals], ...] = (
         "and more still when it accelerates",
         *EIGHTH,
         reading=OVER_REST,
-        response=Response.LOG_VARIANCE,
+        response=ResponseLaw.LOG_VARIANCE,
         compute=_accelerating_beside_not,
     ),
 )

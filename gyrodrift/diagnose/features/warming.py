@@ -7,7 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import block_means
-from gyrodrift.diagnose.features.feature import Feature, Response
+from gyrodrift.diagnose.features.feature import Feature, ResponseLaw
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.features.units import RMS_DPS
 
@@ -25,7 +25,7 @@ WARMING = Feature(
     6e-4,
     "0.0006 deg/s per °C, as of `temperature`",
     reading=RMS_DPS,
-    response=Response.LINEAR,
+    response=ResponseLaw.LINEAR,
 )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import correlate1d, gaussian_filter1d
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.feature import Feature, Response
+from gyrodrift.diagnose.features.feature import Feature, ResponseLaw
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.features.units import RMS_DPS
 
@@ -27,7 +27,7 @@ def _lag(name: str, says: str, threshold: float, source: str) -> Feature:
         threshold,
         source,
         reading=RMS_DPS,
-        response=Response.LINEAR,
+        response=ResponseLaw.LINEAR,
         is_blurred=True,
     )
 

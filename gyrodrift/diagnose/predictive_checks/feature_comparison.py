@@ -8,7 +8,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
-from gyrodrift.diagnose.features.units import Reading
+from gyrodrift.diagnose.features.units import FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
 from gyrodrift.diagnose.inference.deviations import pooled_z
 from gyrodrift.diagnose.inference.fit import fitted_without
@@ -88,6 +88,6 @@ def _held_out_prediction(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple
     return change, spread
 
 
-def _band(reading: Reading, middle: Floats, sigma: Floats, by: Floats) -> Band:
+def _band(reading: FeatureReading, middle: Floats, sigma: Floats, by: Floats) -> Band:
     ends = (reading.of((middle + deviates * sigma) / by) for deviates in (-BAND, 0.0, BAND))
     return Band(*ends)

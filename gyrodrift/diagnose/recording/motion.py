@@ -14,20 +14,32 @@ SMOOTH_S = 0.11
 SMOOTH_DEGREE = 4
 """A fitted quartic over a tenth of a second keeps motion up to some 15 Hz and takes the edge off encoder counts."""
 
-STEADY_S, BLEND_S = 0.6, 0.08
+STEADY_S = 0.6
+"""Length of the long window: motion that is steady over it has no steps of the angle left."""
+
+BLEND_S = 0.08
+"""Standard deviation of the Gaussian over which one window goes over into the other."""
+
 APART_LEAST = 1.0
 """The windows are blended by how far they differ, in standard deviations of the rounding to a step."""
 
 COARSE_DPS = 4.0
 """An encoder is coarse when one of its steps, taken in one sample, is a rate of this."""
 
-CROSSOVER_S, MOVES_DPS = 0.5, 1.0
+CROSSOVER_S = 0.5
+"""Standard deviation of the Gaussian below which a coarse encoder, and above which the gyro, says how it moves."""
+
+MOVES_DPS = 1.0
+"""Below it a coarse encoder is at rest, and the gyro's noise is no motion."""
 
 TEMP_SMOOTH_S = 2.0
+"""Length of the window through which the temperature is smoothed."""
+
 ROOM_C = 25.0
 """Where a recording has no temperature: the one at which the simulator's linear effects of temperature are zero."""
 
 SLACK = 1e-6
+"""Of a sample: times that agree so well are those of the grid; and how far before the last sample the motion ends."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from features_support import FACTS, T_S, TRUE_DPS, observed, observed_beside, re
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, design_matrix_of
-from gyrodrift.diagnose.features.feature import Feature, Response, numbers_of
+from gyrodrift.diagnose.features.feature import Feature, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.units import RMS_DPS
 from gyrodrift.diagnose.features.vector import BLURRED, FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
 from gyrodrift.diagnose.recording.outliers import cleaned
@@ -95,4 +95,4 @@ def test_a_short_recording_gives_numbers(seconds: int) -> None:
 def test_a_feature_saturates_where_nothing_is_said() -> None:
     """It is the most cautious response."""
     feature = Feature("toy", "sensor", "rest", "a toy", 1.0, "one", reading=RMS_DPS)
-    assert feature.response is Response.SATURATING
+    assert feature.response is ResponseLaw.SATURATING
