@@ -25,7 +25,7 @@ from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
-from gyrodrift.diagnose.simulate.yaw_impact import YawImpact
+from gyrodrift.diagnose.yaw_impact import YawImpact
 from gyrodrift.simulation.sessions import rig_yaml
 
 SESSIONS, SECONDS = 2, 180

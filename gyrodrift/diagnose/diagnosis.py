@@ -31,7 +31,7 @@ from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.responses import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import change_of
-from gyrodrift.diagnose.simulate.yaw_impact import yaw_impact_of
+from gyrodrift.diagnose.yaw_impact import yaw_impact_of
 from gyrodrift.errors import DataError
 from gyrodrift.simulation.sessions import rig_yaml
 
