@@ -11,11 +11,11 @@ from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
 _advance: Any = compiled(advance)
-_NEW_STATE = array_of(RestlevelState())
+_NEW_STATE = array_of(RestlevelState())  # copied, since laying one out takes as long as tens of thousands of samples
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:
-    """Sums over the samples with a reference, as those of `kernel.group_sums`; `params` as in RestlevelParams."""
+    """Sums over the samples with a reference, as those of `hdr.group_sums`; `params` as in RestlevelParams."""
     found = np.empty((3, len(params)))
     for number, row in enumerate(params.tolist()):
         _add_up(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, reference_deg, found[:, number])
