@@ -119,13 +119,13 @@ class _Bench:
         twins: dict[str, int] = {}
         for effect in sorted(rig.effects, key=lambda effect: ORDER[effect.name]):
             twins[effect.name] = twins.get(effect.name, 0) + 1
-            rng = _generator(seed, session, crc32(effect.name.encode()), twins[effect.name])
-            self._acts[effect.place].append(effect.begin(rng, self._rate_hz))
+            dice = _dice(seed, session, crc32(effect.name.encode()), twins[effect.name])
+            self._acts[effect.place].append(effect.begin(dice, self._rate_hz))
         has_low_pass = bool(self._acts[Place.LOW_PASS])
         finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
         sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
-        noise = _generator(seed, session)
+        noise = _dice(seed, session)
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
@@ -187,6 +187,6 @@ class _Bench:
         return self._through(Place.HOLD, self._through(Place.OUTPUT, rate_dps, seen), seen)
 
 
-def _generator(seed: int, *branch: int) -> np.random.Generator:
+def _dice(seed: int, *branch: int) -> np.random.Generator:
     """A generator for one purpose, independent of those for all others."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=branch))
