@@ -31,9 +31,12 @@ ROOMS = {
     "diagnose.recording": f"{BASE} evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
-    "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate evaluation firmware_sim",
-    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate firmware_sim",
-    "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.recording html",
+    "diagnose.inference": f"{BASE} diagnose.features diagnose.simulate firmware_sim",
+    "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
+    "evaluation filters firmware_sim session tune",
+    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.predictive_checks diagnose.recording "
+    "diagnose.simulate firmware_sim simulation",
+    "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.predictive_checks html",
     "demo": BASE,
     "firmware_sim": "",
 }
