@@ -24,8 +24,8 @@ from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comp
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
+from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
-from gyrodrift.diagnose.yaw_impact import YawImpact
 from gyrodrift.simulation.sessions import rig_yaml
 
 SESSIONS, SECONDS = 2, 180

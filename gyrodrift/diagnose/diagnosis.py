@@ -22,6 +22,7 @@ from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.inference.verdict import Verdict, verdict_of
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
+from gyrodrift.diagnose.predictive_checks.yaw_impact import yaw_impact_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -31,7 +32,6 @@ from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.responses import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import change_of
-from gyrodrift.diagnose.yaw_impact import yaw_impact_of
 from gyrodrift.errors import DataError
 from gyrodrift.simulation.sessions import rig_yaml
 

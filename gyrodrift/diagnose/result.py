@@ -8,7 +8,7 @@ from gyrodrift.diagnose.inference.ranking import Alike, Ranked
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
-from gyrodrift.diagnose.yaw_impact import YawImpact
+from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ from gyrodrift.diagnose.inference.parameters import Parameter, effect_of, parame
 from gyrodrift.diagnose.inference.probability import LogisticFeatures, probability_of
 from gyrodrift.diagnose.inference.search import SearchResult
 from gyrodrift.diagnose.inference.surrogate import Cause
+from gyrodrift.diagnose.simulate.candidates import KINDS
 
 EXPLAINED = 0.4
 """Causes that take away less of what deviates than this, and leave something, are no explanation."""
@@ -42,11 +43,12 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NamedCause:
-    """An effect that is held to act."""
+    """An effect that is held to act; `meaning` is what it does, in a sentence for a person."""
 
     cause: Cause
     effect: Effect
     group: str
+    meaning: str
     probability: float
     parameters: tuple[Parameter, ...]
     tied_with: tuple[str, ...]
@@ -111,6 +113,7 @@ def _named(alternatives: Sequence[Alternatives], unexplained: float) -> tuple[Na
             cause=one.cause,
             effect=effect_of(one),
             group=one.cause.candidate.group,
+            meaning=KINDS[one.cause.name].meaning,
             probability=probability_of(LogisticFeatures(one.rival_weight, unexplained, one.cause.is_random)),
             parameters=parameters_of(one),
             tied_with=one.tied_with,

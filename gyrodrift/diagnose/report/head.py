@@ -5,7 +5,7 @@ from math import sqrt
 from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.files import headline
-from gyrodrift.diagnose.report.text import NAMES, fitted, fixed, interval, meaning, percent, size
+from gyrodrift.diagnose.report.text import NAMES, fitted, fixed, interval, percent, size
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import header, paragraph, text, tile, tiles, warnings
 from gyrodrift.html.numbers import degrees, significant
@@ -68,7 +68,7 @@ def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
     doubt = " It is the best there is, and still leaves most of it." if diagnosis.verdict.kind is Kind.UNKNOWN else ""
     tied = f" These sessions cannot tell it from {_names(cause.tied_with)}." if cause.tied_with else ""
     return (
-        f"<b>{text(cause.effect.name)}</b>: {meaning(cause.effect)}. Fitted: {fitted(cause)}; probability "
+        f"<b>{text(cause.effect.name)}</b>: {text(cause.meaning)}. Fitted: {fitted(cause)}; probability "
         f"{cause.probability:.2f}.{tied}{doubt}"
     )
 

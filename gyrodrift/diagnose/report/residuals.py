@@ -14,7 +14,7 @@ from gyrodrift.html.numbers import significant
 NAMED = 3
 NEGLIGIBLE_DPS = 2e-3
 """RMS below which a dependence is practically negligible, deg/s: the relevance threshold of a bias that depends on
-angle or direction, `features/design_matrix.py`."""
+angle or direction, `features/history_columns.py`."""
 
 CHANGE_POINTS_TOLD = 4
 RANDOM = (

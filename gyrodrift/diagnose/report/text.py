@@ -2,10 +2,8 @@
 
 from math import isfinite
 
-from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.html.html import legend, span, text
 from gyrodrift.html.numbers import significant
 
@@ -26,11 +24,6 @@ def marks(*, has_causes: bool, has_left: bool = True) -> str:
     """The legend of all figures."""
     simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulated")]
     return legend([REAL, *simulated, *[LEFT] * has_left])
-
-
-def meaning(effect: Effect) -> str:
-    """What an effect does, in a sentence, as HTML."""
-    return text(KINDS[effect.name].meaning)
 
 
 def size(value: float, unit: str) -> str:
