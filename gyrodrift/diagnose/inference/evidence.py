@@ -1,9 +1,10 @@
 """What inference works on: how far each feature deviates, and what each candidate would do to it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.likelihood import discrepancy_variance
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 
@@ -34,6 +35,8 @@ class Evidence:
         (sessions, F) spread of that where there is no gap, and the relevance threshold, together.
     nulls
         (runs, F) differences without a gap, in units of sigma, for thresholds.
+    discrepancies
+        Of each response its model-discrepancy variance, (sizes, sessions, F); it follows from the others.
     """
 
     names: tuple[str, ...]
@@ -41,6 +44,11 @@ class Evidence:
     sigma: Floats
     nulls: Floats
     responses: tuple[Response, ...]
+    discrepancies: dict[Response, Floats] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        found = {response: discrepancy_variance(response.mean, self.difference) for response in self.responses}
+        object.__setattr__(self, "discrepancies", found)
 
     @property
     def z(self) -> Floats:

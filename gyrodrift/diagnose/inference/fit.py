@@ -1,6 +1,6 @@
 """Sizes of a set of causes: fitted together, simulated again as a whole, scored on sessions that were held out."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -69,7 +69,7 @@ def without(causes: Sequence[Cause], one: Cause) -> tuple[Cause, ...]:
 def best_of(
     surrogate: Surrogate,
     others: Sequence[Cause],
-    responses: Iterable[Response],
+    responses: Sequence[Response],
     sessions: Sequence[int] | None = None,
 ) -> Cause:
     """The best variant and size of a candidate that joins others, by all sessions or some.
@@ -81,8 +81,8 @@ def best_of(
     """
     used = slice(None) if sessions is None else list(sessions)
     best, best_score = None, -np.inf
-    for response in responses:
-        totals = surrogate.curve(others, response)[:, used].sum(axis=1)
+    for response, scores in zip(responses, surrogate.curves(others, responses), strict=True):
+        totals = scores[:, used].sum(axis=1)
         at = int(np.argmax(totals))
         if best is None or totals[at] > best_score:
             best, best_score = Cause(response, at), float(totals[at])

@@ -21,13 +21,17 @@ LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
 """Bounds of logarithms of variances that are added as variances, so that nothing overflows or becomes 0."""
 
 
+LOGARITHMS = np.flatnonzero(IS_LOG)
+
+
 def combined(change: Floats, more: Floats) -> Floats:
-    """Two changes at once: logarithms of variances add as variances, all else as it is."""
-    added = change + more
-    powers = np.exp(np.clip(change, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(more, -LOG_RANGE, LOG_RANGE))
+    """Two changes at once, (…, F): logarithms of variances add as variances, all else as it is."""
+    added: Floats = change + more
+    one, other = (np.take(each, LOGARITHMS, axis=-1) for each in (change, more))
+    powers = np.exp(np.clip(one, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(other, -LOG_RANGE, LOG_RANGE))
     both = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
-    joined: Floats = np.where(IS_LOG & (change > 0.0) & (more > 0.0), both, added)
-    return joined
+    added[..., LOGARITHMS] = np.where((one > 0.0) & (other > 0.0), both, one + other)
+    return added
 
 
 def discrepancy_variance(mean: Floats, difference: Floats) -> Floats:

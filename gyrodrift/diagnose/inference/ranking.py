@@ -55,12 +55,12 @@ def ranking(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple[Ranked, ...]
 
 def _ranked(surrogate: Surrogate, causes: Sequence[Cause], name: str) -> Ranked:
     responses = surrogate.evidence.variants(name)
-    curves = [surrogate.curve((), response).sum(axis=1) for response in responses]
+    curves = [curve.sum(axis=1) for curve in surrogate.curves((), responses)]
     at = int(np.argmax([curve.max() for curve in curves]))
     candidate = responses[at].candidate
     beside = None
     if name not in {cause.name for cause in causes}:
-        totals = [surrogate.curve(causes, response).sum(axis=1).max() for response in responses]
+        totals = [curve.sum(axis=1).max() for curve in surrogate.curves(causes, responses)]
         beside = float(max(totals) - surrogate.scores(causes).sum())
     cause = Cause(responses[at], int(np.argmax(curves[at])))
     return Ranked(

@@ -85,8 +85,9 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
     for number, first in enumerate(chosen):
         for at in range(0, len(first.candidate.sizes), COARSE_STEP):
             held = Cause(first, at)
-            for second in chosen[number + 1 :]:
-                totals = surrogate.curve((held,), second, COARSE_STEP).sum(axis=1)
+            rest = chosen[number + 1 :]
+            for second, scores in zip(rest, surrogate.curves((held,), rest, COARSE_STEP), strict=True):
+                totals = scores.sum(axis=1)
                 best = int(np.argmax(totals))
                 tried.append((float(totals[best]), (held, Cause(second, best * COARSE_STEP))))
     tried.sort(key=lambda one: -one[0])

@@ -5,7 +5,7 @@ session under it. It never changes: what is learned from a further simulation ma
 and every score follows from the surrogate and the set alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.inference.likelihood import combined, discrepancy_variance, log_likelihood
+from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 
@@ -102,16 +102,24 @@ class Surrogate:
         left: Floats = (evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + discrepancy)
         return left
 
+    def curves(self, others: Sequence[Cause], responses: Iterable[Response], step: int = 1) -> Iterator[Floats]:
+        """(sizes, sessions) scores when each of the candidates joins others, at all of its sizes or every `step`th."""
+        beside = self.prediction(others)
+        for response in responses:
+            yield self._curve(beside, others, response, step)
+
     def curve(self, others: Sequence[Cause], response: Response, step: int = 1) -> Floats:
-        """(sizes, sessions) scores when a candidate joins others, at each of its sizes or every `step`th."""
-        change, variance, discrepancy = self.prediction(others)
-        mean = response.mean[::step]
+        """The same for one candidate."""
+        return next(self.curves(others, (response,), step))
+
+    def _curve(self, beside: Prediction, others: Sequence[Cause], response: Response, step: int) -> Floats:
+        change, variance, discrepancy = beside
         both = _responses(others) | {response}
         if not others or self._knows(both):
             change = change + self._correction(both) - self._correction(both - {response})
-        residual = self.evidence.difference - combined(change, mean)
+        residual = self.evidence.difference - combined(change, response.mean[::step])
         widened = self.evidence.sigma**2 + variance + np.square(response.spread[::step])[:, None]
-        return log_likelihood(residual, widened, discrepancy + discrepancy_variance(mean, self.evidence.difference))
+        return log_likelihood(residual, widened, discrepancy + self.evidence.discrepancies[response][::step])
 
     def knows(self, causes: Sequence[Cause]) -> bool:
         """Whether this set of candidates was simulated as a whole, at whatever sizes."""
@@ -136,7 +144,7 @@ class Surrogate:
             mean = cause.response.mean[cause.at]
             change = combined(change, mean)
             variance = variance + np.square(cause.response.spread[cause.at])
-            discrepancy = discrepancy + discrepancy_variance(mean, self.evidence.difference)
+            discrepancy = discrepancy + self.evidence.discrepancies[cause.response][cause.at]
         return Prediction(change, variance, discrepancy)
 
     def _knows(self, responses: frozenset[Response]) -> bool:
