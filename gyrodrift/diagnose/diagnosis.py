@@ -29,7 +29,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.distribute import SimulationPlan, checked_recording, response_tables
 from gyrodrift.diagnose.simulate.hints import hints_of
-from gyrodrift.diagnose.simulate.responses import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import change_of
 from gyrodrift.errors import DataError

@@ -55,7 +55,7 @@ def test_a_different_seed_gives_different_rates(turntable: Profile, seed: int, o
 
 
 def test_every_session_of_a_seed_has_its_own_noise(turntable: Profile) -> None:
-    """The number of the session is part of the realisation."""
+    """The number of the session is part of the seed."""
     one, other = (next(measure(NOISY, turntable, 0, session)).rate_raw for session in (0, 1))
     assert one.tolist() != other.tolist()
 

@@ -13,7 +13,8 @@ from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recordin
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.responses import ResponseTable, response_table
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session

@@ -4,12 +4,12 @@ Everything that a session contributes is worked out by itself, in one task; what
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 
 BASE_RUNS = 4
@@ -19,38 +19,6 @@ FIRST_NULL_SEED = 1000
 
 SIMULATED_PHASES_DEG = (0.0, 90.0)
 """Every other phase is composed of these two."""
-
-
-@dataclass(frozen=True, slots=True)
-class ResponseTable:
-    """What a session says, of F features.
-
-    difference, floors
-        (F,) features of the recording less those of the rig driven through it; their relevance thresholds.
-    runs
-        (realisations, F) features of the latter.
-    nulls
-        (realisations, F) the null distribution: the same differences where the recording is the rig itself.
-    responses
-        Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
-    """
-
-    name: str
-    difference: Floats
-    floors: Floats
-    runs: Floats
-    nulls: Floats
-    responses: dict[str, Floats]
-
-
-def key(candidate: Candidate) -> str:
-    """By which its responses are found."""
-    return f"{candidate.name} {candidate.variant}"
-
-
-def simulated_key(candidate: Candidate, phase_deg: float) -> str:
-    """The same of a candidate once per turn at another phase."""
-    return f"{candidate.name} phase_deg {phase_deg:.4g}"
 
 
 def response_table(subject: Subject, tried: Sequence[Candidate]) -> ResponseTable:

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.simulate.candidate import Candidate
-from gyrodrift.diagnose.simulate.responses import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject
 
 REALISATIONS = 4

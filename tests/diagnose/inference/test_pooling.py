@@ -9,7 +9,7 @@ from inference_support import candidate, row
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.pooling import evidence_of, interpolated, scaled
-from gyrodrift.diagnose.simulate.responses import ResponseTable, key, simulated_key
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
 SHARE = FEATURES[int(np.flatnonzero(~IS_LOG & ~LINEAR)[0])].name

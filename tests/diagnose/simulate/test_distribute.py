@@ -11,7 +11,8 @@ from firmware_sim.rig import Rig
 from gyrodrift.diagnose.simulate import distribute, responses
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.distribute import SessionTask, SimulationPlan, response_tables
-from gyrodrift.diagnose.simulate.responses import ResponseTable, response_table
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.files import write_session

@@ -1,0 +1,38 @@
+"""The table of a session: how far its features are off, by chance and by each candidate; a value, and no simulation."""
+
+from dataclasses import dataclass
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.simulate.candidate import Candidate
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseTable:
+    """What a session says, of F features.
+
+    difference, floors
+        (F,) features of the recording less those of the rig driven through it; their relevance thresholds.
+    runs
+        (realisations, F) features of the latter.
+    nulls
+        (realisations, F) the null distribution: the same differences where the recording is the rig itself.
+    responses
+        Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
+    """
+
+    name: str
+    difference: Floats
+    floors: Floats
+    runs: Floats
+    nulls: Floats
+    responses: dict[str, Floats]
+
+
+def key(candidate: Candidate) -> str:
+    """By which its responses are found."""
+    return f"{candidate.name} {candidate.variant}"
+
+
+def simulated_key(candidate: Candidate, phase_deg: float) -> str:
+    """The same of a candidate once per turn at another phase."""
+    return f"{candidate.name} phase_deg {phase_deg:.4g}"
