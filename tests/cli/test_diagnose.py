@@ -17,7 +17,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("diagnose_command")]
+pytestmark = pytest.mark.timeout(600)
 
 MINUTES = 2.0
 
