@@ -4,7 +4,7 @@ from pathlib import Path
 
 from gyrodrift.config.model import Config, load_config
 
-Signature = tuple[int, int, int]
+FileVersion = tuple[int, int, int]
 
 
 class ConfigWatch:
@@ -18,12 +18,12 @@ class ConfigWatch:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._seen = _signature(path)
+        self._seen = _version_of(path)
         self.config = load_config(path)
 
     def poll(self) -> Config | None:
         """The new config where there is one; None where nothing changed, or the file is gone for a moment."""
-        found = _signature(self.path)
+        found = _version_of(self.path)
         if found is None or found == self._seen:
             return None
         self._seen = found
@@ -31,7 +31,7 @@ class ConfigWatch:
         return self.config
 
 
-def _signature(path: Path) -> Signature | None:
+def _version_of(path: Path) -> FileVersion | None:
     try:
         status = path.stat()
     except OSError:

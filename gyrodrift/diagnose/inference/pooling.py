@@ -19,8 +19,8 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     nulls = np.concatenate([table.nulls for table in tables])
     centre = nulls.mean(axis=0)
     spread = np.sqrt(np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1))
-    floors = np.array([table.floors for table in tables])
-    sigma = np.sqrt(spread**2 + floors**2)
+    thresholds = np.array([table.thresholds for table in tables])
+    sigma = np.sqrt(spread**2 + thresholds**2)
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     runs = len(nulls) // len(tables)
     return Evidence(

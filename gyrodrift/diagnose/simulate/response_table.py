@@ -10,7 +10,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 class ResponseTable:
     """What a session says, of F features.
 
-    difference, floors
+    difference, thresholds
         (F,) features of the recording less those of the rig driven through it; their relevance thresholds.
     runs
         (realisations, F) features of the latter.
@@ -22,7 +22,7 @@ class ResponseTable:
 
     name: str
     difference: Floats
-    floors: Floats
+    thresholds: Floats
     runs: Floats
     nulls: Floats
     responses: dict[str, Floats]

@@ -67,7 +67,7 @@ def test_it_is_tried_and_its_response_is_simulated() -> None:
     table = response_table(plain(), [candidate])
     down, up = table.responses["motor_bias "][:, 0]
     assert feature(up, "moving") == pytest.approx(-feature(down, "moving"), rel=1e-6)
-    assert abs(feature(up, "moving")) > feature(table.floors, "moving")
+    assert abs(feature(up, "moving")) > feature(table.thresholds, "moving")
     full = plain().simulated((candidate.make(0.1),), 0).values - base_run(0).values
     assert feature(up, "moving") == pytest.approx(feature(full, "moving"), rel=0.02)
 

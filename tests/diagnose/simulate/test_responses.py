@@ -125,6 +125,6 @@ def test_the_table_of_a_session_without_a_gap_is_within_its_null_distribution() 
     assert list(table.responses) == ["scale_factor "]
     assert table.responses["scale_factor "].shape == (2, 1, len(FEATURES))
     assert table.runs.shape[1] == table.nulls.shape[1] == len(FEATURES)
-    sigma = np.hypot(table.nulls.std(axis=0, ddof=1), table.floors)
+    sigma = np.hypot(table.nulls.std(axis=0, ddof=1), table.thresholds)
     off = np.abs(table.difference - table.nulls.mean(axis=0))[sigma > 0.0] / sigma[sigma > 0.0]
     assert np.quantile(off, 0.95) < 3.0
