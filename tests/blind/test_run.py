@@ -57,7 +57,7 @@ def test_it_hands_over_sessions_and_a_rig_alone(tmp_path: Path) -> None:
     (call,) = one.calls()
     words = call["words"]
     assert [words[0], words[2], words[4], *words[6:]] == ["diagnose", "--rig", "--out", "--jobs", "1"]
-    assert call["files"] == ["rig.yaml", "sessions", *(f"sessions/session-{number}.csv" for number in range(1, 5))]
+    assert call["files"] == ["rig.yaml", "sessions", *(f"sessions/session-{number}.csv" for number in range(1, 4))]
     assert "latency" not in " ".join(words)
     assert not Path(words[1]).exists()
     assert not one.folder.openings.exists()

@@ -1,4 +1,4 @@
-"""A dozen blind cases through the real program."""
+"""A handful of blind cases through the real program."""
 
 import subprocess
 import sys
@@ -11,7 +11,7 @@ from blind.folder import SetFolder
 from blind.score import is_right
 from blind.tried import open_all
 
-LEAST_RIGHT = 10
+LEAST_RIGHT = 8
 
 
 def has_diagnose() -> bool:
@@ -20,15 +20,15 @@ def has_diagnose() -> bool:
 
 
 @pytest.mark.timeout(1800)
-def test_a_dozen_cases(tmp_path: Path) -> None:
-    """Ten of twelve are right: six effects, no gap twice, two outside the catalogue, a pair, one left out."""
+def test_a_handful_of_cases(tmp_path: Path) -> None:
+    """Eight of nine are right: four effects, no gap, two outside the catalogue, a pair, one left out."""
     if not has_diagnose():
         pytest.skip("this program has no command diagnose")
     out = tmp_path / "smoke"
     assert main(["run", "--set", "smoke", "--no-oracle", "--out", str(out)]) == 0
     assert main(["score", str(out)]) == 0
     tried = open_all(SetFolder(out))
-    assert len(tried) == 12
+    assert len(tried) == 9
     wrong = [
         f"{case.put_in} → {case.blind.text}; {case.outcomes['withheld'].text}" for case in tried if not is_right(case)
     ]

@@ -17,8 +17,8 @@ from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 
 KILLS = 60
-AT_ONCE = 6
-PERIOD_US = 500
+AT_ONCE = 10
+PERIOD_US = 2000
 FLUSHED_S = 1.0
 
 
