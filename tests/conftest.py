@@ -32,6 +32,11 @@ def _may_stay(target: str) -> bool:
     return target.startswith("anon") or target.endswith(".ttf")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Those that take a minute begin first, so that no process is left alone with one in the end."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a descriptor, a child or a pty behind."""

@@ -20,6 +20,8 @@ from gyrodrift.session.files import load_session
 
 pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
 
+pytestmark = pytest.mark.xdist_group("cluster")
+
 LONG_S = 60.0
 """What a task takes that is not to be done before its cluster is lost."""
 

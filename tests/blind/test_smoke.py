@@ -19,6 +19,7 @@ def has_diagnose() -> bool:
     return subprocess.run(words, capture_output=True, check=False).returncode == 0
 
 
+@pytest.mark.long
 @pytest.mark.timeout(1800)
 def test_a_handful_of_cases(tmp_path: Path) -> None:
     """Eight of nine are right: four effects, no gap, two outside the catalogue, a pair, one left out."""

@@ -16,6 +16,8 @@ from gyrodrift.session.files import load_session, write_session
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import methods
 
+pytestmark = pytest.mark.xdist_group("compare")
+
 
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:

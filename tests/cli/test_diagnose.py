@@ -17,7 +17,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = pytest.mark.timeout(600)
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 MINUTES = 2.0
 

@@ -21,6 +21,8 @@ from gyrodrift.session.session import Session
 
 pytest.importorskip("numba", reason="tuning needs the workstation extra")
 
+pytestmark = pytest.mark.xdist_group("tune")
+
 
 @pytest.fixture(scope="module")
 def eight(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -12,6 +12,8 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.methods.registry import by_key, methods
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 
+pytestmark = pytest.mark.xdist_group("compare")
+
 Floats = NDArray[np.float64]
 
 RATE_HZ = 100.0

@@ -8,6 +8,8 @@ from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.evaluation.score import score_of
 
+pytestmark = pytest.mark.xdist_group("compare")
+
 BY_KEY = by_key()
 
 E_DEG = {

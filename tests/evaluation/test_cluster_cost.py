@@ -20,6 +20,8 @@ from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'")
 
+pytestmark = pytest.mark.xdist_group("cluster")
+
 Sessions = list[tuple[Path, bool]]
 
 

@@ -23,6 +23,8 @@ from gyrodrift.log import open_log
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.filtering import Filtering
 
+pytestmark = pytest.mark.xdist_group("compare")
+
 PAGE = Path(__file__).parents[2] / "docs" / "extending-filter.md"
 RATE_HZ = 50
 CONFIG = "filter: constant\nconstant: {{bias_dps: {bias_dps}}}\n"

@@ -74,6 +74,7 @@ def killed(folder: Path, moments_s: list[float], *options: str) -> list[tuple[Pa
     return found
 
 
+@pytest.mark.long
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("options", [(), ("--raw",)], ids=["samples", "with raw bytes"])
 def test_what_is_older_than_a_second_survives_a_kill(
