@@ -49,7 +49,7 @@ def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, rec
 
 def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
     """Of a sensor that lay still; bunches are 48.8 ms apart in the mean."""
-    still = beginning(recordings.data / "mpu6050_still.csv", 20_000, tmp_path)
+    still = recordings.data / "mpu6050_still.csv"
     gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path)
     assert gap["causes"][0]["effect"] == "usb_batching"
     assert gap["causes"][0]["parameters"]["interval_ms"]["value"] == pytest.approx(48.8, rel=0.2)
