@@ -16,7 +16,7 @@ from gyrodrift.session.files import load_session, write_session
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import methods
 
-pytestmark = pytest.mark.xdist_group("compare")
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.methods.registry import by_key, methods
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 
-pytestmark = pytest.mark.xdist_group("compare")
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
 Floats = NDArray[np.float64]
 

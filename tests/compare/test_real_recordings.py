@@ -8,7 +8,7 @@ from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.evaluation.score import score_of
 
-pytestmark = pytest.mark.xdist_group("compare")
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
 BY_KEY = by_key()
 

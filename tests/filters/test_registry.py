@@ -23,7 +23,7 @@ from gyrodrift.log import open_log
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.filtering import Filtering
 
-pytestmark = pytest.mark.xdist_group("compare")
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
 PAGE = Path(__file__).parents[2] / "docs" / "extending-filter.md"
 RATE_HZ = 50

@@ -19,6 +19,8 @@ from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, R
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
 
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")
+
 RATE_HZ = 100.0
 REAL = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep")
 
