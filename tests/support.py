@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -27,6 +28,14 @@ PATIENCE_S = 20.0
 class Recordings:
     data: Path
     golden: Path
+
+
+def beginning(path: Path, rows: int, folder: Path) -> Path:
+    """The first rows of a recording, for checks that do not take all of it."""
+    short = folder / path.name
+    with path.open() as whole:
+        short.write_text("".join(islice(whole, 1 + rows)))
+    return short
 
 
 class Command:

@@ -19,8 +19,8 @@ COUNT_DPS = 0.00763
 
 
 def plain(*faults: Fault) -> Recipe:
-    """The first case without a gap of the smoke set, with other contents."""
-    recipe = next(recipe for recipe in recipes("smoke", 5) if recipe.kind == "none")
+    """The first case without a gap of the development set, with other contents."""
+    recipe = next(recipe for recipe in recipes("development", 5) if recipe.kind == "none")
     device = replace(recipe.device, sample_hz=99.7, dps_per_lsb=COUNT_DPS, noise_dps_rthz=0.0035, encoder_cpr=36000)
     return replace(recipe, faults=faults, device=device)
 

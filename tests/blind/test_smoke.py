@@ -11,7 +11,7 @@ from blind.folder import SetFolder
 from blind.score import is_right
 from blind.tried import open_all
 
-LEAST_RIGHT = 8
+LEAST_RIGHT = 6
 
 
 def has_diagnose() -> bool:
@@ -22,14 +22,14 @@ def has_diagnose() -> bool:
 @pytest.mark.long
 @pytest.mark.timeout(1800)
 def test_a_handful_of_cases(tmp_path: Path) -> None:
-    """Eight of nine are right: four effects, no gap, two outside the catalogue, a pair, one left out."""
+    """Six of seven are right: two effects, no gap, two outside the catalogue, a pair, one left out."""
     if not has_diagnose():
         pytest.skip("this program has no command diagnose")
     out = tmp_path / "smoke"
     assert main(["run", "--set", "smoke", "--no-oracle", "--out", str(out)]) == 0
     assert main(["score", str(out)]) == 0
     tried = open_all(SetFolder(out))
-    assert len(tried) == 9
+    assert len(tried) == 7
     wrong = [
         f"{case.put_in} → {case.blind.text}; {case.outcomes['withheld'].text}" for case in tried if not is_right(case)
     ]

@@ -1,13 +1,12 @@
 """Recordings of real sensors, each with one thing about it that is known."""
 
 import json
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from support import Recordings
+from support import Recordings, beginning
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
@@ -24,14 +23,6 @@ def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options:
     assert main(words) == 0
     found: dict[str, Any] = json.loads((folder / "out" / "gap.json").read_text())
     return found
-
-
-def beginning(path: Path, rows: int, folder: Path) -> Path:
-    """The first rows of a recording, for checks that do not take all of it."""
-    short = folder / path.name
-    with path.open() as whole:
-        short.write_text("".join(islice(whole, 1 + rows)))
-    return short
 
 
 def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:

@@ -16,7 +16,7 @@ from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 
-KILLS = 60
+KILLS = 40
 AT_ONCE = 10
 PERIOD_US = 2000
 FLUSHED_S = 1.0

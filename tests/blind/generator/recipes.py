@@ -22,14 +22,12 @@ DECOYS = 8
 
 SEEDS = {"smoke": 3, "development": 1, "final": 20260}
 PART = {"smoke": "development", "development": "development", "final": "final"}
-SHAPE = {"smoke": (3, (4.0, 4.5)), "development": (0, (6.0, 8.0)), "final": (4, (6.0, 7.0))}
+SHAPE = {"smoke": (3, (2.5, 3.0)), "development": (0, (6.0, 8.0)), "final": (4, (6.0, 7.0))}
 """Sessions, and minutes of each; where it says 0 sessions, the seed takes four to six."""
 
 SMOKE: tuple[tuple[Kind, str, str], ...] = (
-    ("single", "temp_bias", "large"),
     ("single", "latency", "large"),
     ("single", "clock_drift", "large"),
-    ("single", "encoder_eccentricity", "typical"),
     ("none", "", ""),
     ("outside", "motor_bias", "large"),
     ("outside", "host_wander", "large"),
