@@ -67,7 +67,7 @@ def test_every_second_has_its_middle_and_errors_have_no_level() -> None:
 
 
 def test_the_error_is_found_to_follow_the_rate() -> None:
-    """By most of 2 % of its RMS, since the few fastest seconds are held back, and by nothing once the cause is named."""
+    """By most of 2 % of its RMS, since the fastest seconds are held back, and by nothing once the cause is named."""
     rate_dps = subject().design.regimes.block_rate_dps
     without, with_it = (
         {one.name: one for one in dependences_of([series(is_named=is_named)], [subject()])}["rate"]
