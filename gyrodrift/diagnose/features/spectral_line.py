@@ -45,9 +45,9 @@ class SpectralLine(NamedTuple):
 
 def spectral_line(seen: Cleaned, design: DesignMatrix) -> SpectralLine:
     """The strongest line at rest; all 0 where nothing is long enough."""
-    windows = _windows(seen.rate_dps, design.regimes.at_rest)
+    windows = windows_within(seen.rate_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
-        windows = _windows(seen.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
+        windows = windows_within(seen.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
     power = np.median(_spectra(windows), axis=0)[LOWEST:]
@@ -60,7 +60,7 @@ def spectral_line(seen: Cleaned, design: DesignMatrix) -> SpectralLine:
 
 def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
     """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any line in it."""
-    windows = _windows(seen.rate_dps, design.regimes.at_rest)
+    windows = windows_within(seen.rate_dps, design.regimes.at_rest)
     if len(windows) >= FEW_WINDOWS:
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
         level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))  # an exponential's median to its mean
@@ -74,7 +74,7 @@ def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
     return found if found > GRAIN_OF_NOISE * dps_per_lsb else float(np.sqrt(slow))
 
 
-def _windows(values: Floats, allowed: Mask) -> Floats:
+def windows_within(values: Floats, allowed: Mask) -> Floats:
     """Half-overlapping windows that lie within the allowed samples, shape (windows, WINDOW)."""
     starts = np.arange(0, len(values) - WINDOW + 1, WINDOW // 2)
     total = np.concatenate([[0], np.cumsum(allowed)])

@@ -7,11 +7,9 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
-
-LOG_RANGE = 20.0
-"""Change of a logarithm beyond which its exponential is no longer taken: e²⁰ is 5e8 times the variance."""
 
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import periodogram
 
-from gyrodrift.arrays import Floats, Mask
+from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.spectral_line import windows_within
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.twin import Subject
-
-WINDOW = 256
-"""Samples: of stretches that rest. Elsewhere the motion itself is not quite known from sample to sample."""
 
 FEW_WINDOWS = 4
 """With fewer that rest, those that turn steadily have to do."""
@@ -53,23 +51,14 @@ def _slow(subject: Subject, seen: Cleaned) -> tuple[Floats, Floats]:
 def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
     """Frequencies that seconds do not reach; none where nothing rests or turns steadily for a window."""
     design = subject.design
-    windows = _windows(error_dps, design.regimes.at_rest)
+    windows = windows_within(error_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
-        windows = _windows(error_dps, design.regimes.at_rest | design.regimes.is_steady)
+        windows = windows_within(error_dps, design.regimes.at_rest | design.regimes.is_steady)
     if not len(windows):
         return np.zeros(0), np.zeros(0)
     hz, powers = periodogram(windows, 1.0 / design.period_s, "hann", detrend="linear")
     above = hz > 0.5 / (design.block * design.period_s)
     return hz[above], powers[:, above].mean(axis=0)
-
-
-def _windows(values: Floats, allowed: Mask) -> Floats:
-    """Half-overlapping windows within what is allowed, shape (windows, WINDOW)."""
-    starts = np.arange(0, len(values) - WINDOW + 1, WINDOW // 2)
-    total = np.concatenate([[0], np.cumsum(allowed)])
-    inside = starts[total[starts + WINDOW] - total[starts] == WINDOW]
-    windows: Floats = values[inside[:, None] + np.arange(WINDOW)]
-    return windows
 
 
 def pooled(every: Sequence[Spectra]) -> Spectra:
