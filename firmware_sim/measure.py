@@ -24,6 +24,9 @@ BLOCK_SAMPLES = 4096
 COUNTS_MOST = 32767
 FINE_POINTS = 1 << 18
 
+HOST_JITTER = crc32(b"host_jitter_s")
+"""Tells the random stream of the host from those of effects, which go by their names."""
+
 
 class Motion(Protocol):
     """What the table does and how warm the sensor gets: a profile, or a recording that is driven through again.
@@ -61,7 +64,7 @@ class Block:
     temp_centi_c
         Temperature, hundredths of °C.
     encoder_counts
-        Encoder from 0; zeros where the rig has none.
+        Encoder from the rig's phase; zeros where the rig has none.
     """
 
     seq: NDArray[np.int64]
@@ -125,13 +128,26 @@ class _Bench:
         finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
         sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
+        self._jitter = _random_stream(seed, session, HOST_JITTER)
+        self._last_arrival_s = -np.inf
         noise = _random_stream(seed, session)
         self._acts[Place.ANALOGUE].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
         angle_deg, rate_dps = self._motion.at(t_s)
+        angle_deg = angle_deg + self._base.encoder_phase_deg
         powered_s = np.maximum(t_s, 0.0) + self._motion.powered_s
         return Moments(t_s, powered_s, angle_deg, rate_dps, self._motion.sensor_c_at(t_s), step_s)
+
+    def _at_host(self, t_s: Floats) -> Floats:
+        """When the host would have each sample if the link were ideal, s."""
+        arrival_s = t_s + self._base.host_delay_s
+        if not self._base.host_jitter_s:
+            return arrival_s
+        late_s = self._base.host_jitter_s * self._jitter.standard_exponential(len(t_s))
+        ordered_s: Floats = np.maximum.accumulate(np.maximum(arrival_s + late_s, self._last_arrival_s))
+        self._last_arrival_s = float(ordered_s[-1])
+        return ordered_s
 
     def _through(self, place: Place, values: Floats, moments: Moments) -> Floats:
         for act in self._acts[place]:
@@ -146,7 +162,7 @@ class _Bench:
         counts = np.rint(rate_dps / self._base.dps_per_lsb)
         angle_deg = self._through(Place.COUNTS, self._through(Place.ENCODER, truth.angle_deg, truth), truth)
         stamp_s = self._through(Place.CLOCK, truth.t_s, truth)
-        arrival_s = self._through(Place.ARRIVAL, truth.t_s + self._base.host_delay_s, truth)
+        arrival_s = self._through(Place.ARRIVAL, self._at_host(truth.t_s), truth)
         arrived = ~np.isnan(arrival_s)
         block = Block(
             seq=seq,

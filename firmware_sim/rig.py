@@ -31,8 +31,17 @@ class Base(Checked):
         Constant offset of the rate, deg/s.
     encoder_cpr
         Counts of the encoder per turn; 0 for a rig without one.
+    encoder_absolute
+        Whether the encoder's zero stays where it is between power-ons. An incremental one is zeroed wherever it stands
+        at power-on, so that what happens once per turn has another phase in each session. It is for those who compare
+        sessions; a simulated angle does not depend on it.
+    encoder_phase_deg
+        True angle at which the motion begins, degrees: counts begin there, and so does all that happens once per turn.
     host_delay_s
         From the moment of a measurement to its bytes on the link, s.
+    host_jitter_s
+        Mean of what the host's scheduler adds to that, s: exponential and independent from sample to sample, but no
+        sample overtakes the one before it.
     """
 
     sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
@@ -40,7 +49,10 @@ class Base(Checked):
     noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0035
     bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
     encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MOST)] = 36000
+    encoder_absolute: bool = False
+    encoder_phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
+    host_jitter_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
 
 
 def _of_the_catalogue(value: Any, _: object) -> Effect:

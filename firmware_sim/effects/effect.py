@@ -55,7 +55,7 @@ class Moments:
     powered_s
         Time since power-on, s.
     angle_deg, rate_dps
-        True angle and rate of the table.
+        True angle of the table, from the rig's phase on, and its rate.
     temp_c
         Temperature of the sensor, °C.
     step_s

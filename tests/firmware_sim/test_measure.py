@@ -4,13 +4,13 @@ from itertools import chain, islice
 
 import numpy as np
 import pytest
-from effects_bench import REST, Record, profile_of, record, rig_of
+from effects_bench import REST, Record, once_per_turn, profile_of, put_in, record, rig_of
 from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.measure import COUNTS_MOST, measure
 from firmware_sim.motion.profile import Profile, load_profile
-from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig
+from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, parse_effect
 
 NOISY = Rig(base=Base(noise_dps_rthz=0.02, bias_dps=0.3))
 IDEAL = Rig(base=Base(noise_dps_rthz=0.0))
@@ -178,6 +178,65 @@ def test_the_sensor_follows_the_air() -> None:
     ambient = [{"at_s": 0.0, "temp_c": -10.0}, {"at_s": 50.0, "temp_c": 0.0}]
     warm = record(IDEAL, profile_of(*REST, powered_s=1e5, ambient=ambient), 100.0)
     assert warm.temp_c[[0, 2500, 5000, 9999]].tolist() == [-2.0, 3.0, 8.0, 8.0]
+
+
+def test_a_scheduler_delays_each_sample_by_itself() -> None:
+    """The delays are exponential: mean and standard deviation are the jitter, e⁻² of them more than twice that."""
+    base = Base(host_delay_s=0.5, host_jitter_s=0.0004)
+    late_s = at_rest(base).t_host_s - np.arange(SAMPLES) / 100.0 - 0.5
+    assert late_s.min() >= -1e-9
+    assert late_s.mean() == pytest.approx(0.0004, rel=0.02)
+    assert late_s.std() == pytest.approx(0.0004, rel=0.03)
+    assert np.mean(late_s > 0.0008) == pytest.approx(np.exp(-2.0), abs=5.0 * np.sqrt(0.117 / SAMPLES))
+    assert abs(np.corrcoef(late_s[:-1], late_s[1:])[0, 1]) < 5.0 / np.sqrt(SAMPLES)
+
+
+def test_no_sample_overtakes_the_one_before_it(turntable: Profile) -> None:
+    """Not at the border of two blocks either, where the delay is ten samples long."""
+    rig = Rig(base=Base(host_jitter_s=0.1))
+    rows = first_rows(2000, rig, turntable, 3, 37)
+    arrivals_s = np.array([row[2] for row in rows])
+    assert (np.diff(arrivals_s) >= 0.0).all()
+    assert np.mean(np.diff(arrivals_s) == 0.0) > 0.5
+    assert rows == first_rows(2000, rig, turntable, 3)
+
+
+def test_jitter_touches_arrivals_alone(turntable: Profile) -> None:
+    """Its random stream is its own: every other number is the one without it; sessions differ."""
+    jittery = NOISY.model_copy(update={"base": NOISY.base.model_copy(update={"host_jitter_s": 0.001})})
+    usual, delayed = (first_rows(500, rig, turntable, 1) for rig in (NOISY, jittery))
+    assert [row[:2] + row[3:] for row in usual] == [row[:2] + row[3:] for row in delayed]
+    one, other = (next(measure(jittery, turntable, 1, session)).t_host_s for session in (0, 1))
+    assert not np.allclose(one, other, rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize(("phase_deg", "first"), [(0.0, 0), (90.0, 1024), (-123.4, -1404), (0.05, 1)])
+def test_counts_begin_at_the_phase(turntable: Profile, phase_deg: float, first: int) -> None:
+    """Rounded to a count of 4096, and the angle goes on from there."""
+    rig = Rig(base=Base(encoder_cpr=4096, encoder_phase_deg=phase_deg))
+    run = record(rig, turntable, 60.0)
+    assert round(run.encoder_deg[0] * 4096 / 360.0) == first
+    assert np.abs(run.encoder_error_deg - phase_deg).max() <= 180.0 / 4096 + 1e-9
+
+
+@pytest.mark.parametrize("phase_deg", [0.0, 75.0, -200.0])
+def test_what_happens_once_per_turn_sees_the_phase(phase_deg: float) -> None:
+    """Gravity and the encoder's disc: their sines begin where the motion does."""
+    base = Base(noise_dps_rthz=0.0, encoder_phase_deg=phase_deg)
+    effects = parse_effect("g_sensitivity:amplitude_dps=0.5"), parse_effect("encoder_eccentricity:amplitude_deg=0.7")
+    spin = record(rig_of(*effects, base=base), spinning(30.0), 120.0)
+    gravity = once_per_turn(spin.error_dps, spin.angle_deg)
+    disc = once_per_turn(spin.encoder_error_deg, spin.angle_deg)
+    for found, amplitude, effect in zip((gravity, disc), (0.5, 0.7), effects, strict=True):
+        own_deg = put_in(effect, "phase_deg")
+        assert abs(found - amplitude * np.exp(1j * np.deg2rad(phase_deg + own_deg))) < 0.01
+
+
+def test_whether_the_encoder_is_absolute_changes_no_measurement(turntable: Profile) -> None:
+    """It says how sessions are to be compared."""
+    rig = Rig(base=Base(encoder_absolute=True, encoder_phase_deg=12.0))
+    other = Rig(base=Base(encoder_phase_deg=12.0))
+    assert first_rows(300, rig, turntable) == first_rows(300, other, turntable)
 
 
 def test_rows_are_plain_numbers(turntable: Profile) -> None:

@@ -53,6 +53,9 @@ def test_a_file_sets_what_it_names(tmp_path: Path) -> None:
         ("encoder_cpr", str(ENCODER_CPR_MOST + 1)),
         ("host_delay_s", "-1"),
         ("host_delay_s", "true"),
+        ("host_jitter_s", "-1e-6"),
+        ("encoder_absolute", "1"),
+        ("encoder_phase_deg", "360.5"),
         ("drift_dps", "1"),
     ],
 )

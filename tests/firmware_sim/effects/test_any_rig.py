@@ -58,7 +58,10 @@ bases = st.builds(
     noise_dps_rthz=st.floats(1e-4, 0.1),
     bias_dps=st.floats(-50.0, 50.0),
     encoder_cpr=st.integers(0, 100_000),
+    encoder_absolute=st.booleans(),
+    encoder_phase_deg=st.floats(-360.0, 360.0),
     host_delay_s=st.floats(0.0, 1.0),
+    host_jitter_s=st.floats(0.0, 0.1),
 )
 rigs = st.builds(Rig, base=bases, effects=st.lists(effects, max_size=8).map(tuple))
 

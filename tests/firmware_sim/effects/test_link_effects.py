@@ -61,6 +61,15 @@ def test_a_sample_waits_for_less_than_an_interval(effect: Effect | None) -> None
     assert waits_s.mean() == pytest.approx(interval_s / 2.0, abs=0.002 * bool(effect) + 1e-9)
 
 
+def test_a_sample_that_the_scheduler_delays_still_waits_for_the_tick() -> None:
+    """Jitter comes before the link: arrivals stay on the ticks, and no sample is there before its own."""
+    jittery = SHIPPED.model_copy(update={"host_jitter_s": 0.004})
+    run = record(rig_of(effect_of("usb_batching", "small"), base=jittery), load_profile("identify"), 60.0)
+    ticks = run.t_host_s / 0.016
+    assert np.abs(ticks - np.rint(ticks)).max() < 1e-6
+    assert (run.t_host_s >= run.t_s + DELAY_S - 1e-9).all()
+
+
 @sized("sample_drop")
 def test_lost_samples_are_holes_in_the_counter(effect: Effect | None) -> None:
     """Their share within five standard errors, lone ones as independence has them; none without the effect."""
