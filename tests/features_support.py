@@ -8,6 +8,8 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.vector import NUMBER, Facts, measure
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.motion_posterior import GyroModel, motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.session import Session
@@ -18,7 +20,7 @@ T_S: Floats = np.arange(SECONDS * 100, dtype=np.float64) * PERIOD_S
 COUNTS_PER_TURN = 360_000
 """Fine enough to be taken for the truth."""
 
-FACTS = Facts(dps_per_lsb=1e-3, encoder_cpr=COUNTS_PER_TURN)
+FACTS = Facts(dps_per_lsb=1e-3, encoder_cpr=COUNTS_PER_TURN, step_dps=1e-3)
 
 KNOTS_S = (0.0, 50.0, 51.0, 80.0, 82.0, 110.0, 112.0, 140.0, 143.0, 170.0, 171.0, 200.0)
 KNOTS_DPS = (0.0, 0.0, 20.0, 20.0, 90.0, 90.0, -15.0, -15.0, -80.0, -80.0, 0.0, 0.0)
@@ -56,8 +58,14 @@ def recorded(rate_dps: Floats, angle_deg: Floats = TRUE_DEG, cpr: int = COUNTS_P
 
 @cache
 def true_design() -> DesignMatrix:
-    """Of the worked-out motion; a fine encoder says it all, whatever the gyro does."""
-    return design_matrix_of(cleaned(recorded(TRUE_DPS)))
+    """Of the worked-out motion itself, at room temperature."""
+    motion = ReplayedMotion(PERIOD_S, TRUE_DEG, TRUE_DPS, np.full(len(T_S), 25.0), 0.0)
+    return design_matrix_of(cleaned(recorded(TRUE_DPS)), motion)
+
+
+def design_of(seen: Cleaned) -> DesignMatrix:
+    """Of the motion that encoder and gyro of a recording say."""
+    return design_matrix_of(seen, motion_posterior_of(seen, GyroModel(FACTS.dps_per_lsb)).mean)
 
 
 def observed(rate_dps: Floats) -> Observed:
@@ -68,4 +76,4 @@ def observed(rate_dps: Floats) -> Observed:
 def observed_beside(rate_dps: Floats, angle_deg: Floats, cpr: int = COUNTS_PER_TURN) -> Observed:
     """A rate beside another angle."""
     seen = cleaned(recorded(rate_dps, angle_deg, cpr))
-    return Observed(seen, design_matrix_of(seen))
+    return Observed(seen, design_of(seen))

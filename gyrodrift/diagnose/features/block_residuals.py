@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means
+from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
@@ -57,13 +57,13 @@ def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
 
 
 def block_residual_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
-    """Mean rate of each block less that of the encoder, deg/s, shape (blocks,)."""
-    rate_dps = block_means(seen.rate_dps, design.block)
-    middles = np.concatenate([seen.encoder_deg[:1], 0.5 * (seen.encoder_deg[1:] + seen.encoder_deg[:-1])])
-    edges = np.arange(len(rate_dps) + 1) * design.block
-    edges[-1] = min(edges[-1], len(middles) - 1)
-    residual_dps: Floats = rate_dps - np.diff(middles[edges]) / (np.diff(edges) * design.period_s)
-    return residual_dps
+    """Mean rate of each block less that of the encoder, deg/s, shape (blocks,).
+
+    The angle between the integrated rate and the encoder is averaged about each edge of a block, so that the rounding
+    of a single angle does not count.
+    """
+    away_deg = integral_of(seen.rate_dps, design.period_s) - seen.encoder_deg
+    return slopes(away_deg, design.period_s, design.block)
 
 
 def unexplained_dps(seen: Cleaned, design: DesignMatrix) -> Floats:

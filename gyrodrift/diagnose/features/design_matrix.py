@@ -1,7 +1,7 @@
 """What the residuals of a session are held against: the motion, temperature and time of the recording itself.
 
-The same design matrix serves the recording and every simulation driven through its motion, so that a difference of
-their features is a difference of what was measured.
+A recording and each simulation have their own, rebuilt from their own encoder and gyro: what goes wrong in rebuilding
+goes wrong in both.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.drift_columns import DRIFT_COLUMNS
 from gyrodrift.diagnose.features.history_columns import HISTORY_COLUMNS
 from gyrodrift.diagnose.features.motion_terms import motion_terms_of
@@ -17,10 +17,11 @@ from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal, orthonorm
 from gyrodrift.diagnose.features.rate_columns import ANGLE_COLUMNS, RATE_COLUMNS
 from gyrodrift.diagnose.features.regimes import Regimes, regimes_of
 from gyrodrift.diagnose.features.spreads import SpreadPlaces, spread_places_of
+from gyrodrift.diagnose.features.turn_bases import turn_bases
 from gyrodrift.diagnose.features.warming import warming_basis
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.outliers import Cleaned, motion_behind
+from gyrodrift.diagnose.recording.outliers import Cleaned
 
 BLOCK_S = 1.0
 """Over a second an encoder of 0.01 degrees knows the mean rate to some 0.004 deg/s."""
@@ -30,9 +31,6 @@ COLUMNS = (*RATE_COLUMNS, *DRIFT_COLUMNS, *ANGLE_COLUMNS, *HISTORY_COLUMNS)
 
 CONSTANT = 1
 """The bias is calibration: the first column, and no feature."""
-
-TURN_ORDERS = (3, 8)
-"""Parts of a turn, the first and the last that are looked for; halves and wholes are columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +43,6 @@ class DesignMatrix:
         Of COLUMNS, vectors of shape (blocks, columns).
     fast_vectors
         Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal.
-    out_of_catalogue
-        Of the columns that no effect of the catalogue depends on: the regressor at each sample, shape (n,).
     lag
         Of LAG_FEATURES: what the rate does within a second, vectors of shape (n, features).
     warming
@@ -56,7 +52,6 @@ class DesignMatrix:
     """
 
     motion: ReplayedMotion
-    is_coarse: bool
     samples: int
     period_s: float
     block: int
@@ -64,25 +59,29 @@ class DesignMatrix:
     spread_places: SpreadPlaces
     static: Basis
     fast_vectors: Floats
-    out_of_catalogue: dict[str, Floats]
     lag: Basis
     warming: Basis
     turn_basis: Floats
     turn_rate_basis: Floats
 
+    def regressor(self, name: str) -> Floats:
+        """One of COLUMNS at each sample, shape (n,): blocks have their means, and samples are too many to keep."""
+        column = next(column for column in COLUMNS if column.name == name)
+        return column.compute(motion_terms_of(self.motion, self.regimes.speed_dps))
 
-def design_matrix_of(real: Cleaned) -> DesignMatrix:
-    """The design matrix of a recording."""
-    motion = motion_behind(real)
+
+def design_matrix_of(real: Cleaned, motion: ReplayedMotion) -> DesignMatrix:
+    """The design matrix of a recording and the motion that was rebuilt from it."""
     samples, period_s = len(motion.rate_dps), real.recording.period_s
     block = max(1, round(BLOCK_S / period_s))
+    lag = lag_basis(real.encoder_deg, period_s)
     regimes = regimes_of(motion, block)
     terms = motion_terms_of(motion, regimes.speed_dps)
-    columns = [column.compute(terms) for column in COLUMNS]
-    regressors = np.column_stack([block_means(column, block) for column in (np.ones(samples), *columns)])
+    means = [slopes(integral_of(column.compute(terms), period_s), period_s, block) for column in COLUMNS]
+    regressors = np.column_stack([np.ones(samples // block), *means])
+    turn_basis, turn_rate_basis = turn_bases(terms, block)
     return DesignMatrix(
         motion=motion,
-        is_coarse=real.is_coarse,
         samples=samples,
         period_s=period_s,
         block=block,
@@ -90,26 +89,13 @@ def design_matrix_of(real: Cleaned) -> DesignMatrix:
         spread_places=spread_places_of(regimes),
         static=orthonormal(regressors, np.array([column.threshold for column in COLUMNS]), CONSTANT),
         fast_vectors=_fast_vectors(regressors),
-        out_of_catalogue={
-            column.name: values for column, values in zip(COLUMNS, columns, strict=True) if not column.in_catalogue
-        },
-        lag=lag_basis(real.encoder_deg, period_s),
+        lag=lag,
         warming=warming_basis(motion.sensor_c, block),
-        turn_basis=_turn_basis(motion, np.ones(samples), block),
-        turn_rate_basis=_turn_basis(motion, motion.rate_dps, block),
+        turn_basis=turn_basis,
+        turn_rate_basis=turn_rate_basis,
     )
 
 
 def _fast_vectors(regressors: Floats) -> Floats:
     kept = [0, *(number for number, column in enumerate(COLUMNS, CONSTANT) if not column.is_slow)]
     return orthonormal_vectors(regressors[:, kept])
-
-
-def _turn_basis(motion: ReplayedMotion, weight: Floats, block: int) -> Floats:
-    once = np.exp(1j * np.deg2rad(motion.angle_deg))
-    columns = []
-    turned = weight * once**2
-    for _ in range(TURN_ORDERS[0], TURN_ORDERS[1] + 1):
-        turned = turned * once
-        columns += [block_means(turned.real, block), block_means(turned.imag, block)]
-    return orthonormal(np.column_stack(columns), np.ones(len(columns)), 0).vectors

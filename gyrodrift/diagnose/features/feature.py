@@ -43,8 +43,6 @@ class Feature:
         Unit for people, and how the value is taken to it.
     response
         How it follows the size of an effect.
-    is_blurred
-        Whether it speaks of motion within a second, which a coarse encoder does not show.
     """
 
     name: str
@@ -56,7 +54,6 @@ class Feature:
     _: KW_ONLY
     reading: FeatureReading
     response: ResponseLaw = ResponseLaw.SATURATING
-    is_blurred: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,38 +8,30 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.within_second import smoothed
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
+RADIANS = np.pi / 180.0
+
 TURN_DPS = 1.0
 """A direction is one that was gone in faster than this."""
 
 
 @dataclass(frozen=True, slots=True)
 class MotionTerms:
-    """Terms of a motion, shape (n,) each.
+    """Terms of a motion, shape (n,) each: what takes time is kept, and the rest worked out when it is asked for.
 
     speed_dps
         The rate, smoothed.
-    warm_c
-        Temperature about its mean.
-    powered_s, share
-        Time since power-on, s; and time from −0.5 at the first sample to 0.5 at the last.
-    turn
-        The angle, radians.
+    sine, cosine
+        Of the angle.
     direction, since_s
         +1 or −1 as it last went, 0 before it first did; and how long it has been so, s.
-    acceleration_dpss, sharp_dpss
-        Of the smoothed rate, and of a rate that is smoothed less, deg/s/s.
     """
 
     motion: ReplayedMotion
     speed_dps: Floats
-    warm_c: Floats
-    powered_s: Floats
-    share: Floats
-    turn: Floats
+    sine: Floats
+    cosine: Floats
     direction: Floats
     since_s: Floats
-    acceleration_dpss: Floats
-    sharp_dpss: Floats
 
     @property
     def rate_dps(self) -> Floats:
@@ -51,23 +43,60 @@ class MotionTerms:
         """Distance of two samples, s."""
         return self.motion.period_s
 
+    @property
+    def twice_sine(self) -> Floats:
+        """Sine of twice the angle."""
+        return 2.0 * self.sine * self.cosine
+
+    @property
+    def twice_cosine(self) -> Floats:
+        """Cosine of twice the angle."""
+        return (self.cosine - self.sine) * (self.cosine + self.sine)
+
+    @property
+    def warm_c(self) -> Floats:
+        """Temperature about its mean, °C."""
+        warm_c: Floats = self.motion.sensor_c - self.motion.sensor_c.mean()
+        return warm_c
+
+    @property
+    def powered_s(self) -> Floats:
+        """Time since power-on, s."""
+        return self._t_s + self.motion.powered_s
+
+    @property
+    def share(self) -> Floats:
+        """Time, from −0.5 at the first sample to 0.5 at the last."""
+        t_s = self._t_s
+        share: Floats = t_s / t_s[-1] - 0.5
+        return share
+
+    @property
+    def acceleration_dpss(self) -> Floats:
+        """Of the smoothed rate, deg/s/s."""
+        return np.gradient(self.speed_dps, self.period_s)
+
+    @property
+    def sharp_dpss(self) -> Floats:
+        """Of a rate that is smoothed less, deg/s/s."""
+        return np.gradient(smoothed(self.rate_dps, self.period_s), self.period_s)
+
+    @property
+    def _t_s(self) -> Floats:
+        return np.arange(len(self.rate_dps), dtype=np.float64) * self.period_s
+
 
 def motion_terms_of(motion: ReplayedMotion, speed_dps: Floats) -> MotionTerms:
     """The terms of a motion, whose smoothed rate is `speed_dps`."""
-    period_s = motion.period_s
-    t_s: Floats = np.arange(len(motion.rate_dps), dtype=np.float64) * period_s
+    turn = motion.angle_deg * RADIANS
     direction = _last_direction(speed_dps)
     return MotionTerms(
         motion=motion,
         speed_dps=speed_dps,
-        warm_c=motion.sensor_c - motion.sensor_c.mean(),
-        powered_s=t_s + motion.powered_s,
-        share=t_s / t_s[-1] - 0.5,
-        turn=np.deg2rad(motion.angle_deg),
+        sine=np.sin(turn),
+        cosine=np.cos(turn),
         direction=direction,
-        since_s=_since_change_s(direction, period_s),
-        acceleration_dpss=np.gradient(speed_dps, period_s),
-        sharp_dpss=np.gradient(smoothed(motion.rate_dps, period_s), period_s),
+        since_s=_since_change_s(direction, motion.period_s),
     )
 
 

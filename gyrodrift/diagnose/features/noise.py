@@ -19,8 +19,8 @@ TAIL_SIGMAS = 5.0
 MEDIAN_TO_SIGMA = 0.6745
 """Median of the absolute values of normal numbers, in standard deviations."""
 
-LEAST_SIGMA_DPS = 1e-9
-"""Keeps equal values from being tails of each other."""
+LEAST_TAIL_COUNTS = 1.2
+"""Standard deviation of a second difference, in counts, below which steps of one count would pass for tails."""
 
 LEAST_POINTS, FEW_SECONDS = 25, 20
 """Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
@@ -45,6 +45,7 @@ class SampleNoise:
 
     seen: Cleaned
     design: DesignMatrix
+    dps_per_lsb: float
     rest: tuple[float, ...]
     slow: tuple[float, ...]
     fast: tuple[float, ...]
@@ -52,13 +53,16 @@ class SampleNoise:
 
 
 def sample_noise_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> SampleNoise:
-    """What the features of noise are computed from; rounding to counts is a noise that is always there."""
-    grain = dps_per_lsb**2 / 12.0
+    """What the features of noise are computed from.
+
+    A steady rate between two counts may come as either or as both: up to a quarter of a count squared is no noise.
+    """
+    grain = dps_per_lsb**2 / 4.0
     spreads = spreads_of(seen.rate_dps, design.spread_places)
     rest, slow, fast = (_logs(spread, grain) for spread in (spreads.rest, spreads.slow, spreads.fast))
     level = 0.5 * (rest[MIDDLE[0]] + rest[MIDDLE[1]])
     rest, slow, fast = (tuple(value - level for value in values) for values in (rest, slow, fast))
-    return SampleNoise(seen, design, rest, slow, fast, np.diff(seen.rate_dps, 2))
+    return SampleNoise(seen, design, dps_per_lsb, rest, slow, fast, np.diff(seen.rate_dps, 2))
 
 
 def root_share(count: int, of: int) -> float:
@@ -86,7 +90,7 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
     sizes = np.abs(noise.bends_dps[allowed[2:]])
     if not len(sizes):
         return 0.0
-    sigma = median(sizes) / MEDIAN_TO_SIGMA + LEAST_SIGMA_DPS
+    sigma = max(median(sizes) / MEDIAN_TO_SIGMA, LEAST_TAIL_COUNTS * noise.dps_per_lsb)
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 
@@ -114,7 +118,6 @@ def _slow(number: int, points: int) -> Statistic[SampleNoise]:
         "0.1 in ln of a variance: 5 % of the amplitude",
         reading=OVER_MIDDLE,
         response=ResponseLaw.LOG_VARIANCE,
-        is_blurred=True,
         compute=lambda noise: noise.slow[number],
     )
 
@@ -129,7 +132,6 @@ def _fast(number: int, points: int) -> Statistic[SampleNoise]:
         "0.22 in ln of a variance: 11 % of the amplitude",
         reading=OVER_MIDDLE,
         response=ResponseLaw.LOG_VARIANCE,
-        is_blurred=True,
         compute=lambda noise: noise.fast[number],
     )
 

@@ -1,9 +1,14 @@
 """Regressors of rate and angle: gain, bends of it, and what comes once or twice per turn."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_column import DesignColumn
+from gyrodrift.diagnose.features.motion_terms import MotionTerms
+
+Columns = tuple[DesignColumn, ...]
 
 HINGES_DPS = (60.0, 120.0)
 """Rates above which the gain may be another one."""
@@ -11,11 +16,11 @@ HINGES_DPS = (60.0, 120.0)
 
 def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
     """What of a rate lies above a hinge, either way."""
-    over_dps: Floats = np.sign(rate_dps) * np.maximum(np.abs(rate_dps) - hinge_dps, 0.0)
+    over_dps: Floats = rate_dps - np.minimum(np.maximum(rate_dps, -hinge_dps), hinge_dps)
     return over_dps
 
 
-RATE_COLUMNS: tuple[DesignColumn, ...] = (
+RATE_COLUMNS: Columns = (
     DesignColumn(
         "rate",
         "sensor",
@@ -50,7 +55,7 @@ RATE_COLUMNS: tuple[DesignColumn, ...] = (
         "the gain changes with the rate",
         4e-10,
         "0.006 deg/s at 250 deg/s: 0.01 deg per turn",
-        compute=lambda terms: terms.rate_dps**3,
+        compute=lambda terms: terms.rate_dps * terms.rate_dps**2,
     ),
     DesignColumn(
         "hinge_low",
@@ -76,34 +81,23 @@ RATE_COLUMNS: tuple[DesignColumn, ...] = (
 """Of the rate alone."""
 
 
-def _angle_columns(name: str, order: float, often: str, *, in_catalogue: bool) -> tuple[DesignColumn, ...]:
+Sines = Callable[[MotionTerms], Floats]
+
+
+def _angle_columns(name: str, often: str, deg: str, sine: Sines, cosine: Sines, *, in_catalogue: bool) -> Columns:
     """Sine and cosine of a multiple of the angle, of a bias and of the angle itself (there they go with the rate)."""
     bias = (f"the bias changes {often} per turn", 2e-3, "0.002 deg/s, which cancels over whole turns")
-    angle = (f"the angle errs {often} per turn", 2e-4, f"{0.0115 / order:.2g} deg of the angle")
+    angle = (f"the angle errs {often} per turn", 2e-4, f"{deg} deg of the angle")
     return (
-        DesignColumn(
-            f"{name}_sine",
-            "sensor",
-            "moving",
-            *bias,
-            in_catalogue=in_catalogue,
-            compute=lambda terms: np.sin(order * terms.turn),
-        ),
-        DesignColumn(
-            f"{name}_cosine",
-            "sensor",
-            "moving",
-            *bias,
-            in_catalogue=in_catalogue,
-            compute=lambda terms: np.cos(order * terms.turn),
-        ),
+        DesignColumn(f"{name}_sine", "sensor", "moving", *bias, in_catalogue=in_catalogue, compute=sine),
+        DesignColumn(f"{name}_cosine", "sensor", "moving", *bias, in_catalogue=in_catalogue, compute=cosine),
         DesignColumn(
             f"{name}_sine_rate",
             "encoder",
             "moving",
             *angle,
             in_catalogue=in_catalogue,
-            compute=lambda terms: np.sin(order * terms.turn) * terms.rate_dps,
+            compute=lambda terms: sine(terms) * terms.rate_dps,
         ),
         DesignColumn(
             f"{name}_cosine_rate",
@@ -111,13 +105,20 @@ def _angle_columns(name: str, order: float, often: str, *, in_catalogue: bool) -
             "moving",
             *angle,
             in_catalogue=in_catalogue,
-            compute=lambda terms: np.cos(order * terms.turn) * terms.rate_dps,
+            compute=lambda terms: cosine(terms) * terms.rate_dps,
         ),
     )
 
 
-ANGLE_COLUMNS: tuple[DesignColumn, ...] = (
-    *_angle_columns("turn", 1.0, "once", in_catalogue=True),
-    *_angle_columns("half_turn", 2.0, "twice", in_catalogue=False),
+ANGLE_COLUMNS: Columns = (
+    *_angle_columns("turn", "once", "0.011", lambda terms: terms.sine, lambda terms: terms.cosine, in_catalogue=True),
+    *_angle_columns(
+        "half_turn",
+        "twice",
+        "0.0057",
+        lambda terms: terms.twice_sine,
+        lambda terms: terms.twice_cosine,
+        in_catalogue=False,
+    ),
 )
 """Of the angle within the turn."""

@@ -8,11 +8,14 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Statistic
 from gyrodrift.diagnose.features.noise import root_share
-from gyrodrift.diagnose.features.units import COUNTS, OVER_ENCODER, PERCENT_OF_SAMPLES, VALUES
+from gyrodrift.diagnose.features.units import COUNTS, OVER_ENCODER, PERCENT_OF_SAMPLES
 from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
 
 NEAR_ZERO_DPS = 3.0
 """Rates below are dense enough to show the steps that they come in."""
+
+STEPPED_OVER_DPS = 0.08
+"""Rates that are smaller may be missing by chance: a rate that only passes through zero takes some, and not others."""
 
 LEAK = 3
 """The smallest rates but for two: a dead band may leak twice."""
@@ -64,10 +67,11 @@ def _equal_share(values: RateValues, regime: Mask) -> float:
 
 
 def _log2_least(values: RateValues) -> float:
-    """The smallest rate, in counts."""
+    """The smallest rate, in counts; none below what a ramp through zero may step over."""
     sizes = np.abs(values.near)
     nonzero = sizes[sizes > 0.0]
-    return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, 1.0)))
+    least = max(1.0, STEPPED_OVER_DPS / values.dps_per_lsb)
+    return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, least)))
 
 
 def _log2_step(values: RateValues) -> float:
@@ -142,16 +146,6 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
         "0.15 of a doubling: a ninth of the step",
         reading=COUNTS,
         compute=_log2_step,
-    ),
-    Statistic(
-        "values",
-        "sensor",
-        "always",
-        "fewer different values come than should",
-        0.15,
-        "0.15 in ln: one value in seven",
-        reading=VALUES,
-        compute=lambda values: float(np.log(len(np.unique(values.counts[values.is_there])) + 1.0)),
     ),
     Statistic(
         "reach",

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.smoothing import gaussian
 
 REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
 REST_EDGE_S = 0.6
@@ -50,12 +50,11 @@ class Regimes:
 
 def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
     """The regimes of a motion, with blocks of so many samples."""
-    speed_dps = gaussian_filter1d(motion.rate_dps, MASK_SMOOTH_S / motion.period_s)
+    speed_dps = gaussian(motion.rate_dps, MASK_SMOOTH_S / motion.period_s)
     absolute_dps = np.abs(speed_dps)
-    edge = 2 * round(REST_EDGE_S / motion.period_s) + 1
-    at_rest: Mask = maximum_filter1d(absolute_dps, edge) < REST_DPS
-    slowest, fastest = minimum_filter1d(absolute_dps, block), maximum_filter1d(absolute_dps, block)
-    is_slow, is_fast = (slowest > SLOW_DPS) & (fastest < FAST_DPS), slowest > FAST_DPS
+    at_rest = lasting(absolute_dps < REST_DPS, 2 * round(REST_EDGE_S / motion.period_s) + 1)
+    is_slow = lasting((absolute_dps > SLOW_DPS) & (absolute_dps < FAST_DPS), block)
+    is_fast = lasting(absolute_dps > FAST_DPS, block)
     change_dps = np.abs(np.gradient(speed_dps))
     block_rate_dps = block_means(motion.rate_dps, block)
     return Regimes(
@@ -70,3 +69,12 @@ def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
         block_at_rest=block_means(at_rest.astype(np.float64), block) > REST_SHARE,
         block_is_even=np.abs(np.gradient(block_rate_dps)) < EVEN_DPSS,
     )
+
+
+def lasting(is_such: Mask, points: int) -> Mask:
+    """Samples about which so many are such: half of them before, the others from it on; none beyond the ends counts."""
+    others = np.concatenate([[0], np.cumsum(~is_such)])
+    place = np.arange(len(is_such)) - points // 2
+    first, end = np.maximum(place, 0), np.minimum(place + points, len(is_such))
+    lasts: Mask = others[end] == others[first]
+    return lasts

@@ -59,8 +59,9 @@ def stamps_of(recording: Recording) -> Stamps:
 def off_line_s(times_s: Floats) -> tuple[float, Floats]:
     """Slope of times over the sample numbers, and how far off that line those lie that are known, s."""
     slope_s, offset_s = line(times_s)
-    away_s: Floats = (times_s - offset_s - slope_s * np.arange(len(times_s)))[np.isfinite(times_s)]
-    return slope_s, away_s
+    away_s: Floats = times_s - offset_s - slope_s * np.arange(len(times_s))
+    is_known = np.isfinite(times_s)
+    return slope_s, away_s if is_known.all() else away_s[is_known]
 
 
 def slow_medians(off_s: Floats, period_s: float) -> Floats:

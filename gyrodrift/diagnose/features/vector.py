@@ -28,30 +28,29 @@ def _mask(is_such: Callable[[Feature], bool]) -> Mask:
 
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
-BLURRED = _mask(lambda feature: feature.is_blurred)
 
 SAMPLE_THRESHOLDS = np.array([feature.threshold for feature in SAMPLE_FEATURES])
-
-COARSE_THRESHOLDS = 6.0
-"""Where the angle comes in coarse steps, the motion within a second is rebuilt from the gyro itself: what is BLURRED
-matters from so many times its threshold on."""
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What the rig states and no recording changes: one count of the rate in deg/s, counts of the encoder per turn."""
+    """What the rig states and no recording changes.
+
+    dps_per_lsb, encoder_cpr
+        One count of the rate, deg/s; counts of the encoder per turn.
+    step_dps
+        The step that rates come in: a count, or the coarser step of an effect in the rig, deg/s.
+    """
 
     dps_per_lsb: float
     encoder_cpr: int
+    step_dps: float
 
 
 def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
-    """FEATURES of a recording, or of a simulation driven through its motion, against the recording's design matrix."""
+    """FEATURES of a recording, or of a simulation, against a design matrix."""
     parts = (residuals.measure(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording))
-    values, thresholds = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Measured(
-        values, np.where(BLURRED, COARSE_THRESHOLDS * thresholds, thresholds) if design.is_coarse else thresholds
-    )
+    return Measured(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def rms_scale(design: DesignMatrix) -> Floats:
@@ -65,7 +64,7 @@ def rms_scale(design: DesignMatrix) -> Floats:
 
 def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
     """Of these SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
-    noise = sample_noise_of(seen, design, facts.dps_per_lsb)
+    noise = sample_noise_of(seen, design, facts.step_dps)
     rates = rate_values_of(seen, design, facts.dps_per_lsb)
     angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
     values = [

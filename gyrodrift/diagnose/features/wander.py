@@ -28,8 +28,8 @@ LEVEL_MEAN = 5
 LEAST_LEVELS = 8
 """So many means, or fewer, tell nothing of a distribution."""
 
-KURTOSIS_MOST = 2.0
-"""Bounds what a single outlier makes of a kurtosis; that of two levels is −2."""
+KURTOSIS_BOUNDS = (-2.0, 0.5)
+"""Two levels have −2; above normal ones single outliers decide, which are no levels."""
 
 JUMP_MEAN = 4
 """Blocks in a mean whose steps may be jumps."""
@@ -79,12 +79,12 @@ def largest_sum(dps: Floats) -> float:
 
 
 def excess_kurtosis(dps: Floats) -> float:
-    """Of means of LEVEL_MEAN blocks: 0 for normal ones, −2 for two levels; held to ±KURTOSIS_MOST."""
+    """Of means of LEVEL_MEAN blocks: 0 for normal ones, −2 for two levels; held to KURTOSIS_BOUNDS."""
     slow = block_means(dps, LEVEL_MEAN)
     if len(slow) <= LEAST_LEVELS:
         return 0.0
     variance = float(np.var(slow)) + LEAST_DPS**2 / LEVEL_MEAN
-    return float(np.clip(np.mean((slow - slow.mean()) ** 4) / variance**2 - 3.0, -KURTOSIS_MOST, KURTOSIS_MOST))
+    return float(np.clip(np.mean((slow - slow.mean()) ** 4) / variance**2 - 3.0, *KURTOSIS_BOUNDS))
 
 
 def log_kurtosis_of_steps(dps: Floats) -> float:

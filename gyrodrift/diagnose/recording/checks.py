@@ -3,17 +3,23 @@
 Each check looks at a recording and finds nothing, or one thing: it refuses it, puts it right, or remarks on it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.errors import DataError
 
-LEAST_S = 60.0
-"""Nothing slow shows in less; the slowest periods that are looked for take 200 s."""
+LEAST_S = 20.0
+"""A recording counts from here on: rest and a few turns fit into it."""
+
+TOGETHER_S = 60.0
+"""Recordings that last less than this together tell of no effect."""
 
 GYRO_MOVES_DPS = 10.0
 """A gyro whose smoothed rate spans more than this moves; bounds the drift and noise of one that rests."""
@@ -21,8 +27,9 @@ GYRO_MOVES_DPS = 10.0
 LIKE = 0.8
 """Rates of gyro and encoder of one axis correlate at least so well."""
 
-SMOOTH_S = 0.1
-"""Standard deviation of the Gaussian through which both rates are compared."""
+SMOOTH_S, SMOOTH_MOST_S, COUNTS = 0.1, 1.0, 3.0
+"""Standard deviation of the Gaussian through which both rates are compared; up to the larger one, so that a coarse
+encoder counts so often within it."""
 
 LAG_MOST_S = 5.0
 """Lags are looked for up to this."""
@@ -99,16 +106,40 @@ def check_recording(recording: Recording) -> CheckedRecording:
     return CheckedRecording(rates.recording, tuple(remarks))
 
 
+def together_s(recordings: Sequence[Recording]) -> float:
+    """Length of all recordings that passed, s.
+
+    Raises
+    ------
+    DataError
+        Where they are too short together.
+    """
+    seconds = sum(recording.seconds for recording in recordings)
+    if seconds >= TOGETHER_S:
+        return seconds
+    needed = f"at least {TOGETHER_S:.0f} s in all are needed, in recordings of {LEAST_S:.0f} s or more"
+    count = f"{len(recordings)} recording" if len(recordings) == 1 else f"{len(recordings)} recordings"
+    raise DataError(f"there are {seconds:.1f} s in {count}; {needed}: record {TOGETHER_S - seconds:.1f} s more")
+
+
 def _rates_of(recording: Recording) -> RatePair:
     encoder_dps = np.gradient(filled(recording.encoder_deg), recording.period_s)
-    return RatePair(recording, _smooth(filled(recording.rate_dps), recording), _smooth(encoder_dps, recording))
+    rate_dps = filled(recording.rate_dps)
+    smooth_s = _smooth_s(rate_dps, granularity(recording.encoder_deg))
+    return RatePair(recording, *(_smooth(each, smooth_s / recording.period_s) for each in (rate_dps, encoder_dps)))
+
+
+def _smooth_s(rate_dps: Floats, count_deg: float) -> float:
+    """Long enough for the encoder to count a few times at the usual rate."""
+    usual_dps = float(np.std(rate_dps))
+    return float(np.clip(COUNTS * count_deg / usual_dps, SMOOTH_S, SMOOTH_MOST_S)) if usual_dps > 0.0 else SMOOTH_S
 
 
 def _length(rates: RatePair) -> Finding | None:
     seconds = rates.recording.seconds
     if seconds >= LEAST_S:
         return None
-    return Finding(f"is {seconds:.0f} s long; nothing is told in less than {LEAST_S:.0f} s", None)
+    return Finding(f"is {seconds:.1f} s long; a recording counts from {LEAST_S:.0f} s on", None)
 
 
 def _motion(rates: RatePair) -> Finding | None:
@@ -172,8 +203,8 @@ MOTION_CHECKS: tuple[Check, ...] = (_clocks, _alignment, _sign, _unit)
 """Of one that moves."""
 
 
-def _smooth(rate_dps: Floats, recording: Recording) -> Floats:
-    smooth: Floats = gaussian_filter1d(rate_dps, SMOOTH_S / recording.period_s)
+def _smooth(rate_dps: Floats, samples: float) -> Floats:
+    smooth = gaussian(rate_dps, samples)
     level: Floats = smooth - smooth.mean()
     return level
 
@@ -182,7 +213,8 @@ def _best_lag(rates: RatePair) -> tuple[int, float]:
     """Samples by which the gyro comes later, and the correlation there."""
     gyro_dps, encoder_dps = rates.gyro_dps, rates.encoder_dps
     most = min(round(LAG_MOST_S / rates.recording.period_s), len(gyro_dps) // 4)
-    size = 1 << (2 * len(gyro_dps) - 1).bit_length()
+    # What a transform of this size wraps round comes at lags that are not looked at.
+    size = next_fast_len(len(gyro_dps) + most, real=True)
     product = np.fft.irfft(np.fft.rfft(gyro_dps, size) * np.conj(np.fft.rfft(encoder_dps, size)), size)
     lags = np.arange(-most, most + 1)
     by_lag = product[lags] / (np.linalg.norm(gyro_dps) * np.linalg.norm(encoder_dps))

@@ -3,7 +3,10 @@
 A diagnosis takes some ten thousand of them; numpy's own look for NaN, and partition once more for it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+from numba import njit
 
 from gyrodrift.arrays import Floats
 
@@ -39,33 +42,60 @@ def row_quantiles(rows: Floats, share: float) -> Floats:
     return found
 
 
+def quantiles(values: Floats, shares: Sequence[float]) -> tuple[float, ...]:
+    """As `np.quantile`, with straight lines between neighbours; values of shape (n,), n at least 1."""
+    row = np.sort(values)
+    place = (len(row) - 1) * np.asarray(shares)
+    below = np.minimum(place.astype(np.int64), max(len(row) - 2, 0))
+    low, high, part = row[below], row[np.minimum(below + 1, len(row) - 1)], place - below
+    # The nearer of the two is gone out from.
+    found = np.where(part < 0.5, low + (high - low) * part, high - (high - low) * (1.0 - part))
+    return tuple(found.tolist())
+
+
+def different(values: Floats) -> int:
+    """How many different values there are."""
+    row = np.sort(values)
+    return int(np.count_nonzero(row[1:] != row[:-1])) + 1 if len(row) else 0
+
+
 def running_median_5(values: Floats) -> Floats:
     """As `scipy.ndimage.median_filter` over 5 samples, mirrored at the ends; shape (n,)."""
-    padded = np.pad(values, 2, mode="symmetric")
-    count = len(values)
-    a, b, c, d, e = (padded[first : first + count] for first in range(5))
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    other_low, other_high = np.minimum(d, e), np.maximum(d, e)
-    # Of four, the lowest and the highest are not the median of five.
-    return _median_3(np.maximum(low, other_low), c, np.minimum(high, other_high))
+    medians = np.empty(len(values))
+    _medians_5(np.pad(values, 2, mode="symmetric"), medians)
+    return medians
 
 
 def running_median_9(values: Floats) -> Floats:
-    """As `scipy.ndimage.median_filter` over 9 samples, mirrored at the ends; shape (n,).
-
-    Of three sorted triples it is the median of the highest low, the median middle and the lowest high.
-    """
-    padded = np.pad(values, 4, mode="symmetric")
-    a, b, c = padded[:-2], padded[1:-1], padded[2:]
-    below, above = np.minimum(a, b), np.maximum(a, b)
-    low, high = np.minimum(below, c), np.maximum(above, c)
-    middle = np.maximum(below, np.minimum(above, c))
-    highest_low = np.maximum(np.maximum(low[:-6], low[3:-3]), low[6:])
-    lowest_high = np.minimum(np.minimum(high[:-6], high[3:-3]), high[6:])
-    return _median_3(highest_low, _median_3(middle[:-6], middle[3:-3], middle[6:]), lowest_high)
+    """As `scipy.ndimage.median_filter` over 9 samples, mirrored at the ends; shape (n,)."""
+    medians = np.empty(len(values))
+    _medians_9(np.pad(values, 4, mode="symmetric"), medians)
+    return medians
 
 
-def _median_3(a: Floats, b: Floats, c: Floats) -> Floats:
-    below, above = np.minimum(a, b), np.maximum(a, b)
-    middle: Floats = np.maximum(below, np.minimum(above, c))
-    return middle
+@njit(nogil=True, cache=True, error_model="numpy")
+def _medians_5(padded: Floats, medians: Floats) -> None:
+    """Of four, the lowest and the highest are not the median of five."""
+    for n in range(len(medians)):
+        a, b, c, d, e = padded[n], padded[n + 1], padded[n + 2], padded[n + 3], padded[n + 4]
+        low, high = max(min(a, b), min(d, e)), min(max(a, b), max(d, e))
+        below, above = min(low, c), max(low, c)
+        medians[n] = max(below, min(above, high))
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _medians_9(padded: Floats, medians: Floats) -> None:
+    """Of three sorted triples it is the median of the highest low, the median middle and the lowest high."""
+    count = len(padded) - 2
+    lows, middles, highs = np.empty(count), np.empty(count), np.empty(count)
+    for n in range(count):
+        a, b, c = padded[n], padded[n + 1], padded[n + 2]
+        below, above = min(a, b), max(a, b)
+        lows[n], middles[n], highs[n] = min(below, c), max(below, min(above, c)), max(above, c)
+    for n in range(len(medians)):
+        highest_low = max(lows[n], lows[n + 3], lows[n + 6])
+        lowest_high = min(highs[n], highs[n + 3], highs[n + 6])
+        a, b, c = middles[n], middles[n + 3], middles[n + 6]
+        middle = max(min(a, b), min(max(a, b), c))
+        below, above = min(highest_low, middle), max(highest_low, middle)
+        medians[n] = max(below, min(above, lowest_high))

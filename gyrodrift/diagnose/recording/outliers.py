@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.recording.motion import COARSE_DPS, ReplayedMotion, motion_of, rough_rate_dps
+from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import (
     median,
     row_quantiles,
@@ -16,6 +16,9 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SPIKE_SIGMAS = 10.0
 """An outlier of the rate is this far off the median of the five samples about it."""
+
+COUNTS_OF_A_SPIKE = 4.0
+"""Steps of the rate: less is no outlier where its noise hides within a step."""
 
 SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
@@ -37,6 +40,9 @@ CLOSEST = 4
 
 NEXT_LEVEL = 1.6
 """Steps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
+
+LIMIT_RUN, LIMIT_DPS = 5, 10.0
+"""So many samples in a row at the largest or the least rate of all, beyond LIMIT_DPS, stand at the gyro's limit."""
 
 DECIMALS = 9
 """Values that agree in so many are one level: what parsing and unwrapping add is less."""
@@ -61,16 +67,6 @@ class Cleaned:
     spikes_dps: Floats
     slips_deg: Floats
 
-    @property
-    def is_coarse(self) -> bool:
-        """Whether the steps of the angle hide how the device moves from sample to sample."""
-        return self.step_deg / self.recording.period_s > COARSE_DPS
-
-
-def motion_behind(seen: Cleaned) -> ReplayedMotion:
-    """What the encoder says of how it moved."""
-    return motion_of(seen.recording, seen.encoder_deg, seen.rate_dps, seen.step_deg)
-
 
 def cleaned(recording: Recording) -> Cleaned:
     """Find outliers and jumps by what their neighbours are."""
@@ -84,6 +80,16 @@ def cleaned(recording: Recording) -> Cleaned:
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
     return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg)
+
+
+def at_limit(rate_dps: Floats) -> Mask:
+    """Which samples say no more than that it turned faster than the gyro goes, shape (n,)."""
+    extreme = ((rate_dps == rate_dps.max()) | (rate_dps == rate_dps.min())) & (np.abs(rate_dps) > LIMIT_DPS)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], extreme, [False]]).astype(np.int8)))
+    found: Mask = np.zeros(len(rate_dps), bool)
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        found[first:end] = end - first >= LIMIT_RUN
+    return found
 
 
 def granularity(values: Floats) -> float:
@@ -115,7 +121,8 @@ def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tu
     """Which samples are, and by how much the rate is off beside the encoder at each, deg/s; shape (n,) each."""
     away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
     out_dps = away_dps - running_median_5(away_dps)
-    is_spike: Mask = np.abs(out_dps) > SPIKE_SIGMAS * _sigma(out_dps, recording)
+    least_dps = COUNTS_OF_A_SPIKE * granularity(recording.rate_dps)
+    is_spike: Mask = np.abs(out_dps) > np.maximum(SPIKE_SIGMAS * _sigma(out_dps, recording), least_dps)
     is_spike &= np.abs(rate_dps - running_median_5(rate_dps)) > SPIKE_OWN * np.abs(out_dps)
     is_spike &= np.isfinite(recording.rate_dps)
     return is_spike, out_dps

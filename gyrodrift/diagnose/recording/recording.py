@@ -15,6 +15,9 @@ WRAP = 1 << 16
 MISSED = 1.6
 """Without a counter, a step of the clock this many periods long stands for samples that are missing."""
 
+FIRST_SAMPLES = 100
+"""In these a clock that drifts has not gone far."""
+
 MOVES_DEG = 5.0
 """An encoder that stays within this has nothing to say of a moving gyro."""
 
@@ -29,7 +32,7 @@ class Recording:
     period_s
         True distance of two samples: by the host's clock where there is one, by the device's elsewhere.
     rate_dps, encoder_deg
-        As measured, deg/s and degrees.
+        As measured, deg/s and degrees from the encoder's own zero.
     device_s, host_s, temp_c
         Stamp and arrival less the first of each, s, and temperature, °C; None where there is none.
     powered_s
@@ -38,6 +41,8 @@ class Recording:
         How many samples came twice, or after a later one.
     has_counter
         Whether samples that are missing are known from a counter.
+    host_ahead_s
+        What the host's clock said more than the device's at first, s; None without a host's clock.
     """
 
     name: str
@@ -51,6 +56,7 @@ class Recording:
     repeated: int
     disordered: int
     has_counter: bool
+    host_ahead_s: float | None = None
 
     @property
     def moves(self) -> bool:
@@ -97,7 +103,7 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         name=session.name,
         period_s=line(clock_s)[0],
         rate_dps=rate_dps,
-        encoder_deg=unwrapped(encoder_deg) - encoder_deg[np.isfinite(encoder_deg)][0],
+        encoder_deg=unwrapped(encoder_deg),
         device_s=device_s - session.t_device_s[0],
         host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
         temp_c=spread(session.temp_c),
@@ -105,15 +111,26 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         repeated=repeated,
         disordered=disordered,
         has_counter=session.seq is not None,
+        host_ahead_s=_host_ahead_s(session),
     )
+
+
+def _host_ahead_s(session: Session) -> float | None:
+    """The least of the first samples: what comes late came later than it had to."""
+    if session.t_host_s is None:
+        return None
+    ahead_s = (session.t_host_s - session.t_device_s)[:FIRST_SAMPLES]
+    known = ahead_s[np.isfinite(ahead_s)]
+    return float(known.min()) if len(known) else None
 
 
 def line(values: Floats) -> tuple[float, float]:
     """Slope and offset of values over their places, by least squares; NaN are passed over."""
-    place = np.flatnonzero(np.isfinite(values))
+    is_known = np.isfinite(values)
+    place = np.arange(len(values), dtype=np.float64)
+    place, known = (place, values) if is_known.all() else (place[is_known], values[is_known])
     if len(place) < 2:
         return float("nan"), float("nan")
-    known = values[place]
     middle = float(place.mean())
     away = place - middle
     slope = float(away @ (known - known[0])) / float(away @ away)
@@ -142,7 +159,10 @@ def _numbered(session: Session) -> tuple[Integers, Integers, int, int]:
         number = np.concatenate([[0], np.cumsum(steps)])
     disordered = int(np.count_nonzero(np.diff(number) < 0))
     number = number - number.min()
-    sorted_number, keep = np.unique(number, return_index=True)
+    if (np.diff(number) > 0).all():
+        sorted_number, keep = number, np.arange(len(number))
+    else:
+        sorted_number, keep = np.unique(number, return_index=True)
     repeated = len(number) - len(sorted_number)
     if len(sorted_number) < 2:
         raise DataError(f"{session.name}: has {len(sorted_number)} samples; there is nothing to see")

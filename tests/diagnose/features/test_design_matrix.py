@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 from features_support import AT_REST, PERIOD_S, SECONDS, T_S, TRUE_DPS, TURNING, observed
+from scipy.ndimage import minimum_filter1d
 
+from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.features.motion_terms import MotionTerms, motion_terms_of
 from gyrodrift.diagnose.features.orthogonal import orthonormal, orthonormal_vectors
+from gyrodrift.diagnose.features.regimes import lasting
+from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
-A = np.array([-1.0, -1.0, 1.0, 1.0])
-B = np.array([1.0, -1.0, -1.0, 1.0])
+A = np.tile([-1.0, -1.0, 1.0, 1.0], 4)
+B = np.tile([1.0, -1.0, -1.0, 1.0], 4)
 
 
 def terms() -> MotionTerms:
@@ -22,21 +26,30 @@ def terms() -> MotionTerms:
 
 def test_columns_are_taken_out_in_their_order() -> None:
     """What b shares with a counts for a, and each has its own direction."""
-    basis = orthonormal(np.column_stack([np.ones(4), A, A + B]), np.array([0.1, 0.2]), 1)
-    assert basis.vectors == pytest.approx(np.column_stack([A, B]) / 2.0)
+    basis = orthonormal(np.column_stack([np.ones(16), A, A + B]), np.array([0.1, 0.2]), 1)
+    assert basis.vectors == pytest.approx(np.column_stack([A, B]) / 4.0)
 
 
 def test_thresholds_go_with_the_columns() -> None:
-    """Coefficients 0.1 on a and 0.2 on a + b are 0.2 and 0.4 along a, and 0.4 along b."""
-    basis = orthonormal(np.column_stack([np.ones(4), A, A + B]), np.array([0.1, 0.2]), 1)
-    assert basis.thresholds == pytest.approx([np.hypot(0.2, 0.4), 0.4])
+    """Coefficients 0.1 on a and 0.2 on a + b are 0.4 and 0.8 along a, of length 4, and 0.8 along b."""
+    basis = orthonormal(np.column_stack([np.ones(16), A, A + B]), np.array([0.1, 0.2]), 1)
+    assert basis.thresholds == pytest.approx([np.hypot(0.4, 0.8), 0.8])
 
 
 def test_a_column_that_says_nothing_new_is_left_out() -> None:
     """One that is made of others, and one of zeros."""
-    columns = np.column_stack([np.ones(4), A, 3.0 * A - 2.0, np.zeros(4)])
+    columns = np.column_stack([np.ones(16), A, 3.0 * A - 2.0, np.zeros(16)])
     assert np.all(orthonormal(columns, np.ones(3), 1).vectors[:, 1:] == 0.0)
     assert np.linalg.norm(orthonormal_vectors(columns), axis=0) == pytest.approx([1.0, 1.0, 0.0, 0.0])
+
+
+def test_a_column_takes_two_rows() -> None:
+    """Of five columns six rows tell three; the others are there, and say nothing."""
+    columns = np.random.default_rng(1).standard_normal((6, 5))
+    basis = orthonormal(columns, np.ones(5), 0)
+    assert np.linalg.norm(basis.vectors, axis=0) == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0])
+    assert np.linalg.norm(orthonormal_vectors(columns), axis=0) == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0])
+    assert basis.thresholds[3:].tolist() == [0.0, 0.0]
 
 
 def test_regimes_are_those_of_the_motion() -> None:
@@ -110,3 +123,49 @@ def test_the_grid_is_that_of_the_recording() -> None:
     design = observed(TRUE_DPS).design
     assert design.period_s == pytest.approx(PERIOD_S, rel=1e-6)
     assert (design.samples, design.block) == (SECONDS * 100, 100)
+
+
+@pytest.mark.parametrize("points", [1, 4, 7, 100, 900])
+def test_what_lasts_is_so_all_about(points: int) -> None:
+    """As the least of a running window that ends with the samples."""
+    is_such = np.random.default_rng(points).random(600) < 0.995
+    assert np.array_equal(lasting(is_such, points), minimum_filter1d(is_such.astype(int), points) == 1)
+
+
+def test_many_rows_make_the_same_basis_as_few() -> None:
+    """Householder's, by hand: signs are those of what each column says first."""
+    rng = np.random.default_rng(3)
+    columns = np.cumsum(rng.normal(size=(20_000, 5)), axis=0) + 10.0
+    vectors, triangle = np.linalg.qr(columns)
+    basis = orthonormal(columns, np.array([0.1, 0.2, 0.3]), 2)
+    assert basis.vectors == pytest.approx((vectors * np.sign(np.diag(triangle)))[:, 2:], abs=1e-12)
+    amounts = np.linalg.norm(triangle[2:, 2:] * [0.1, 0.2, 0.3], axis=1)
+    assert basis.thresholds == pytest.approx(amounts, rel=1e-12)
+
+
+def test_many_rows_tell_what_is_next_to_nothing_new() -> None:
+    """A hundredth of a column is nothing; a twentieth is still something, and has its vector."""
+    t = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    columns = np.column_stack([np.sin(t), np.sin(t) + 1e-2 * np.cos(t), np.sin(t) + 5e-2 * np.cos(2.0 * t)])
+    vectors = orthonormal(columns, np.ones(3), 0).vectors
+    assert np.linalg.norm(vectors, axis=0) == pytest.approx([1.0, 0.0, 1.0])
+    assert vectors[:, 2] @ np.cos(2.0 * t) / 100.0 == pytest.approx(1.0)
+
+
+def test_bases_of_turns_are_sines_of_multiples_of_the_angle() -> None:
+    """They span what means of these sines over blocks span, by themselves and times the rate."""
+    design = observed(TRUE_DPS).design
+    turn, rate_dps = np.deg2rad(design.motion.angle_deg), design.motion.rate_dps
+    for order in range(TURN_ORDERS[0], TURN_ORDERS[1] + 1):
+        for sine in (np.sin(order * turn), np.cos(order * turn)):
+            alone = block_means(sine, design.block)
+            assert design.turn_basis @ (design.turn_basis.T @ alone) == pytest.approx(alone, abs=1e-10)
+            beside = block_means(sine * rate_dps, design.block)
+            assert design.turn_rate_basis @ (design.turn_rate_basis.T @ beside) == pytest.approx(beside, abs=1e-8)
+
+
+def test_a_regressor_is_had_by_its_name() -> None:
+    """At each sample of the motion, as the blocks have its means."""
+    design = observed(TRUE_DPS).design
+    assert design.regressor("rate") == pytest.approx(design.motion.rate_dps)
+    assert design.regressor("total_angle") == pytest.approx(design.motion.angle_deg / 360.0)

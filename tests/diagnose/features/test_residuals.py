@@ -25,10 +25,10 @@ def static_of(rate_dps: Floats) -> dict[str, float]:
 
 
 def test_a_scale_error_is_the_coefficient_of_the_rate() -> None:
-    """2 % of the rate is 0.02 times its standard deviation times the root of the blocks, and nothing else."""
+    """2 % of the rate is 0.02 times its standard deviation times the root of the blocks, 17, and nothing else."""
     found = static_of(1.02 * TRUE_DPS)
     assert found.pop("rate") == pytest.approx(0.02 * np.std(BLOCKS_DPS) * np.sqrt(SECONDS), rel=1e-3)
-    assert np.abs(list(found.values())).max() < 0.01
+    assert np.abs(list(found.values())).max() < 0.02
 
 
 def test_an_asymmetry_is_partly_a_scale_error() -> None:

@@ -1,16 +1,14 @@
 """The vector of all features, and what is derived from their records."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from features_support import FACTS, T_S, TRUE_DPS, observed, observed_beside, recorded, white
+from features_support import FACTS, T_S, TRUE_DPS, design_of, observed, observed_beside, recorded, white
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.design_matrix import COLUMNS, design_matrix_of
+from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.features.feature import Feature, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.units import RMS_DPS
-from gyrodrift.diagnose.features.vector import BLURRED, FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
+from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
 from gyrodrift.diagnose.recording.outliers import cleaned
 
 STAGES = {"sensor", "environment", "platform", "encoder", "clock", "link"}
@@ -45,8 +43,6 @@ def test_masks_go_by_the_records() -> None:
         "clock_ratio",
     ]
     assert IS_LOG[NUMBER["wander_20s"]]
-    assert BLURRED[NUMBER["lag"]]
-    assert not BLURRED[NUMBER["noise_rest_1"]]
 
 
 def test_values_and_thresholds_have_a_place_each() -> None:
@@ -56,15 +52,6 @@ def test_values_and_thresholds_have_a_place_each() -> None:
     assert values.shape == thresholds.shape == (len(FEATURES),)
     assert np.isfinite(values).all()
     assert (thresholds >= 0.0).all()
-
-
-def test_what_a_coarse_encoder_blurs_matters_later() -> None:
-    """Six times later; the rest as before."""
-    one = observed(TRUE_DPS + white(0.05))
-    fine = measure(one.seen, replace(one.design, is_coarse=False), FACTS).thresholds
-    coarse = measure(one.seen, replace(one.design, is_coarse=True), FACTS).thresholds
-    assert coarse[BLURRED] == pytest.approx(6.0 * fine[BLURRED])
-    assert np.array_equal(coarse[~BLURRED], fine[~BLURRED])
 
 
 def test_coefficients_are_read_as_rms() -> None:
@@ -89,7 +76,7 @@ def test_a_short_recording_gives_numbers(seconds: int) -> None:
     rate_dps = np.linspace(0.0, 30.0, count) + white(0.05, count=count)
     angle_deg = np.cumsum(np.linspace(0.0, 30.0, count)) * 0.01
     seen = cleaned(recorded(rate_dps, angle_deg))
-    assert np.isfinite(measure(seen, design_matrix_of(seen), FACTS).values).all()
+    assert np.isfinite(measure(seen, design_of(seen), FACTS).values).all()
 
 
 def test_a_feature_saturates_where_nothing_is_said() -> None:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.checks import check_recording
+from gyrodrift.diagnose.recording.checks import check_recording, together_s
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
 T_S: Floats = np.arange(12_000, dtype=np.float64) * 0.01
@@ -130,9 +131,32 @@ def test_a_delay_of_a_sensor_is_left_as_it_is(*, apart_s: float, is_shifted: boo
     assert any("apart" in remark for remark in passed.remarks) is is_shifted
 
 
-def test_a_short_recording_is_refused() -> None:
-    """Nothing slow shows in half a minute."""
-    short = Session("short", T_S[:3000], TRUE_DPS[:3000], encoder_deg=ANGLE_DEG[:3000])
-    passed = check_recording(recording_of(short))
-    assert passed.recording is None
-    assert "30 s long" in " ".join(passed.remarks)
+def of_length(samples: int) -> Recording:
+    return recording_of(Session("short", T_S[:samples], TRUE_DPS[:samples], encoder_deg=ANGLE_DEG[:samples]))
+
+
+@pytest.mark.parametrize(("samples", "is_refused"), [(1999, True), (2000, False), (3300, False)])
+def test_a_recording_counts_from_twenty_seconds_on(*, samples: int, is_refused: bool) -> None:
+    """A hundred samples a second; one that is refused is told with its length."""
+    passed = check_recording(of_length(samples))
+    assert (passed.recording is None) is is_refused
+    assert ("20.0 s long; a recording counts from 20 s on" in " ".join(passed.remarks)) is is_refused
+
+
+def test_short_recordings_count_together() -> None:
+    """Three of twenty seconds are a minute."""
+    assert together_s([of_length(2000)] * 3) == pytest.approx(60.0)
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [
+        (0, "there are 0.0 s in 0 recordings; at least 60 s in all are needed"),
+        (1, "there are 25.0 s in 1 recording; at least 60 s"),
+        (2, "there are 50.0 s in 2 recordings; at least 60 s .*: record 10.0 s more"),
+    ],
+)
+def test_less_than_a_minute_in_all_is_refused(count: int, words: str) -> None:
+    """With how much there is, and how much is needed."""
+    with pytest.raises(DataError, match=words):
+        together_s([of_length(2500)] * count)

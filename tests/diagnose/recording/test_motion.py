@@ -1,15 +1,20 @@
-"""Motion rebuilt from an encoder."""
+"""Motion between the samples of a recording, before them and after, and its temperature."""
+
+from functools import cache
 
 import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, motion_behind
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.motion_posterior import GyroModel, motion_posterior_of
+from gyrodrift.diagnose.recording.outliers import cleaned
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 
 RATE_HZ = 100.0
 T_S = np.arange(20_000) / RATE_HZ
+GYRO = GyroModel(0.0)
 
 
 def true_angle_deg(t_s: Floats) -> Floats:
@@ -26,59 +31,58 @@ def true_rate_dps(t_s: Floats) -> Floats:
     return (true_angle_deg(t_s + 5e-5) - true_angle_deg(t_s - 5e-5)) / 1e-4
 
 
-def seen(noise_dps: float = 0.05, cpr: int = 36_000) -> Cleaned:
-    dice = np.random.default_rng(3)
-    rate_dps = true_rate_dps(T_S) + dice.normal(0.0, noise_dps, len(T_S))
+@cache
+def rebuilt(noise_dps: float = 0.05, cpr: int = 36_000, *, is_warm: bool = False) -> ReplayedMotion:
+    """By the encoder and a gyro without steps; `is_warm` is a ramp of 1 °C in 50 s, read to a tenth of a degree."""
+    rate_dps = true_rate_dps(T_S) + np.random.default_rng(3).normal(0.0, noise_dps, len(T_S))
     angle_deg = np.round(true_angle_deg(T_S) * cpr / 360.0) * 360.0 / cpr
-    return cleaned(recording_of(Session("s", T_S, rate_dps, None, np.arange(len(T_S)), angle_deg)))
+    temp_c = np.round(20.0 + T_S / 50.0, 1) if is_warm else None
+    session = Session("s", T_S, rate_dps, None, np.arange(len(T_S)), angle_deg, temp_c)
+    return motion_posterior_of(cleaned(recording_of(session)), GYRO).mean
 
 
 def test_the_motion_is_that_of_the_device() -> None:
-    """At rest, steady and quick, well below the noise of a gyro, without its help."""
-    motion = motion_behind(seen())
+    """At rest, steady and quick, well below the noise of the gyro."""
+    motion = rebuilt()
     inside = slice(100, -100)
     error_dps = (motion.rate_dps - true_rate_dps(T_S))[inside]
     steady = (T_S[inside] > 40.0) & (T_S[inside] < 110.0)
-    assert np.abs(error_dps[T_S[inside] < 20.0]).max() < 1e-3
+    assert not motion.rate_dps[T_S < 20.0].any()
     assert np.std(error_dps[steady]) < 0.01
-    assert np.std(error_dps) < 0.2
+    assert np.std(error_dps) < 0.05
     assert np.abs(motion.angle_deg - true_angle_deg(T_S))[inside].max() < 0.01
+
+
+def test_a_coarse_encoder_does_not_shake_the_motion() -> None:
+    """Half a degree a step, and the rebuilt rate scatters by less than the noise of a sample."""
+    motion = rebuilt(cpr=720)
+    steady = (T_S > 40.0) & (T_S < 110.0)
+    assert np.std((motion.rate_dps - true_rate_dps(T_S))[steady]) < 0.05
 
 
 def test_rate_and_angle_are_of_one_curve() -> None:
     """Between the points too: the rate is the slope of the angle."""
-    motion = motion_behind(seen())
+    motion = rebuilt()
     t_s = np.linspace(5.0, 195.0, 5001)
     later, earlier = motion.at(t_s + 1e-5)[0], motion.at(t_s - 1e-5)[0]
     assert np.allclose((later - earlier) / 2e-5, motion.at(t_s)[1], atol=1e-3)
 
 
-def test_a_coarse_encoder_does_not_shake_the_motion() -> None:
-    """Half a degree a step, and the rebuilt rate scatters by less than a deg/s."""
-    motion = motion_behind(seen(cpr=720))
-    steady = (T_S > 40.0) & (T_S < 110.0)
-    assert np.std((motion.rate_dps - true_rate_dps(T_S))[steady]) < 0.5
-
-
 def test_the_temperature_is_smoothed_and_known_between_samples() -> None:
     """A ramp of 1 °C in 50 s, read to a tenth of a degree."""
-    warm_c = 20.0 + T_S / 50.0
-    whole = recording_of(
-        Session("s", T_S, true_rate_dps(T_S), None, np.arange(len(T_S)), true_angle_deg(T_S), np.round(warm_c, 1))
-    )
-    motion = motion_behind(cleaned(whole))
-    assert np.abs(motion.sensor_c - warm_c).max() < 0.06
+    motion = rebuilt(is_warm=True)
+    assert np.abs(motion.sensor_c - (20.0 + T_S / 50.0)).max() < 0.06
     assert motion.sensor_c_at(np.array([60.005, 500.0])) == pytest.approx([21.2, 24.0], abs=0.06)
 
 
 def test_without_a_temperature_it_is_that_of_the_room() -> None:
     """25 °C, where the simulator's effects of temperature are zero."""
-    assert np.all(motion_behind(seen()).sensor_c == 25.0)
+    assert np.all(rebuilt().sensor_c == 25.0)
 
 
 def test_before_the_first_sample_it_rests() -> None:
     """At the angle of the first sample; after the last it stays there."""
-    motion = motion_behind(seen())
+    motion = rebuilt()
     angle_deg, rate_dps = motion.at(np.array([-1.0, 1e6]))
     assert rate_dps[0] == 0.0
     assert angle_deg == pytest.approx(motion.angle_deg[[0, -1]], abs=1e-3)

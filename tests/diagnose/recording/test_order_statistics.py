@@ -5,7 +5,9 @@ import pytest
 from scipy.ndimage import median_filter
 
 from gyrodrift.diagnose.recording.order_statistics import (
+    different,
     median,
+    quantiles,
     row_medians,
     row_quantiles,
     running_median_5,
@@ -30,6 +32,20 @@ def test_a_quantile_is_numpys(count: int, share: float) -> None:
     """Between neighbours and at the ends."""
     rows = RNG.normal(0.0, 1.0, (7, count))
     assert np.array_equal(row_quantiles(rows, share), np.quantile(rows, share, axis=1))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 100, 101])
+def test_several_quantiles_are_numpys(count: int) -> None:
+    """Of equal values too, in any order of the shares."""
+    values = np.round(RNG.normal(0.0, 1.0, count), 1) * 0.3
+    shares = (0.01, 0.5, 0.25, 1.0, 0.99, 0.0)
+    assert quantiles(values, shares) == tuple(np.quantile(values, shares))
+
+
+def test_equal_values_count_once() -> None:
+    """Four values, two of them twice, and none."""
+    assert different(np.array([3.0, -1.0, 3.0, 0.5, -1.0, 7.0])) == 4
+    assert different(np.zeros(0)) == 0
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8, 9, 500])

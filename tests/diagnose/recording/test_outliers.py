@@ -58,8 +58,6 @@ def test_steps_of_a_coarse_encoder_are_no_jumps() -> None:
     found = seen(cpr=720)
     assert len(found.slips_deg) == 0
     assert found.step_deg == pytest.approx(0.5)
-    assert found.is_coarse
-    assert not seen().is_coarse
 
 
 def test_holes_are_filled_before_anything_is_looked_for() -> None:

@@ -1,0 +1,273 @@
+"""The posterior of a recording's motion: all that its encoder and its gyro leave possible.
+
+A count of an encoder says that the angle lies within an interval, and the moment at which it changes says where the
+angle was. Where counts follow fast, each is a measurement with the variance of its interval; where one count stands
+long, all its samples together are one such measurement, and what is known well is the edge that was crossed. What is
+quicker than the counts is the gyro's: its bias walks in the model, so that slow errors of the gyro bend no motion.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.ndimage import correlate1d, maximum_filter1d, minimum_filter1d, uniform_filter1d
+
+from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
+from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
+from gyrodrift.diagnose.recording.smoothing import gaussian
+
+JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
+JERK_WINDOW_STEPS = 3
+"""How hard the motion is driven shows in second differences of the rate over short steps where it is quick, over long
+ones where it is gentle; within so many steps."""
+
+JERK_GAIN = 0.6
+"""Variance of such a difference of means, over intensity of the jerk times the third power of the step."""
+
+NOISE_GAIN, NOISE_SHARES = 6.0, 5.0
+"""Variance of a second difference of white noise; so many times it, and less, is no jerk."""
+
+STEADY_S = 4.0
+"""Time over which the rate is averaged where nothing drives the motion."""
+
+CROSSOVER_HZ = 0.1
+"""Below it the encoder, above it the gyro says how the device moves."""
+
+BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
+"""Of its acceleration over so long, by which the bias of the gyro may change: errors of its gain go with the motion."""
+
+RESTS_S = 1.0
+"""A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
+
+REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.02, 4.0, 1.0, 0.2
+LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
+"""Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
+where none does, those that stand for this share of the longest."""
+
+CREEP_LIKE = 0.5
+"""A count that stands between two steps of one direction, and no longer than its neighbours over this, is creeping."""
+
+STANDS_MOST_S = 30.0
+"""A count that stands longer is measured again, and shows another level: a bias may wander meanwhile."""
+
+STILL_DEG = 0.01
+"""Stands for a count of an encoder that never moved."""
+
+LEVEL_RUNS = 2
+"""Of such runs on either side whose median is the level."""
+
+REST_VARIANCE, REST_JERK = 1e-6, 1e-3
+"""Of the rate at rest, (deg/s)², and of the jerk beside that of steady motion."""
+
+NOISE_MEAN_S, CALM_QUANTILE, CALM_SIGMAS = 0.1, 0.4, 0.5244
+"""Over so long rates are averaged where noise is looked for; two fifths of normal numbers are within so many standard
+deviations, and most motion is beyond."""
+
+MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
+"""Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
+
+
+SIXTH_ORDER = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+"""Central difference over seven points."""
+
+DRAW_SMOOTH_S = 0.1
+"""Standard deviation of the Gaussian over what a drawn path is off the mean: the roughness of the model's white jerk,
+which no table has, would pass for noise of the gyro."""
+
+
+@dataclass(frozen=True, slots=True)
+class GyroModel:
+    """What the rig says of how the gyro sees the motion.
+
+    count_dps
+        Step that its rates come in, deg/s.
+    delay_s
+        How much later than the encoder, s.
+    """
+
+    count_dps: float
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotionPosterior:
+    """Distribution of a recording's motion, from which paths are drawn.
+
+    mean
+        The smoothed motion.
+    passed
+        What the forward filter gave.
+    rests
+        First and last sample but one of each rest.
+    """
+
+    mean: ReplayedMotion
+    passed: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
+    rests: tuple[tuple[int, int], ...] = field(repr=False)
+
+    def draw(self, rng: np.random.Generator) -> ReplayedMotion:
+        """A motion that encoder and gyro leave possible."""
+        noise = rng.standard_normal((len(self.mean.angle_deg), STATES))
+        path = smoothed_back(self.mean.period_s, self.passed, noise, True)
+        away_deg = gaussian(path[:, 0] - self.mean.angle_deg, DRAW_SMOOTH_S / self.mean.period_s)
+        # The rate is that of the very angles, or gyro and encoder would see two motions.
+        away_dps = correlate1d(away_deg, SIXTH_ORDER, mode="nearest") / self.mean.period_s
+        mean, away = (
+            np.column_stack(pair) for pair in ((self.mean.angle_deg, self.mean.rate_dps), (away_deg, away_dps))
+        )
+        return _motion(mean + away, self.mean, self.rests)
+
+
+def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | None = None) -> MotionPosterior:
+    """Of a recording without holes, outliers and jumps; `encoder_deg` are its angles where they were corrected."""
+    period_s = seen.recording.period_s
+    angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
+    is_clipped = at_limit(seen.rate_dps)
+    known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), seen.rate_dps)
+    rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
+    sigma_dps = max(_noise_dps(rate_dps, period_s), gyro.count_dps / float(np.sqrt(12.0)))
+    angles, edges, stands_s = _measurements(seen, angle_deg)
+    at_rest = _rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
+    jerk = _jerk(rate_dps, sigma_dps, period_s)
+    least = sigma_dps**2 * period_s / STEADY_S**5
+    jerk = np.where(at_rest, REST_JERK * least, np.maximum(jerk, least))
+    change_dpss = np.gradient(uniform_filter1d(rate_dps, _points(BIAS_STEP_S, period_s)), period_s)
+    crossover = sigma_dps**2 * period_s * (2.0 * np.pi * CROSSOVER_HZ) ** 2
+    walk = crossover + BIAS_STEP_S * np.square(BIAS_SHARE * change_dpss)
+    rates = rate_dps, np.where(is_clipped, NOT_MEASURED, sigma_dps**2)
+    passed = filtered(period_s, angles, edges, rates, np.where(at_rest, REST_VARIANCE, NOT_MEASURED), (jerk, walk))
+    none = np.zeros((1, STATES))
+    path = smoothed_back(period_s, passed, none, False)
+    rests = _stretches(at_rest)
+    like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
+    return MotionPosterior(_motion(path, like, rests), passed, rests)
+
+
+def _motion(path: Floats, like: ReplayedMotion, rests: tuple[tuple[int, int], ...]) -> ReplayedMotion:
+    """A path of angles and rates, that stands still where it rests."""
+    angle_deg, rate_dps = path[:, 0].copy(), path[:, 1].copy()
+    for first, end in rests:
+        angle_deg[first:end] = angle_deg[first:end].mean()
+        rate_dps[first:end] = 0.0
+    return ReplayedMotion(like.period_s, angle_deg, rate_dps, like.sensor_c, like.powered_s)
+
+
+def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
+    """Angles and edges with their variances, and how long the count of each sample stands, s; shape (n,) each.
+
+    A count that stands while the device creeps does not stand at all.
+    """
+    count_deg = seen.step_deg or STILL_DEG
+    counts = np.rint(seen.encoder_deg / count_deg)
+    begins = np.flatnonzero(np.concatenate([[True], np.diff(counts) != 0.0]))
+    lengths = np.diff(np.concatenate([begins, [len(counts)]]))
+    lasts = np.repeat(lengths, lengths)
+    most = _points(STANDS_MOST_S, seen.recording.period_s)
+    own = max(count_deg**2 / 12.0, _encoder_noise_deg(seen) ** 2)
+    variance = np.where(np.isfinite(seen.recording.encoder_deg), own * np.minimum(lasts, most), NOT_MEASURED)
+    edge_deg, edge_variance = np.zeros(len(counts)), np.zeros(len(counts))
+    shorter = np.minimum(lengths[1:], lengths[:-1])
+    steps = counts[begins[1:]] - counts[begins[1:] - 1]
+    clear = (np.abs(steps) == 1.0) & (shorter > 1)
+    at = begins[1:][clear]
+    between_deg = 0.5 * count_deg * steps[clear]
+    edge_deg[at] = angle_deg[at] - between_deg
+    edge_variance[at] = own / np.square(shorter[clear])
+    stands = np.where(np.repeat(_creeping(steps, lengths), lengths), 0, lasts)
+    return (angle_deg, variance), (edge_deg, edge_variance), stands * seen.recording.period_s
+
+
+def _creeping(steps: Floats, lengths: Integers) -> Mask:
+    """Which counts are those of a slow motion: a stair of one direction, whose steps are of about one length."""
+    creeping = np.zeros(len(lengths), bool)
+    if len(lengths) > 2:
+        one_way = steps[1:] * steps[:-1] > 0.0
+        creeping[1:-1] = one_way & (np.minimum(lengths[:-2], lengths[2:]) > CREEP_LIKE * lengths[1:-1])
+    return creeping
+
+
+def _encoder_noise_deg(seen: Cleaned) -> float:
+    """Standard deviation of an angle about the turn that the gyro feels, beyond its neighbours."""
+    turned_deg = np.cumsum(seen.rate_dps) * seen.recording.period_s
+    return _middle(np.diff(seen.encoder_deg - turned_deg, 2)) / float(np.sqrt(NOISE_GAIN))
+
+
+def _noise_dps(rate_dps: Floats, period_s: float) -> float:
+    """Standard deviation of a sample, by the calmer part of means: a tone is no noise of what is slower."""
+    points = _points(NOISE_MEAN_S, period_s)
+    count = len(rate_dps) // points
+    bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
+    if not len(bends):
+        return 0.0
+    found = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
+    return found * float(np.sqrt(points / NOISE_GAIN))
+
+
+def _middle(values: Floats) -> float:
+    """Standard deviation by the middle of normal numbers."""
+    return float(np.quantile(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS
+
+
+def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
+    """Intensity of the white noise that drives the acceleration, deg²/s⁵, at each sample."""
+    intensity = np.zeros(len(rate_dps))
+    sums = np.concatenate([[0.0], np.cumsum(rate_dps)])
+    for points in dict.fromkeys(_points(step_s, period_s) for step_s in JERK_STEPS_S):
+        if 3 * points > len(rate_dps):
+            break
+        means_dps = (sums[points:] - sums[:-points]) / points
+        bends = np.square(means_dps[2 * points :] - 2.0 * means_dps[points:-points] + means_dps[: -2 * points])
+        window = JERK_WINDOW_STEPS * points
+        power = maximum_filter1d(uniform_filter1d(bends, window), window)
+        over = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / points, 0.0)
+        first = (3 * points) // 2
+        over = np.pad(over, (first, len(rate_dps) - len(over) - first), mode="edge")
+        intensity = np.maximum(intensity, over / (JERK_GAIN * (points * period_s) ** 3))
+    return intensity
+
+
+def _rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float, count_deg: float) -> Mask:
+    """Where the count stands and the gyro is at its level of other rests near by."""
+    points = _points(REST_MEAN_S, period_s)
+    slow_dps = uniform_filter1d(rate_dps, points)
+    level_dps = _level_dps(rate_dps, stands_s, period_s, count_deg)
+    near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(points)
+    still = (stands_s > RESTS_S) & near
+    shrunk: Mask = minimum_filter1d(still.astype(np.uint8), _points(REST_EDGE_S, period_s) | 1) > 0
+    return shrunk
+
+
+def _level_dps(rate_dps: Floats, stands_s: Floats, period_s: float, count_deg: float) -> Floats:
+    """What the gyro says at rest, at each sample: medians over counts that stand long, and between them."""
+    least_s = min(max(LEVEL_S, count_deg / CREEP_DPS), LONGEST_SHARE * float(stands_s.max()))
+    pieces = _stretches(stands_s > least_s)
+    if not pieces:
+        return np.full(len(rate_dps), float(np.median(rate_dps)))
+    points = _points(STANDS_MOST_S, period_s)
+    pieces = tuple((at, min(at + points, end)) for first, end in pieces for at in range(first, end, points))
+    middles = np.array([0.5 * (first + end) for first, end in pieces])
+    levels = np.array([np.median(rate_dps[first:end]) for first, end in pieces])
+    wide = np.pad(levels, LEVEL_RUNS, mode="edge")
+    held = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
+    level: Floats = np.interp(np.arange(len(rate_dps)), middles, held)
+    return level
+
+
+def _stretches(inside: Mask) -> tuple[tuple[int, int], ...]:
+    """First sample, and the one after the last, of each stretch."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
+    return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _advanced(values: Floats, samples: float) -> Floats:
+    """Earlier by so many samples; straight lines between them."""
+    if samples == 0.0:
+        return values
+    place = np.arange(len(values), dtype=np.float64)
+    moved: Floats = np.interp(place + samples, place, values)
+    return moved
+
+
+def _points(seconds: float, period_s: float) -> int:
+    return max(1, round(seconds / period_s))

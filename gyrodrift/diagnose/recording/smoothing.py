@@ -1,0 +1,54 @@
+"""A Gaussian over samples, as `scipy.ndimage.gaussian_filter1d` has it, in a fifth of the time.
+
+A diagnosis smooths some thousand sessions of tens of thousands of samples.
+"""
+
+from functools import cache
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats
+
+REACH_SIGMAS = 4.0
+"""The Gaussian ends there, as scipy's does."""
+
+CHUNK = 1024
+"""Samples that stay in the fastest memory while all weights go over them."""
+
+
+def gaussian(values: Floats, sigma: float) -> Floats:
+    """Values through a Gaussian of so many samples, mirrored at the ends; shape (n,)."""
+    weights = _weights(float(sigma))
+    radius = len(weights) - 1
+    padded = np.pad(np.asarray(values, dtype=np.float64), radius, mode="symmetric")
+    smooth = np.empty(len(values))
+    _convolve(padded, weights, smooth)
+    return smooth
+
+
+@cache
+def _weights(sigma: float) -> Floats:
+    """Of the middle and of one side, shape (radius + 1,)."""
+    radius = int(REACH_SIGMAS * sigma + 0.5)
+    sides = np.exp(-0.5 / sigma**2 * np.arange(-radius, radius + 1) ** 2)
+    weights: Floats = (sides / sides.sum())[radius:]
+    weights.flags.writeable = False
+    return weights
+
+
+@njit(nogil=True, cache=True, error_model="numpy")
+def _convolve(padded: Floats, weights: Floats, smooth: Floats) -> None:
+    """Both sides at once, from the outer weights to the inner ones: the order of scipy's sum."""
+    radius = len(weights) - 1
+    for first in range(0, len(smooth), CHUNK):
+        part = smooth[first : first + CHUNK]
+        middle = padded[first + radius : first + radius + len(part)]
+        for n in range(len(part)):
+            part[n] = middle[n] * weights[0]
+        for away in range(radius, 0, -1):
+            weight = weights[away]
+            before = padded[first + radius - away : first + radius - away + len(part)]
+            after = padded[first + radius + away : first + radius + away + len(part)]
+            for n in range(len(part)):
+                part[n] += (before[n] + after[n]) * weight

@@ -1,0 +1,188 @@
+"""The motion behind a recording: near the true one for any encoder, still at rest, and not bent by a gyro's errors."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from firmware_sim.motion.profile import Profile, load_profile
+from firmware_sim.rig import Base, Rig, parse_effect
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
+from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.simulation.sessions import Simulation
+
+SECONDS = 50.0
+ENCODERS = [(512, 50.0), (1024, 200.0), (4096, 100.0), (36_000, 50.0), (36_000, 400.0)]
+PIECES = [("identify", 60.0), ("turntable", 100.0), ("drive", 400.0)]
+
+
+class Piece(NamedTuple):
+    """Of a profile, from a moment on."""
+
+    profile: Profile
+    first_s: float
+    powered_s: float = 0.0
+
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle and rate."""
+        return self.profile.at(t_s + self.first_s)
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature."""
+        return self.profile.sensor_c_at(t_s + self.first_s)
+
+
+class Seen(NamedTuple):
+    """A recording of a known motion, (n,) angle and rate."""
+
+    recording: Recording
+    angle_deg: Floats
+    rate_dps: Floats
+
+    def posterior(self, delay_s: float = 0.0) -> MotionPosterior:
+        """Of the recording, whose gyro is known to be that late."""
+        return motion_posterior_of(self.cleaned, GyroModel(Base().dps_per_lsb, delay_s))
+
+    @property
+    def cleaned(self) -> Cleaned:
+        """As every recording is."""
+        return cleaned(self.recording)
+
+    def off_deg(self, motion: ReplayedMotion) -> float:
+        """Root mean square of the error of the angle."""
+        return float(np.sqrt(np.square(motion.angle_deg - self.angle_deg).mean()))
+
+
+def seen(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS) -> Seen:
+    """By the shipped gyro."""
+    rig = Rig(base=Base(sample_rate_hz=rate_hz, encoder_cpr=cpr), effects=tuple(map(parse_effect, effects)))
+    recording = recording_of(Simulation(rig, motion, 3, 0, seconds / 60.0).whole(), round(seconds * rate_hz))
+    return Seen(recording, *motion.at(np.arange(len(recording.rate_dps)) / rate_hz))
+
+
+def piece(name: str, first_s: float) -> Piece:
+    return Piece(load_profile(name), first_s)
+
+
+def creeping(dps: float) -> Piece:
+    """Rest for 10 s, 20 s at a rate, rest for 10 s."""
+    ramps = [(0.5, dps), (20.0, dps), (0.5, 0.0)]
+    rest = {"kind": "rest", "seconds": 10.0}
+    segments = [rest, *({"kind": "ramp", "seconds": seconds, "to_dps": to} for seconds, to in ramps), rest]
+    return Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
+
+
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+@pytest.mark.parametrize(("name", "first_s"), PIECES)
+def test_the_angle_is_known_to_a_sixth_of_a_count(name: str, first_s: float, cpr: int, rate_hz: float) -> None:
+    """Root mean square, and everywhere to half a count; draws are off it by about what it is off."""
+    one = seen(piece(name, first_s), cpr, rate_hz)
+    posterior = one.posterior()
+    count_deg = 360.0 / cpr
+    assert one.off_deg(posterior.mean) < 0.16 * count_deg
+    assert np.abs(posterior.mean.angle_deg - one.angle_deg).max() < 0.5 * count_deg
+    drawn = posterior.draw(np.random.default_rng(1))
+    away_deg = float(np.sqrt(np.square(drawn.angle_deg - posterior.mean.angle_deg).mean()))
+    assert 0.3 * one.off_deg(posterior.mean) < away_deg < 6.0 * one.off_deg(posterior.mean)
+
+
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+def test_at_rest_nothing_moves(cpr: int, rate_hz: float) -> None:
+    """All but a second about each end of a rest is exactly still, in the mean and in draws, and nothing else is."""
+    one = seen(piece("turntable", 100.0), cpr, rate_hz)
+    posterior = one.posterior()
+    drawn = posterior.draw(np.random.default_rng(2))
+    rest_s = np.count_nonzero(one.rate_dps == 0.0) / rate_hz
+    for motion in (posterior.mean, drawn):
+        still = motion.rate_dps == 0.0
+        assert not one.rate_dps[still].any()
+        assert np.count_nonzero(still) / rate_hz > rest_s - 2.0 * len(posterior.rests)
+        assert not np.diff(motion.angle_deg)[still[1:] & still[:-1]].any()
+    assert posterior.rests
+
+
+@pytest.mark.parametrize("dps", [0.1, -0.2, 0.3])
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+def test_creeping_is_no_rest(cpr: int, rate_hz: float, dps: float) -> None:
+    """However long a count of it stands; and it makes no rest before and after into creeping."""
+    one = seen(creeping(dps), cpr, rate_hz, seconds=41.0)
+    still = one.posterior().mean.rate_dps == 0.0
+    assert not still[np.abs(one.rate_dps) > 0.5 * abs(dps)].any()
+    assert still[one.rate_dps == 0.0].mean() > 0.9
+
+
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+@pytest.mark.parametrize(("name", "first_s"), PIECES)
+def test_a_gain_error_does_not_bend_the_motion(name: str, first_s: float, cpr: int, rate_hz: float) -> None:
+    """2 %: it is known as well as without."""
+    one = seen(piece(name, first_s), cpr, rate_hz, "scale_factor:error_percent=2")
+    assert one.off_deg(one.posterior().mean) < 360.0 / cpr / 6.0
+
+
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+def test_a_delay_that_is_not_known_bends_it_by_little(cpr: int, rate_hz: float) -> None:
+    """20 ms of a table of 90 deg/s are 1.8 degrees: a twentieth of a degree and a fifth of a count are left."""
+    one = seen(piece("turntable", 100.0), cpr, rate_hz, "latency:delay_ms=20")
+    assert one.off_deg(one.posterior().mean) < 0.05 + 0.2 * 360.0 / cpr
+    # One that the rig says is taken out.
+    assert one.off_deg(one.posterior(0.02).mean) < 0.16 * 360.0 / cpr
+
+
+@pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
+def test_a_gyro_at_its_limit_does_not_bend_the_motion(cpr: int, rate_hz: float) -> None:
+    """60 deg/s where the table does 90: there the encoder alone says how it moves, to a quarter of a count."""
+    one = seen(piece("turntable", 100.0), cpr, rate_hz, "saturation:limit_dps=60")
+    assert np.abs(one.rate_dps).max() > 80.0
+    assert one.off_deg(one.posterior().mean) < 0.25 * 360.0 / cpr
+
+
+def test_samples_that_never_came_are_passed_over() -> None:
+    """One in ten, and half a second at once: the angle is known to a quarter of a count there too."""
+    whole = seen(piece("turntable", 100.0), 4096, 100.0)
+    dice = np.random.default_rng(4)
+    lost = dice.random(len(whole.rate_dps)) < 0.1
+    lost[3000:3050] = True
+    lost[[0, -1]] = False
+    rate_dps, encoder_deg = (
+        np.where(lost, np.nan, values) for values in (whole.recording.rate_dps, whole.recording.encoder_deg)
+    )
+    one = whole._replace(recording=replace(whole.recording, rate_dps=rate_dps, encoder_deg=encoder_deg))
+    motion = one.posterior().mean
+    assert np.isfinite(motion.angle_deg).all()
+    assert one.off_deg(motion) < 0.16 * 360.0 / 4096
+    assert np.abs(motion.angle_deg - one.angle_deg)[lost].max() < 0.5 * 360.0 / 4096
+
+
+@pytest.mark.parametrize(("name", "first_s"), PIECES)
+def test_a_reference_without_steps_is_averaged(name: str, first_s: float) -> None:
+    """Angles that scatter by 0.05 degrees, as an optical reference has them: a third of that is left."""
+    whole = seen(piece(name, first_s), 36_000, 100.0)
+    noisy_deg = whole.angle_deg + np.random.default_rng(5).normal(0.0, 0.05, len(whole.angle_deg))
+    one = whole._replace(recording=replace(whole.recording, encoder_deg=noisy_deg))
+    posterior = one.posterior()
+    assert one.off_deg(posterior.mean) < 0.05 / 3.0
+    assert float(np.std(posterior.mean.rate_dps - one.rate_dps)) < 0.1
+
+
+def test_a_draw_is_another_path_each_time_and_the_same_again() -> None:
+    """By its random numbers alone."""
+    posterior = seen(piece("drive", 100.0), 1024, 100.0).posterior()
+    first, again, other = (posterior.draw(np.random.default_rng(seed)).angle_deg for seed in (1, 1, 2))
+    assert np.array_equal(first, again)
+    assert np.std(first - other) > 0.0
+
+
+def test_many_draws_are_about_the_mean() -> None:
+    """Of forty, the average is off by a sixth of what one is; coarser encoders leave more."""
+    spreads = []
+    for cpr in (512, 4096):
+        posterior = seen(piece("drive", 100.0), cpr, 50.0).posterior()
+        away = np.array([posterior.draw(np.random.default_rng(n)).angle_deg for n in range(40)])
+        away -= posterior.mean.angle_deg
+        spreads.append(float(np.std(away)))
+        assert float(np.std(away.mean(axis=0))) == pytest.approx(spreads[-1] / np.sqrt(40.0), rel=0.25)
+    assert spreads[0] > 1.2 * spreads[1]
