@@ -5,7 +5,7 @@ A `CandidateKind` is all that diagnose knows of an effect. With what the recordi
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
 
 import numpy as np
@@ -93,20 +93,24 @@ class Variant:
         Other parameters of the effect.
     phase_deg
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
-    noise_share
-        What share of the scatter that the recording shows was there before this effect changed it.
+    noise_share, jitter_share
+        What share of the scatter of rates, or of arrivals, that the recording shows was there before this effect
+        changed it.
     """
 
     grid: SizeGrid
     fixed: Mapping[str, float] = field(default_factory=dict)
     phase_deg: float | None = None
     noise_share: float = 1.0
+    jitter_share: float = 1.0
 
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
         if self.noise_share != 1.0:
             return f"noise times {self.noise_share:g}"
+        if self.jitter_share != 1.0:
+            return f"host jitter times {self.jitter_share:g}"
         return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
 
 
@@ -128,8 +132,13 @@ class Candidate:
         Effects of one group are easily taken for each other.
     realisations
         How many draws a size takes: one where chance plays no part.
-    phase_deg, noise_share
+    phase_deg, noise_share, jitter_share
         As in `Variant`.
+    is_phase_free
+        Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
+    in_rig
+        The effect as the rig has it already, which `make` changes; None where the rig has none. Where the effect is
+        linear, sizes are what comes on top.
     shape
         Of an out-of-catalogue model: what is added to the rate.
     """
@@ -146,6 +155,9 @@ class Candidate:
     realisations: int = 1
     phase_deg: float | None = None
     noise_share: float = 1.0
+    jitter_share: float = 1.0
+    is_phase_free: bool = False
+    in_rig: Effect | None = None
     shape: Shape | None = None
 
     @property
@@ -157,6 +169,30 @@ class Candidate:
     def is_out_of_catalogue(self) -> bool:
         """Whether it is no effect of the catalogue."""
         return self.shape is not None
+
+    def applied(self, size: float, effects: Sequence[Effect]) -> Effect:
+        """The effect of a size in a rig whose effects may have a phase of their own in this session."""
+        return self.turned(self.make(size), effects)
+
+    def turned(self, effect: Effect, effects: Sequence[Effect]) -> Effect:
+        """An effect that changes one of a rig, at the phase that this has in a session."""
+        phase_deg = self._phase_deg(effects)
+        return effect if phase_deg is None else effect.model_copy(update={"phase_deg": phase_deg})
+
+    def added(self, size: float, effects: Sequence[Effect]) -> Effect:
+        """What is added to a rig that has the effect already, where sizes are what comes on top."""
+        if self.in_rig is None:
+            return self.make(size)
+        phase_deg = self._phase_deg(effects)
+        if phase_deg is None:
+            return self.in_rig.model_copy(update={self.parameter: size})
+        turned = phase_deg + (180.0 if size < 0.0 else 0.0)
+        return self.in_rig.model_copy(update={self.parameter: abs(size), "phase_deg": turned})
+
+    def _phase_deg(self, effects: Sequence[Effect]) -> float | None:
+        """That of the effect as it stands in a rig, degrees; None where it has none, or does not stand there."""
+        own = next((effect for effect in effects if effect.name == self.name), None) if self.in_rig else None
+        return None if own is None else own.model_dump().get("phase_deg")
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,11 +236,16 @@ class CandidateKind:
         """Its group, or one of its own."""
         return self.group or CandidateGroup(self.name)
 
-    def candidates(self, hints: Hints) -> list[Candidate]:
-        """One for each variant."""
-        return [self._candidate(variant) for variant in self.variants(hints)]
+    def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
+        """One for each variant; of an effect that the rig has already, what changes it."""
+        variants = list(self.variants(hints))
+        if in_rig is None:
+            return [self._candidate(one, is_phase_free=is_phase_free) for one in variants]
+        if variants[0].grid.points[0] < 0.0 or variants[0].phase_deg is not None:
+            return [self._on_top(variants[0], in_rig)]
+        return [self._instead(variant, in_rig) for variant in variants]
 
-    def _candidate(self, variant: Variant) -> Candidate:
+    def _candidate(self, variant: Variant, *, is_phase_free: bool = False) -> Candidate:
         return Candidate(
             name=self.name,
             variant=variant.label,
@@ -218,8 +259,41 @@ class CandidateKind:
             realisations=self.realisations,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
+            jitter_share=variant.jitter_share,
+            is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
+
+    def _on_top(self, variant: Variant, in_rig: Effect) -> Candidate:
+        """What is linear in its size: simulated by itself, added to what the rig has."""
+        up = variant.grid.sizes[variant.grid.sizes > 0.0]
+        most = float(np.abs(variant.grid.points).max())
+        has = float(getattr(in_rig, self.parameter))
+
+        def changed(size: float) -> Effect:
+            return in_rig.model_copy(update={self.parameter: has + size})
+
+        down, lowest = -up[::-1], _least(in_rig, self.parameter) - has
+        if lowest > down[0]:
+            down = np.concatenate([[lowest], down[down > lowest]])
+        grid = SizeGrid(np.array([-most, most]), np.concatenate([down, up]))
+        return replace(
+            self._candidate(variant), variant="on top", make=changed, grid_points=grid.points, sizes=grid.sizes,
+            phase_deg=None, in_rig=in_rig,
+        )  # fmt: skip
+
+    def _instead(self, variant: Variant, in_rig: Effect) -> Candidate:
+        """What takes the place of the effect in the rig, at other sizes, with its other parameters."""
+        fixed = {name: value for name, value in in_rig.model_dump().items() if name not in {"name", self.parameter}}
+        one = self._candidate(replace(variant, fixed={**fixed, **variant.fixed}))
+        touches = Touches.VALUES if one.touches is Touches.SLOW_RATE else one.touches
+        return replace(one, touches=touches, in_rig=in_rig)
 
     def _effect(self, size: float, fixed: Mapping[str, float]) -> Effect:
         values = {"name": self.name, self.parameter: self.of_size(size), **fixed}
         return CATALOGUE[self.name].model_validate(values)
+
+
+def _least(effect: Effect, parameter: str) -> float:
+    """The least value that a parameter may take."""
+    bounds = [getattr(one, "ge", None) for one in type(effect).model_fields[parameter].metadata]
+    return max((float(one) for one in bounds if one is not None), default=-np.inf)

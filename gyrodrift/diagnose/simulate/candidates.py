@@ -4,11 +4,15 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.rig import Rig
 from gyrodrift.diagnose.simulate.candidate import Candidate, CandidateKind, Hints
 from gyrodrift.diagnose.simulate.kinds.curve_and_times import CURVE_AND_TIMES
 from gyrodrift.diagnose.simulate.kinds.linear import LINEAR
 from gyrodrift.diagnose.simulate.kinds.noise_and_encoder import NOISE_AND_ENCODER
 from gyrodrift.diagnose.simulate.nuisance import out_of_catalogue
+
+IDEAL = Rig()
+"""A rig without effects."""
 
 _KINDS: dict[str, CandidateKind] = {}
 
@@ -39,9 +43,15 @@ def unregister(name: str) -> None:
     del _KINDS[name]
 
 
-def candidates(hints: Hints) -> list[Candidate]:
+def candidates(hints: Hints, rig: Rig = IDEAL) -> list[Candidate]:
     """All of them on given recordings; those of other phases are not simulated but composed, see `responses`."""
-    found = [candidate for kind in KINDS.values() for candidate in kind.candidates(hints)]
+    in_rig = {effect.name: effect for effect in rig.effects}
+    is_free = not rig.base.encoder_absolute
+    found = [
+        candidate
+        for kind in KINDS.values()
+        for candidate in kind.candidates(hints, in_rig.get(kind.name), is_phase_free=is_free)
+    ]
     return [*found, *out_of_catalogue(hints)]
 
 

@@ -14,7 +14,7 @@ from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
-from gyrodrift.diagnose.simulate.responses import response_table
+from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session
@@ -44,6 +44,7 @@ class SessionTask(NamedTuple):
     rig: Rig
     hints: Hints
     names: frozenset[str]
+    null_runs: int
 
 
 def checked_recording(path: Path) -> CheckedRecording:
@@ -80,7 +81,7 @@ def response_tables(
 
 
 def _table(plan: SimulationPlan, number: int) -> ResponseTable:
-    return response_table(plan.subjects[number], plan.tried)
+    return response_table(plan.subjects[number], plan.tried, null_runs_of(len(plan.subjects)))
 
 
 _held: list[SimulationPlan] = []
@@ -97,7 +98,9 @@ def _held_table(number: int) -> ResponseTable:
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: Progress) -> tuple[ResponseTable, ...]:
     names = frozenset(candidate.name for candidate in plan.tried)
-    tasks = [SessionTask(path.resolve(), plan.rig, plan.hints, names) for path in plan.paths]
+    tasks = [
+        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs_of(len(plan.paths))) for path in plan.paths
+    ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
         progress("sessions replayed by the cluster", 0, len(tasks))
@@ -119,8 +122,8 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     recording = checked_recording(task.path).recording
     if recording is None:
         raise DataError(f"{task.path}: changed while it was being diagnosed")
-    tried = [candidate for candidate in candidates(task.hints) if candidate.name in task.names]
-    return response_table(subject_of(recording, task.rig), tried)
+    tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
+    return response_table(subject_of(recording, task.rig), tried, task.null_runs)
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: Progress) -> tuple[ResponseTable, ...]:

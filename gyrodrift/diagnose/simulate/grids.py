@@ -7,8 +7,8 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Hints, SizeGrid, Variant
 
-PER_DECADE = 12
-"""Sizes between which a fit decides, to a decade: steps of a fifth."""
+PER_DECADE = 24
+"""Sizes between which a fit decides, to a decade: steps of a tenth."""
 
 PHASES_DEG = tuple(30.0 * step for step in range(12))
 

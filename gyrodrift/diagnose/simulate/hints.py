@@ -8,10 +8,10 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
-from gyrodrift.diagnose.features.design_matrix import TURN_ORDERS
 from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
 from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
 from gyrodrift.diagnose.features.spectral_line import spectral_line
+from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject

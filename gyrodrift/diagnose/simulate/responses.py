@@ -8,12 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
-from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
+from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, design_beside, subject_of
 
 BASE_RUNS = 4
-NULL_RUNS = 5
+NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
+"""Null runs of all sessions together, and of each."""
+
 NULL_BASE_RUNS = 2
 FIRST_NULL_SEED = 1000
 
@@ -21,14 +24,19 @@ SIMULATED_PHASES_DEG = (0.0, 90.0)
 """Every other phase is composed of these two."""
 
 
-def response_table(subject: Subject, tried: Sequence[Candidate]) -> ResponseTable:
+def null_runs_of(sessions: int) -> int:
+    """How many each of so many sessions takes."""
+    return min(max(-(-NULL_RUNS_TOGETHER // sessions), NULL_RUNS_LEAST), NULL_RUNS_MOST)
+
+
+def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int) -> ResponseTable:
     """Simulate all that is to be known of a session; the same random streams with and without an effect."""
     own = subject.measured()
     base = [subject.base_run(seed) for seed in range(BASE_RUNS)]
     simulated = [candidate for candidate in tried if candidate.phase_deg in (None, *SIMULATED_PHASES_DEG)]
     responses = {key(candidate): response(subject, candidate, base) for candidate in simulated}
     runs = np.array([run.values for run in base])
-    nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(NULL_RUNS)])
+    nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
     name = subject.seen.recording.name
     return ResponseTable(name, own.values - runs.mean(axis=0), own.thresholds, runs, nulls, responses)
 
@@ -45,30 +53,32 @@ def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) ->
 
 def null_difference(subject: Subject, seed: int) -> Floats:
     """(F,) the difference that is left when the rig is taken for a recording, and driven through itself."""
-    played = subject.replayed((), seed)
-    again = subject_of(played.recording, subject.rig)
-    runs = [again.simulated((), number).values for number in range(NULL_BASE_RUNS)]
+    again = subject_of(subject.played((), seed), subject.rig)
+    runs = [again.simulated((), FIRST_NULL_SEED + seed + number).values for number in range(NULL_BASE_RUNS)]
     left: Floats = again.measured().values - np.mean(runs, axis=0)
     return left
 
 
 def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun) -> Floats:
     """(F,) features with a candidate; those of what it does not touch are taken over."""
+    stands = subject.rig.effects
     if candidate.shape is not None:
         shaped = subject.with_shape(candidate.shape, size, base.seed, base.seen)
-        return _first(subject.residual_features(shaped), base.values)
-    effects = (candidate.make(size),)
+        return _first(subject.residual_features(shaped, base), base.values)
+    effects = (candidate.applied(size, stands),)
     match candidate.touches:
         case Touches.SLOW_RATE:
-            return _first(subject.residual_features(subject.with_rate(effects, base.seed, base.seen)), base.values)
+            with_it = subject.with_rate((candidate.added(size, stands),), base)
+            return _first(subject.residual_features(with_it, base), base.values)
         case Touches.TIMES:
-            times = subject.time_features(effects, base.seed)
+            times = subject.with_jitter(candidate.jitter_share).time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
         case Touches.VALUES:
             calibrated = subject.with_noise(candidate.noise_share)
-            return _first(calibrated.value_features(calibrated.replayed(effects, base.seed)), base.values)
+            return _first(calibrated.value_features(calibrated.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
-            return subject.with_noise(candidate.noise_share).simulated(effects, base.seed).values
+            seen = subject.with_noise(candidate.noise_share).replayed(effects, base.seed)
+            return measure(seen, design_beside(seen, base), subject.facts).values
 
 
 def _first(features: Floats, others: Floats) -> Floats:

@@ -1,11 +1,12 @@
 """Several effects at once, simulated as a whole: what the tables of single responses are corrected by."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -13,25 +14,44 @@ from gyrodrift.diagnose.simulate.twin import Subject
 REALISATIONS = 4
 """Of a set in which one at least is random: their mean is taken."""
 
-Sized = tuple[Candidate, float]
-"""A candidate with its size."""
+
+class Sized(NamedTuple):
+    """A candidate with its size; where its phase is free, with that of each session, degrees."""
+
+    candidate: Candidate
+    size: float
+    phases_deg: Floats | None = None
 
 
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> Floats:
     """(sessions, F) what a whole set of candidates does to the features."""
-    seeds = range(1 if all(candidate.realisations == 1 for candidate, _ in effects) else REALISATIONS)
-    changes = [
-        np.mean([_features(effects, subject, seed) - table.runs[seed] for seed in seeds], axis=0)
-        for subject, table in zip(subjects, tables, strict=True)
-    ]
-    return np.array(changes)
+    pairs = enumerate(zip(subjects, tables, strict=True))
+    return np.array([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
 
 
-def _features(effects: Sequence[Sized], subject: Subject, seed: int) -> Floats:
-    share = float(np.prod([candidate.noise_share for candidate, _ in effects]))
-    of_catalogue = tuple(candidate.make(size) for candidate, size in effects if not candidate.is_out_of_catalogue)
-    seen = subject.with_noise(share).replayed(of_catalogue, seed)
-    for candidate, size in effects:
-        if candidate.shape is not None:
-            seen = subject.with_shape(candidate.shape, size, seed, seen)
-    return measure(seen, subject.design, subject.facts).values
+def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> Floats:
+    """(F,) the same in session `number`."""
+    seeds = range(1 if all(one.candidate.realisations == 1 for one in effects) else REALISATIONS)
+    change: Floats = np.mean([_features(effects, number, subject, seed) - table.runs[seed] for seed in seeds], axis=0)
+    return change
+
+
+def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int) -> Floats:
+    noise, jitter = (
+        float(np.prod(shares))
+        for shares in zip(*((one.candidate.noise_share, one.candidate.jitter_share) for one in effects), strict=True)
+    )
+    of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
+    seen = subject.with_noise(noise).with_jitter(jitter).replayed(of_catalogue, seed)
+    for one in effects:
+        if one.candidate.shape is not None:
+            seen = subject.with_shape(one.candidate.shape, one.size, seed, seen)
+    return subject.measured_again(seen).values
+
+
+def in_session(one: Sized, number: int, subject: Subject) -> Effect:
+    """The effect as it is in session `number`."""
+    effect = one.candidate.applied(one.size, subject.rig.effects)
+    if one.phases_deg is None:
+        return effect
+    return effect.model_copy(update={"phase_deg": float(one.phases_deg[number])})

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from simulate_support import HINTS, candidate_of
+from simulate_support import BASE, HINTS, candidate_of
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
+from firmware_sim.effects.effect import Effect
+from firmware_sim.rig import Rig, parse_effect
+from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates, register
 from gyrodrift.diagnose.simulate.grids import between, linear_grid, read_grid, simulated_grid
 
@@ -69,10 +71,10 @@ def test_what_comes_once_per_turn_is_tried_in_twelve_phases() -> None:
 
 
 def test_sizes_stand_in_even_ratios() -> None:
-    """Twelve to a decade, with both ends."""
+    """Twenty-four to a decade, with both ends."""
     sizes = between(0.01, 10.0)
-    assert len(sizes) == 37
-    assert sizes[[0, 12, 24, 36]] == pytest.approx([0.01, 0.1, 1.0, 10.0])
+    assert len(sizes) == 73
+    assert sizes[[0, 24, 48, 72]] == pytest.approx([0.01, 0.1, 1.0, 10.0])
     assert np.ptp(np.diff(np.log(sizes))) < 1e-12
 
 
@@ -99,3 +101,72 @@ def test_a_record_that_cannot_be_is_refused() -> None:
         register(replace(known, name="gremlins"))
     with pytest.raises(ValueError, match="candidate already"):
         register(known)
+
+
+def beside(text: str, *, absolute: bool = False) -> tuple[Effect, list[Candidate]]:
+    """An effect in a rig, and what is tried of it there."""
+    effect = parse_effect(text)
+    rig = Rig(base=BASE.model_copy(update={"encoder_absolute": absolute}), effects=(effect,))
+    return effect, [one for one in candidates(HINTS, rig) if one.name == effect.name]
+
+
+@pytest.mark.parametrize("text", ["scale_factor:error_percent=1.2", "temp_bias", "clock_drift", "warmup"])
+def test_of_a_linear_effect_in_the_rig_sizes_are_what_comes_on_top(text: str) -> None:
+    """Of either sign; the effect that is made has both, and the other parameters of the rig."""
+    effect, (candidate,) = beside(text)
+    name = candidate.parameter
+    has = effect.model_dump()[name]
+    assert candidate.in_rig == effect
+    assert np.array_equal(candidate.sizes, candidate_of(effect.name).sizes)
+    for size in (candidate.sizes[3], candidate.sizes[-3]):
+        assert candidate.make(size).model_dump() == {**effect.model_dump(), name: pytest.approx(has + size)}
+        # What is simulated beside the rig is what comes on top alone.
+        assert candidate.added(size, (effect,)).model_dump() == {**effect.model_dump(), name: size}
+
+
+@pytest.mark.parametrize("text", ["g_sensitivity:amplitude_dps=0.1", "encoder_eccentricity:amplitude_deg=0.3"])
+def test_an_amplitude_in_the_rig_goes_down_to_nothing(text: str) -> None:
+    """And not below; it keeps the phase that the session has, and turns it round where less is there."""
+    effect, (candidate,) = beside(f"{text},phase_deg=30")
+    name = candidate.parameter
+    assert candidate.make(candidate.sizes[0]).model_dump()[name] == pytest.approx(0.0, abs=1e-12)
+    assert (np.diff(candidate.sizes) > 0.0).all()
+    assert not candidate.is_phase_free
+    in_session = effect.model_copy(update={"phase_deg": 77.0})
+    assert candidate.applied(0.05, (in_session,)).model_dump()["phase_deg"] == 77.0
+    assert candidate.added(0.05, (in_session,)).model_dump() == {"name": effect.name, name: 0.05, "phase_deg": 77.0}
+    assert candidate.added(-0.05, (in_session,)).model_dump() == {"name": effect.name, name: 0.05, "phase_deg": 257.0}
+
+
+@pytest.mark.parametrize(
+    ("text", "variants"),
+    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization", 7), ("bandwidth", 2)],
+)
+def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: int) -> None:
+    """The grid is that of one that the rig has not; simulated in full, since the one in the rig is taken away."""
+    effect, found = beside(text)
+    fresh = of(effect.name)
+    assert len(found) == len(fresh) == variants
+    for candidate, other in zip(found, fresh, strict=True):
+        assert candidate.in_rig == effect
+        assert np.array_equal(candidate.sizes, other.sizes)
+        assert candidate.make(candidate.sizes[0]) == other.make(other.sizes[0])
+        assert candidate.touches is not Touches.SLOW_RATE
+
+
+def test_others_are_as_they_were_beside_an_effect_in_the_rig() -> None:
+    """No variant of theirs more or less."""
+    _, found = beside("latency")
+    assert len(found) == len(of("latency"))
+    rig = Rig(base=BASE, effects=(parse_effect("latency"),))
+    names = [one.name for one in candidates(HINTS)]
+    assert [one.name for one in candidates(HINTS, rig)] == names
+    assert [one.name for one in candidates(HINTS, rig) if one.in_rig is not None] == ["latency"]
+
+
+def test_a_phase_is_free_unless_the_encoder_is_absolute() -> None:
+    """Of what comes once per turn, and of nothing else."""
+    free = {one.name for one in candidates(HINTS) if one.is_phase_free}
+    assert free == {"g_sensitivity", "encoder_eccentricity"}
+    fixed = Rig(base=BASE.model_copy(update={"encoder_absolute": True}))
+    assert not any(one.is_phase_free for one in candidates(HINTS, fixed))

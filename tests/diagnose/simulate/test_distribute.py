@@ -21,7 +21,8 @@ from gyrodrift.session.files import write_session
 @pytest.fixture(autouse=True)
 def one_null(monkeypatch: pytest.MonkeyPatch) -> None:
     """Null differences take longest, and one shows as well as five who worked it out."""
-    monkeypatch.setattr(responses, "NULL_RUNS", 1)
+    monkeypatch.setattr(responses, "NULL_RUNS_LEAST", 1)
+    monkeypatch.setattr(responses, "NULL_RUNS_MOST", 1)
 
 
 TRIED = (candidate_of("scale_factor"), candidate_of("popcorn"))
@@ -65,14 +66,14 @@ def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path)
     recording = distribute.checked_recording(path).recording
     assert recording is not None
     subject = subject_of(recording, Rig(base=BASE))
-    task = SessionTask(path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]))
+    task = SessionTask(path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]), null_runs=1)
     popcorns = [one for one in candidates(HINTS) if one.name in task.names]
-    assert same(distribute.read_and_simulate(task), response_table(subject, popcorns))
+    assert same(distribute.read_and_simulate(task), response_table(subject, popcorns, null_runs=1))
 
 
 def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
-    """One that is cut to half a minute is no session to a worker any more."""
+    """One that is cut to a quarter of a minute is no session to a worker any more."""
     path = tmp_path / "cut.csv"
-    write_session(path, [session_of(minutes=0.5)])
+    write_session(path, [session_of(minutes=0.25)])
     with pytest.raises(DataError, match=r"cut\.csv: changed while"):
-        distribute.read_and_simulate(SessionTask(path, Rig(base=BASE), HINTS, frozenset()))
+        distribute.read_and_simulate(SessionTask(path, Rig(base=BASE), HINTS, frozenset(), null_runs=1))

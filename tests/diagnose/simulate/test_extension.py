@@ -64,7 +64,7 @@ def test_it_is_tried_and_its_response_is_simulated() -> None:
     candidate = found[names.index("motor_bias")]
     assert names[names.index("motor_bias") + 1].startswith("?")
     assert (candidate.stage, candidate.group, candidate.needs) == ("platform", "motor_bias", ("motion",))
-    table = response_table(plain(), [candidate])
+    table = response_table(plain(), [candidate], null_runs=1)
     down, up = table.responses["motor_bias "][:, 0]
     assert feature(up, "moving") == pytest.approx(-feature(down, "moving"), rel=1e-6)
     assert abs(feature(up, "moving")) > feature(table.thresholds, "moving")

@@ -73,6 +73,7 @@ CURVE_AND_TIMES = (
         LAG,
         (Need.MOTION,),
         Touches.VALUES,
+        matters_from=1.5,
     ),
     CandidateKind(
         "backlash",
@@ -82,6 +83,7 @@ CURVE_AND_TIMES = (
         REVERSAL,
         (Need.MOTION,),
         Touches.VALUES,
+        matters_from=0.03,
     ),
     CandidateKind(
         "timestamp_jitter",
@@ -91,6 +93,7 @@ CURVE_AND_TIMES = (
         TIMES,
         (),
         Touches.TIMES,
+        matters_from=0.06,
     ),
     CandidateKind(
         "usb_batching",
@@ -100,6 +103,7 @@ CURVE_AND_TIMES = (
         TIMES,
         (Need.HOST,),
         Touches.TIMES,
+        matters_from=2.0,
     ),
     CandidateKind(
         "sample_drop",
@@ -109,6 +113,7 @@ CURVE_AND_TIMES = (
         None,
         (Need.COUNTER,),
         realisations=2,
+        matters_from=0.02,
     ),
     CandidateKind(
         "stale_hold",
@@ -119,5 +124,6 @@ CURVE_AND_TIMES = (
         (Need.MOTION,),
         Touches.VALUES,
         realisations=2,
+        matters_from=0.05,
     ),
 )

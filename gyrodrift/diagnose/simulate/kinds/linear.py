@@ -85,6 +85,7 @@ LINEAR = (
         CLOCK,
         (Need.HOST,),
         Touches.TIMES,
+        matters_from=30.0,
     ),
     CandidateKind(
         "g_sensitivity",

@@ -21,6 +21,7 @@ NOISE_AND_ENCODER = (
         (),
         Touches.SLOW_RATE,
         realisations=4,
+        matters_from=3.0,
     ),
     CandidateKind(
         "rate_random_walk",
@@ -31,6 +32,7 @@ NOISE_AND_ENCODER = (
         (),
         Touches.SLOW_RATE,
         realisations=4,
+        matters_from=0.0003,
     ),
     CandidateKind(
         "popcorn",
@@ -41,6 +43,7 @@ NOISE_AND_ENCODER = (
         (),
         Touches.SLOW_RATE,
         realisations=4,
+        matters_from=0.01,
     ),
     CandidateKind(
         "spikes",
@@ -70,6 +73,7 @@ NOISE_AND_ENCODER = (
         None,
         (),
         Touches.VALUES,
+        matters_from=0.02,
     ),
     CandidateKind(
         "encoder_quantization",

@@ -1,0 +1,100 @@
+"""Calibration of a rig to a session, through the rig: base values at which it measures what the recording measured.
+
+Indirect inference (C. Gourieroux, A. Monfort and E. Renault, 1993): a statistic is taken of the recording and of a
+simulation of it, and the base value is moved until both agree. So noise that goes through a low-pass of the rig, or a
+bias beside one that an effect of the rig adds, is counted once.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from firmware_sim.measure import measure as play
+from firmware_sim.rig import Base, Rig
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.spectral_line import white_dps
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.diagnose.simulate.host_timing import with_host
+from gyrodrift.diagnose.simulate.known_effects import gyro_model_of
+from gyrodrift.simulation.sessions import as_recorded
+
+ROUNDS = 3
+"""Simulations, each with the values that the one before led to."""
+
+LEAST_STEP, MOST_STEP = 0.3, 3.0
+"""By which a round changes the standard deviation of the noise."""
+
+FEW_BLOCKS = 10
+"""With less than one block in so many, the bias is that of all of them."""
+
+HIDDEN_STEPS = 0.45
+"""Rates that scatter by less than this share of the step they come in do not show where between two steps they are."""
+
+CALIBRATION_SEED = 7_000_003
+"""Tells its random streams from those of the sessions that are compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What the base values are matched by: standard deviation of the white noise of a sample, and bias, deg/s."""
+
+    white_dps: float
+    bias_dps: float
+
+
+def calibrated(seen: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig) -> Rig:
+    """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles."""
+    period_s = seen.recording.period_s
+    step_dps = gyro_model_of(rig).count_dps
+    wanted = level_of(seen, design, step_dps)
+    base = with_host(rig.base, seen.recording).model_copy(
+        update={
+            "encoder_phase_deg": 0.0,
+            "sample_rate_hz": 1.0 / period_s,
+            "noise_dps_rthz": wanted.white_dps * period_s**0.5,
+            "bias_dps": wanted.bias_dps,
+        }
+    )
+    for _ in range(ROUNDS):
+        found = level_of(_played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps)
+        base = _moved(base, wanted, found, step_dps)
+    return rig.model_copy(update={"base": base})
+
+
+def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float) -> Level:
+    """Of a recording or of a simulation of it."""
+    residual_dps, at_rest = block_residual_dps(seen, design), design.regimes.block_at_rest
+    found_dps = white_dps(seen, design, step_dps)
+    # What an effect adds in motion is no bias; but steps without noise, or a dead band, hide the bias at rest.
+    noisy_dps = seen.rate_dps[design.regimes.at_rest]
+    is_hidden = not len(noisy_dps) or float(np.std(noisy_dps)) < HIDDEN_STEPS * step_dps
+    chosen = residual_dps[~at_rest if is_hidden else at_rest]
+    bias_dps = float(np.median(chosen if len(chosen) > len(residual_dps) // FEW_BLOCKS else residual_dps))
+    return Level(found_dps, bias_dps)
+
+
+def _moved(base: Base, wanted: Level, found: Level, step_dps: float) -> Base:
+    """Rounding to counts is a noise that is always there; what is above it follows the noise of the rig."""
+    grain = step_dps**2 / 12.0
+    least = 0.1 * grain
+    ratio = np.sqrt(max(wanted.white_dps**2 - grain, least) / max(found.white_dps**2 - grain, least))
+    noise = base.noise_dps_rthz * float(np.clip(ratio, LEAST_STEP, MOST_STEP))
+    return base.model_copy(
+        update={"noise_dps_rthz": noise, "bias_dps": base.bias_dps + wanted.bias_dps - found.bias_dps}
+    )
+
+
+def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
+    """A simulation of which only rate and angle are looked at, with nothing to clean but what never came."""
+    block = next(play(rig, motion, CALIBRATION_SEED, block_samples=len(motion.rate_dps)))
+    session = as_recorded(block, rig.base, seen.recording.name)
+    assert session.encoder_deg is not None  # noqa: S101 - a rig whose sessions have an encoder has one
+    rate_dps, angle_deg = np.full(len(motion.rate_dps), np.nan), np.full(len(motion.rate_dps), np.nan)
+    rate_dps[block.seq], angle_deg[block.seq] = session.rate_dps, session.encoder_deg
+    recording: Recording = seen.recording
+    none: Floats = np.zeros(0)
+    return Cleaned(recording, filled(rate_dps), filled(angle_deg), seen.step_deg, none, none)

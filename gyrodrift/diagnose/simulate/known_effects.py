@@ -1,0 +1,129 @@
+"""What a rig says that stands between motion and measurement, taken out before the motion is rebuilt."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from firmware_sim.effects.effect import Effect, Moments, Place
+from firmware_sim.effects.sensor_curve import Quantization
+from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
+from firmware_sim.rig import Rig
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_means import integral_of, slopes
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.features.orthogonal import orthonormal_vectors
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.motion_posterior import GyroModel
+from gyrodrift.diagnose.recording.outliers import Cleaned
+
+ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
+"""Effects with a phase, by the names of their amplitudes."""
+
+PHASES_DEG = np.arange(0.0, 360.0, 3.0)
+
+BETTER = 9.0
+"""In variances of a block: a phase has to fit better than the rig's own by so much, three standard deviations."""
+
+
+def gyro_model_of(rig: Rig) -> GyroModel:
+    """In what steps the gyro of a rig reads, and how late: by its delay, and by the time constant of a low-pass."""
+    delay_s, count_dps = 0.0, rig.base.dps_per_lsb
+    for effect in rig.effects:
+        if isinstance(effect, Quantization):
+            count_dps = max(count_dps, effect.step_dps)
+        if isinstance(effect, Latency):
+            delay_s += effect.delay_ms * 1e-3
+        if isinstance(effect, Bandwidth):
+            delay_s += 1.0 / (2.0 * np.pi * effect.cutoff_hz)
+    return GyroModel(count_dps, delay_s)
+
+
+def has_encoder_effects(rig: Rig) -> bool:
+    """Whether the encoder of a rig sees another angle than there is."""
+    return bool(_of_encoder(rig))
+
+
+def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:
+    """Angles of the encoder without what the rig says it errs by, of a motion that is about right."""
+    t_s: Floats = np.arange(len(motion.angle_deg), dtype=np.float64) * motion.period_s
+    moments = Moments(t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s)
+    angle_deg = motion.angle_deg
+    for effect in _of_encoder(rig):
+        angle_deg = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(angle_deg, moments)
+    corrected: Floats = encoder_deg - (angle_deg - motion.angle_deg)
+    return corrected
+
+
+def with_phases(rig: Rig, seen: Cleaned, design: DesignMatrix) -> Rig:
+    """The rig with what comes once per turn at the phase of a session, where its encoder has no fixed zero."""
+    turning = [effect for effect in rig.effects if effect.name in ONCE_PER_TURN]
+    if rig.base.encoder_absolute or not turning:
+        return rig
+    left = _Left.of(seen, design)
+    for effect in turning:
+        left = left.without(effect)
+    effects = list(rig.effects)
+    for effect in turning:
+        at = effects.index(effect)
+        effects[at], left = left.turned(effect)
+    return rig.model_copy(update={"effects": tuple(effects)})
+
+
+@dataclass(frozen=True, slots=True)
+class _Left:
+    """Block residuals less what is known of them, deg/s, beside the columns of effects once per turn.
+
+    A bias A·sin(θ + φ) is in the rate; an angle that errs by A·sin(θ + φ) takes A·ω·cos(θ + φ) from it. The amplitude
+    is the rig's, and only the phase is fitted: where a session hardly turns, sine and cosine would take the bias.
+    """
+
+    residual_dps: Floats
+    columns: dict[str, tuple[Floats, Floats]]
+
+    @classmethod
+    def of(cls, seen: Cleaned, design: DesignMatrix) -> "_Left":
+        turn, rate = np.deg2rad(design.motion.angle_deg), np.deg2rad(design.motion.rate_dps)
+        sine, cosine = np.sin(turn), np.cos(turn)
+        common = np.column_stack([np.ones(len(turn)), rate])
+
+        def mean_of(values: Floats) -> Floats:
+            return slopes(integral_of(values, design.period_s), design.period_s, design.block)
+
+        basis = orthonormal_vectors(np.column_stack([mean_of(column) for column in common.T]))
+
+        def beside(values: Floats) -> Floats:
+            aside: Floats = values - basis @ (basis.T @ values)
+            return aside
+
+        pairs = {"g_sensitivity": (sine, cosine), "encoder_eccentricity": (-rate * cosine, rate * sine)}
+        columns = {name: (beside(mean_of(first)), beside(mean_of(second))) for name, (first, second) in pairs.items()}
+        return cls(beside(block_residual_dps(seen, design)), columns)
+
+    def _of(self, effect: Effect, phase_deg: float) -> Floats:
+        first, second = self.columns[effect.name]
+        phase, amplitude = np.deg2rad(phase_deg), float(getattr(effect, ONCE_PER_TURN[effect.name]))
+        values: Floats = amplitude * (np.cos(phase) * first + np.sin(phase) * second)
+        return values
+
+    def without(self, effect: Effect) -> "_Left":
+        """What an effect leaves, at the phase that it is given with."""
+        phase_deg = float(effect.model_dump()["phase_deg"])
+        return replace(self, residual_dps=self.residual_dps - self._of(effect, phase_deg))
+
+    def turned(self, effect: Effect) -> tuple[Effect, "_Left"]:
+        """An effect that was taken away, at its best phase; at its own where no phase is better than chance."""
+        own_deg = float(effect.model_dump()["phase_deg"])
+        residual_dps = self.residual_dps + self._of(effect, own_deg)
+        costs = np.array([np.square(residual_dps - self._of(effect, phase)).sum() for phase in PHASES_DEG])
+        chance = costs.min() / max(1, len(residual_dps) - 1)
+        own_cost = float(np.square(residual_dps - self._of(effect, own_deg)).sum())
+        is_better = own_cost - costs.min() > BETTER * chance
+        phase_deg = float(PHASES_DEG[np.argmin(costs)]) if is_better else own_deg
+        best = effect.model_copy(update={"phase_deg": phase_deg})
+        return best, replace(self, residual_dps=residual_dps).without(best)
+
+
+def _of_encoder(rig: Rig) -> list[Effect]:
+    """Those whose errors follow from the motion: jumps come by chance, and are taken out as what they are."""
+    return [effect for effect in rig.effects if effect.place is Place.ENCODER and effect.name != "encoder_slip"]

@@ -1,0 +1,67 @@
+"""Base values of a session found through a rig with effects: those that it was simulated with."""
+
+import numpy as np
+import pytest
+from simulate_support import BASE, MOTION, session_of
+
+from firmware_sim.rig import Base, Rig, parse_effect
+from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate.twin import subject_of
+from gyrodrift.simulation.sessions import Simulation
+
+NOISE_DPS_RTHZ, BIAS_DPS = 0.008, -0.4
+
+
+def calibrated(*effects: str, rate_hz: float = 100.0, noise: float = NOISE_DPS_RTHZ) -> Base:
+    """Of a session whose rig was stated with another noise, bias and rate."""
+    stands = tuple(map(parse_effect, effects))
+    own = {"sample_rate_hz": rate_hz, "noise_dps_rthz": noise, "bias_dps": BIAS_DPS}
+    truth = Rig(base=BASE.model_copy(update=own), effects=stands)
+    session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
+    stated = {"sample_rate_hz": 1.02 * rate_hz, "noise_dps_rthz": 0.0035, "bias_dps": 0.35}
+    return subject_of(recording_of(session), Rig(base=BASE.model_copy(update=stated), effects=stands)).rig.base
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        ("bandwidth:cutoff_hz=15",),
+        ("bandwidth:cutoff_hz=40",),
+        ("quantization:step_dps=0.061",),
+        ("vibration_rectification",),
+        ("vibration",),
+        ("warmup",),
+        ("scale_factor",),
+        ("latency:delay_ms=20", "bandwidth:cutoff_hz=30"),
+    ],
+    ids=str,
+)
+def test_noise_and_bias_are_found_through_the_effects_of_the_rig(effects: tuple[str, ...]) -> None:
+    """The noise of two minutes is known to some 3 %, and so is that of the simulation; the bias to 0.01 deg/s."""
+    base = calibrated(*effects)
+    assert base.noise_dps_rthz == pytest.approx(NOISE_DPS_RTHZ, rel=0.1)
+    assert base.bias_dps == pytest.approx(BIAS_DPS, abs=0.012)
+    assert base.sample_rate_hz == pytest.approx(100.0, rel=1e-4)
+
+
+@pytest.mark.parametrize(("rate_hz", "noise"), [(50.0, 0.02), (200.0, 0.002), (400.0, 0.0035)])
+def test_noise_is_a_density_whatever_the_rate(rate_hz: float, noise: float) -> None:
+    """From the best gyros to the worst."""
+    base = calibrated(rate_hz=rate_hz, noise=noise)
+    assert base.noise_dps_rthz == pytest.approx(noise, rel=0.08)
+    assert base.sample_rate_hz == pytest.approx(rate_hz, rel=1e-4)
+
+
+def test_a_low_pass_that_the_rig_does_not_know_folds_noise_down() -> None:
+    """Of first order at 40 Hz: noise about 100, 200 and 300 Hz comes down as 0.28, 0.08 and 0.03 of the power."""
+    found = subject_of(recording_of(session_of(parse_effect("bandwidth:cutoff_hz=40"))), Rig(base=BASE)).rig.base
+    assert found.noise_dps_rthz == pytest.approx(BASE.noise_dps_rthz * np.sqrt(1.39), rel=0.08)
+
+
+def test_a_session_begins_where_its_encoder_says() -> None:
+    """A phase in the rig's file is that of another power-on."""
+    base = BASE.model_copy(update={"encoder_phase_deg": 77.0})
+    subject = subject_of(recording_of(session_of()), Rig(base=base))
+    assert subject.rig.base.encoder_phase_deg == 0.0
+    assert np.abs(subject.posterior.mean.angle_deg[:100]).max() < 0.02

@@ -1,0 +1,84 @@
+"""What the rig says that stands between motion and measurement: its phase in a session, and the angle without it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from simulate_support import BASE, MOTION, RATE_HZ
+
+from firmware_sim.effects.effect import Effect
+from firmware_sim.rig import Rig, parse_effect
+from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, has_encoder_effects
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.simulation.sessions import Simulation
+
+STATED_DEG = 40.0
+ONCE = ["g_sensitivity:amplitude_dps=0.05", "encoder_eccentricity:amplitude_deg=0.3"]
+
+
+def seen(effect: Effect, zeroed_deg: float = 0.0, *, absolute: bool = False, known: bool = True) -> Subject:
+    """A session of a rig with an effect, whose encoder was zeroed at an angle of the table."""
+    base = BASE.model_copy(update={"encoder_phase_deg": zeroed_deg})
+    rig = Rig(base=base, effects=(effect,))
+    session = Simulation(rig, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
+    assert session.encoder_deg is not None
+    session = replace(session, encoder_deg=session.encoder_deg - zeroed_deg)
+    stated = BASE.model_copy(update={"encoder_absolute": absolute})
+    return subject_of(recording_of(session), Rig(base=stated, effects=(effect,) if known else ()))
+
+
+def once(text: str) -> Effect:
+    return parse_effect(text).model_copy(update={"phase_deg": STATED_DEG})
+
+
+def apart_deg(one: float, other: float) -> float:
+    """Of two phases, the shorter way round."""
+    return abs((one - other + 180.0) % 360.0 - 180.0)
+
+
+def off_deg(subject: Subject) -> float:
+    """Root mean square of the error of the rebuilt angle."""
+    true_deg = MOTION.at(np.arange(subject.design.samples) / RATE_HZ)[0]
+    return float(np.std(subject.posterior.mean.angle_deg - true_deg))
+
+
+@pytest.mark.parametrize("zeroed_deg", [0.0, 130.0, -75.0])
+@pytest.mark.parametrize("text", ONCE)
+def test_a_phase_is_that_of_the_session(text: str, zeroed_deg: float) -> None:
+    """sin(θ + φ) of a table that stood at θ₀ when the encoder was zeroed is sin(θ' + θ₀ + φ) by the encoder."""
+    (effect,) = seen(once(text), zeroed_deg).rig.effects
+    assert apart_deg(effect.model_dump()["phase_deg"], zeroed_deg + STATED_DEG) < 10.0
+
+
+@pytest.mark.parametrize("text", ONCE)
+def test_an_absolute_encoder_keeps_the_phase_of_the_rig(text: str) -> None:
+    """Whatever the session shows."""
+    (effect,) = seen(once(text), 130.0, absolute=True).rig.effects
+    assert effect == once(text)
+
+
+def test_the_angle_is_rebuilt_without_the_eccentricity_of_the_rig() -> None:
+    """Of 0.3·sin, some 0.2 RMS over these turns, hardly anything is left; all of it where the rig does not know."""
+    assert off_deg(seen(once(ONCE[1]), 130.0)) < 0.01
+    assert off_deg(seen(once(ONCE[1]), 130.0, known=False)) > 0.15
+
+
+def test_the_angle_is_rebuilt_without_the_backlash_of_the_rig() -> None:
+    """±0.25 degrees, but while the table turns through the play, of which the encoder says nothing."""
+    play = parse_effect("backlash:play_deg=0.5")
+    assert off_deg(seen(play)) < 0.3 * off_deg(seen(play, known=False))
+
+
+def test_a_gyro_is_as_late_as_its_rig_says() -> None:
+    """A delay of 12 ms, and a low-pass of 20 Hz whose time constant is 1/(2π·20) = 7.96 ms."""
+    rig = Rig(base=BASE, effects=(parse_effect("latency:delay_ms=12"), parse_effect("bandwidth:cutoff_hz=20")))
+    assert gyro_model_of(rig).delay_s == pytest.approx(0.012 + 0.0079577, abs=1e-6)
+    assert gyro_model_of(rig).count_dps == BASE.dps_per_lsb
+    assert gyro_model_of(Rig(base=BASE)).delay_s == 0.0
+
+
+def test_jumps_are_no_known_error_of_the_encoder() -> None:
+    """They come by chance, and are taken out where they are seen."""
+    assert not has_encoder_effects(Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor"))))
+    assert has_encoder_effects(Rig(effects=(parse_effect("backlash"),)))
