@@ -30,11 +30,14 @@ class Rival:
 class Alternatives:
     """What else there is to a cause.
 
+    gain
+        Of the log-likelihood of held-out sessions, by the cause beside the others.
     profile
         (sizes,) profile log-likelihood: the score of the whole set at each size of the cause.
     """
 
     cause: Cause
+    gain: float
     rivals: tuple[Rival, ...]
     profile: Floats
 
@@ -62,7 +65,7 @@ def alternatives_of(result: SearchResult, simulate: Simulate) -> tuple[tuple[Alt
         lost = float(found.scores.sum() - base.scores.sum())
         rivals, surrogate = _rivals(surrogate, found, cause, lost, simulate)
         profile = surrogate.curve(kept, cause.response).sum(axis=1)
-        every.append(Alternatives(cause, rivals, profile))
+        every.append(Alternatives(cause, lost, rivals, profile))
     return tuple(every), surrogate
 
 

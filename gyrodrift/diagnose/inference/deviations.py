@@ -7,12 +7,12 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, fitted_without, without
 from gyrodrift.diagnose.inference.surrogate import Surrogate
 
-STANDS_OUT = 4.5
-UNEXPLAINED = 5.0
-"""Pooled z beyond which a feature counts as a deviation, before and after causes are added."""
+UNEXPLAINED = 1.1
+"""In units of the family-wise threshold: what causes leave may be off by what is not exact in them."""
 
 WORST_Z = 20.0
 """No feature counts for more than this: a z of hundreds says no more than one of twenty."""
@@ -28,15 +28,6 @@ class Deviation:
     says: str
     z: float
     share: float = 0.0
-
-
-def pooled_z(z: Floats) -> Floats:
-    """(F,) one normal deviate for all sessions: a common shift, or a scatter of either sign, whichever is clearer."""
-    count = len(z)
-    shift = z.mean(axis=0) * np.sqrt(count)
-    scatter = np.linalg.norm(z, axis=0) - np.sqrt(count)
-    found: Floats = np.where(scatter > np.abs(shift), scatter * np.where(shift < 0.0, -1.0, 1.0), shift)
-    return found
 
 
 def held_out_z(surrogate: Surrogate, found: CauseSet) -> Floats:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
 from gyrodrift.diagnose.inference.likelihood import discrepancy_variance
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
@@ -16,11 +17,14 @@ class Response:
         (sizes, sessions, F) change of the features.
     spread
         (sizes, F) standard deviation of that change where it is random, else 0.
+    phases_deg
+        (sessions,) of a candidate whose phase is free: the one that each session shows; None of all others.
     """
 
     candidate: Candidate
     mean: Floats
     spread: Floats
+    phases_deg: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +38,9 @@ class Evidence:
     sigma
         (sessions, F) spread of that where there is no gap, and the relevance threshold, together.
     nulls
-        (runs, F) differences without a gap, in units of sigma, for thresholds.
+        (sessions, runs, F) differences without a gap, in units of sigma.
+    stands_out
+        Pooled z beyond which a feature deviates: chance makes one of all features do so in FAMILY_WISE_ERROR.
     discrepancies
         Of each response its model-discrepancy variance, (sizes, sessions, F); it follows from the others.
     """
@@ -45,8 +51,10 @@ class Evidence:
     nulls: Floats
     responses: tuple[Response, ...]
     discrepancies: dict[Response, Floats] = field(init=False, repr=False)
+    stands_out: float = field(init=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "stands_out", family_wise_threshold(self.nulls))
         found = {response: discrepancy_variance(response.mean, self.difference) for response in self.responses}
         object.__setattr__(self, "discrepancies", found)
 

@@ -57,7 +57,7 @@ def no_gap(evidence: Evidence) -> SimToRealGap:
 
 def floor_of(evidence: Evidence) -> float:
     """What the simulator scores against itself."""
-    return total_of(by_session(evidence.nulls))
+    return total_of(by_session(evidence.nulls.reshape(-1, evidence.nulls.shape[-1])))
 
 
 def by_session(z: Floats) -> Floats:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.least_squares import Fit, fit, whitened
 from gyrodrift.diagnose.inference.parameters import unit_of
@@ -90,7 +90,7 @@ def regressors_of(design: DesignMatrix) -> list[Regressor]:
     cubic = 100.0 * FULL_SCALE_DPS**2
 
     def columns(*values: Floats) -> Floats:
-        return np.column_stack([block_means(one, block) for one in values])
+        return np.column_stack([slopes(integral_of(one, motion.period_s), motion.period_s, block) for one in values])
 
     return [
         Regressor("scale_factor", "error_percent", 100.0, columns(rate)),

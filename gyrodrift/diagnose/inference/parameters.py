@@ -12,6 +12,9 @@ PLAUSIBLE = 2.0
 """Log-likelihood: sizes that score less than the best by no more belong to the interval; chi-square of one degree of
 freedom would have 1.92 for 95 %."""
 
+HALF_TURN_DEG = 180.0
+"""A phase that is another one in each session is known to no better; the value is that of the first."""
+
 UNITS = {
     "percent": "%",
     "percent_fs": "% of full scale",
@@ -62,9 +65,10 @@ def best_size(sizes: Floats, profile: Floats) -> float:
 
 
 def effect_of(one: Alternatives) -> Effect:
-    """The effect of the simulator at the fitted size."""
-    candidate = one.cause.candidate
-    return candidate.make(best_size(candidate.sizes, one.profile))
+    """The effect of the simulator at the fitted size; where phases are free, at that of the first session."""
+    candidate, phases_deg = one.cause.candidate, one.cause.response.phases_deg
+    made = candidate.make(best_size(candidate.sizes, one.profile))
+    return made if phases_deg is None else made.model_copy(update={"phase_deg": float(phases_deg[0])})
 
 
 def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
@@ -75,8 +79,11 @@ def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
     name, unit = candidate.parameter, unit_of(candidate.parameter)
     value, *ends = (_value(candidate.make(float(size)), name) for size in (best, plausible[0], plausible[-1]))
     found = [Parameter(name, value, min(value, *ends), max(value, *ends), unit)]
+    phases_deg = one.cause.response.phases_deg
     for other, fixed in candidate.make(best).model_dump().items():
-        if other not in {name, "name"}:
+        if other == "phase_deg" and phases_deg is not None:
+            found.append(Parameter(other, float(phases_deg[0]), -HALF_TURN_DEG, HALF_TURN_DEG, unit_of(other)))
+        elif other not in {name, "name"}:
             found.append(Parameter(other, fixed, fixed, fixed, unit_of(other)))
     return tuple(found)
 

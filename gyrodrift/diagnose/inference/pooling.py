@@ -11,6 +11,9 @@ from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
+PRIOR_RUNS = 2.0
+"""Null runs that it is worth to begin with independent sessions."""
+
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and work out the responses at all sizes."""
@@ -18,21 +21,45 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     centre = nulls.mean(axis=0)
     spread = np.sqrt(np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1))
     thresholds = np.array([table.thresholds for table in tables])
-    sigma = np.sqrt(spread**2 + thresholds**2)
+    sigma = np.sqrt(spread**2 * common_share(np.array([table.nulls for table in tables]) - centre) + thresholds**2)
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
-    runs = len(nulls) // len(tables)
+    difference = np.array([table.difference for table in tables]) - centre
+    one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
     return Evidence(
         names=tuple(table.name for table in tables),
-        difference=np.array([table.difference for table in tables]) - centre,
+        difference=difference,
         sigma=sigma,
-        nulls=(nulls - centre) / np.repeat(sigma, runs, axis=0),
-        responses=tuple(_response(tables, candidate) for candidate in tried),
+        nulls=(np.array([table.nulls for table in tables]) - centre) / sigma[:, None],
+        responses=tuple(_response(tables, candidate, difference / sigma**2) for candidate in one_each),
     )
 
 
-def _response(tables: Sequence[ResponseTable], candidate: Candidate) -> Response:
+def common_share(nulls: Floats) -> Floats:
+    """(F,) by how much the variance of a mean over sessions is more than that of independent ones; at least 1.
+
+    Sessions that play the same motion into the same counts share what is wrong in rebuilding it.
+
+    nulls
+        (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
+        where the counts are the same.
+    """
+    sessions, runs, _ = nulls.shape
+    if sessions == 1 or runs == 1:
+        return np.ones(nulls.shape[-1])
+    own = np.square(nulls).mean(axis=(0, 1))
+    together = np.square(nulls.mean(axis=0)).sum(axis=0) / (runs - 1)
+    ratio = sessions * together / np.where(own > 0.0, own, 1.0)
+    shrunk = (PRIOR_RUNS + (runs - 1) * ratio) / (PRIOR_RUNS + runs - 1)
+    share: Floats = np.clip(shrunk, 1.0, sessions)
+    return share
+
+
+def _response(tables: Sequence[ResponseTable], candidate: Candidate, weighted: Floats) -> Response:
+    """`weighted` is the difference of each session, (sessions, F), over its variance."""
+    if candidate.is_phase_free:
+        return _turned(tables, candidate, _phases_deg(tables, candidate, weighted))
     if candidate.phase_deg is not None:
-        return _turned(tables, candidate)
+        return _turned(tables, candidate, np.full(len(tables), candidate.phase_deg))
     simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realisations, F
     if candidate.realisations > 1:
         return _random(simulated, candidate)
@@ -50,15 +77,30 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     return Response(candidate, wide, interpolated(candidate, spread[:, None])[:, 0])
 
 
-def _turned(tables: Sequence[ResponseTable], candidate: Candidate) -> Response:
-    """A sine of any phase out of those of 0 and 90 degrees: exact where features are linear."""
-    phase = np.deg2rad(candidate.phase_deg or 0.0)
+def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, weighted: Floats) -> Floats:
+    """(sessions,) the phases at which a sine goes along best with what there is to explain, by least squares."""
+    at_0, at_90 = _quadratures(tables, candidate)
+    along = [(weighted[:, LINEAR] * at[:, LINEAR]).sum(axis=1) for at in (at_0, at_90)]
+    phases: Floats = np.rad2deg(np.arctan2(along[1], along[0]))
+    return phases
+
+
+def _quadratures(tables: Sequence[ResponseTable], candidate: Candidate) -> tuple[Floats, Floats]:
+    """(sessions, F) changes at phases of 0 and 90 degrees."""
     at_0, at_90 = (
         np.array([table.responses[simulated_key(candidate, deg)][0, 0] for table in tables]) for deg in (0.0, 90.0)
     )
+    return at_0, at_90
+
+
+def _turned(tables: Sequence[ResponseTable], candidate: Candidate, phases_deg: Floats) -> Response:
+    """A sine of any phase out of those of 0 and 90 degrees: exact where features are linear."""
+    phase = np.deg2rad(phases_deg)[:, None]
+    at_0, at_90 = _quadratures(tables, candidate)
     node = np.where(LINEAR, np.cos(phase) * at_0 + np.sin(phase) * at_90, 0.5 * (at_0 + at_90))
     share = candidate.sizes / candidate.grid_points[0]
-    return Response(candidate, scaled(node, share), np.zeros((len(share), node.shape[-1])))
+    free = phases_deg if candidate.is_phase_free else None
+    return Response(candidate, scaled(node, share), np.zeros((len(share), node.shape[-1])), free)
 
 
 def interpolated(candidate: Candidate, nodes: Floats) -> Floats:

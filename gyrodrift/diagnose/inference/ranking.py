@@ -7,8 +7,9 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN, gains_of
-from gyrodrift.diagnose.inference.deviations import STANDS_OUT, explained_share, pooled_z
+from gyrodrift.diagnose.inference.deviations import explained_share
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
@@ -81,7 +82,7 @@ def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
     change, variance, _ = surrogate.prediction((cause,))
     before = pooled_z(evidence.z)
     after = pooled_z((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance))
-    deviates = np.abs(before) > STANDS_OUT
+    deviates = np.abs(before) > evidence.stands_out
     return explained_share(deviates, before, after) if deviates.any() else None
 
 

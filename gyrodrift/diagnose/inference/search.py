@@ -10,6 +10,7 @@ import numpy as np
 
 from gyrodrift.diagnose.inference.acceptance import passes_acceptance
 from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated, without
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
@@ -20,8 +21,11 @@ SHORT_LIST = 4
 CLOSE = 20.0
 """Log-likelihood: what is so far behind the best by the tables needs no simulation of its own."""
 
-COARSE_STEP = 4
-"""Pairs are first tried with every fourth size."""
+COARSE_STEP = 8
+"""Pairs are first tried with every eighth size."""
+
+PAIRS_FROM = 0.5
+"""Of the family-wise threshold: where no feature is off by so much, no two causes mask each other."""
 
 BEST_PAIRS = 2
 """Pairs that are simulated again."""
@@ -119,8 +123,16 @@ def without_idle(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> t
     return found, surrogate
 
 
+def is_worth_pairs(surrogate: Surrogate, found: CauseSet) -> bool:
+    """Whether something is left that two causes together could explain."""
+    left = pooled_z(surrogate.standardised_residuals(found.causes))
+    return float(np.abs(left).max()) > PAIRS_FROM * surrogate.evidence.stands_out
+
+
 def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tuple[CauseSet, Surrogate]:
     """The best single cause, or a pair whose second cause passes beside it."""
+    if not is_worth_pairs(surrogate, single):
+        return single, surrogate
     both, surrogate = pairs(surrogate, simulate)
     accepted = [pair for pair in both if passes_acceptance(surrogate, pair, single)]
     return max([single, *accepted], key=lambda one: one.total), surrogate

@@ -16,6 +16,10 @@ from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
+FREE_PHASE_COST = 1.0
+"""Log-likelihood that a phase gains in a session by being fitted to it, where there is nothing: two normal numbers in
+place of one are worth a half to one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Cause:
@@ -90,10 +94,12 @@ class Surrogate:
         return added._replace(change=added.change + self._correction(_responses(causes)))
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
-        """(sessions,) logarithm of the likelihood of each session's features."""
+        """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
         change, variance, discrepancy = self.prediction(causes)
         evidence = self.evidence
-        return log_likelihood(evidence.difference - change, evidence.sigma**2 + variance, discrepancy)
+        fitted = sum(cause.response.phases_deg is not None for cause in causes)
+        likelihood = log_likelihood(evidence.difference - change, evidence.sigma**2 + variance, discrepancy)
+        return likelihood - FREE_PHASE_COST * fitted
 
     def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
         """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
@@ -119,7 +125,9 @@ class Surrogate:
             change = change + self._correction(both) - self._correction(both - {response})
         residual = self.evidence.difference - combined(change, response.mean[::step])
         widened = self.evidence.sigma**2 + variance + np.square(response.spread[::step])[:, None]
-        return log_likelihood(residual, widened, discrepancy + self.evidence.discrepancies[response][::step])
+        likelihood = log_likelihood(residual, widened, discrepancy + self.evidence.discrepancies[response][::step])
+        fitted = sum(one.phases_deg is not None for one in both)
+        return likelihood - FREE_PHASE_COST * fitted
 
     def knows(self, causes: Sequence[Cause]) -> bool:
         """Whether this set of candidates was simulated as a whole, at whatever sizes."""

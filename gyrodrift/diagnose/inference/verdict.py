@@ -1,7 +1,7 @@
 """From scores to words: which causes are named, with what probability, what is unexplained, and what kind it is."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -10,17 +10,16 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.inference.alternatives import Alternatives
 from gyrodrift.diagnose.inference.deviations import (
-    STANDS_OUT,
     UNEXPLAINED,
     Deviation,
     deviations,
     explained_share,
     held_out_z,
     out_of_catalogue,
-    pooled_z,
     shared,
     worst_first,
 )
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.gap import SimToRealGap, gap_of, no_gap
 from gyrodrift.diagnose.inference.parameters import Parameter, effect_of, parameters_of
 from gyrodrift.diagnose.inference.probability import LogisticFeatures, probability_of
@@ -30,6 +29,13 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 
 EXPLAINED = 0.4
 """Causes that take away less of what deviates than this, and leave something, are no explanation."""
+
+
+LIKELY = 0.6
+"""Where no feature stands out, a cause that is hardly more probable than not is none."""
+
+NEGLIGIBLE_DEG = 0.3
+"""Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""
 
 
 class Kind(StrEnum):
@@ -43,7 +49,11 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NamedCause:
-    """An effect that is held to act; `meaning` is what it does, in a sentence for a person."""
+    """An effect that is held to act.
+
+    meaning
+        What it does, in a sentence for a person.
+    """
 
     cause: Cause
     effect: Effect
@@ -52,6 +62,26 @@ class NamedCause:
     probability: float
     parameters: tuple[Parameter, ...]
     tied_with: tuple[str, ...]
+
+    @property
+    def in_rig(self) -> Effect | None:
+        """What the rig says of it, where it has it already."""
+        return self.cause.candidate.in_rig
+
+    def in_session(self, number: int, stands: Sequence[Effect]) -> Effect:
+        """The effect with the phase that session `number` shows; `stands` is what the rig of that session has."""
+        phases_deg = self.cause.response.phases_deg
+        if phases_deg is None:
+            return self.cause.candidate.turned(self.effect, stands)
+        return self.effect.model_copy(update={"phase_deg": float(phases_deg[number])})
+
+
+@dataclass(frozen=True, slots=True)
+class Negligible:
+    """An effect that acts and costs nothing; `yaw_deg` is what it costs, mean absolute yaw, deg."""
+
+    cause: NamedCause
+    yaw_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +92,8 @@ class Verdict:
         What deviates before anything is added, and what still does after; the worst first.
     after_z
         (sessions, F) what held-out sessions leave unexplained.
+    negligible
+        Effects that act, and cost nothing.
     """
 
     kind: Kind
@@ -70,6 +102,12 @@ class Verdict:
     unexplained: tuple[Deviation, ...]
     gap: SimToRealGap
     after_z: Floats = field(repr=False)
+    negligible: tuple[Negligible, ...] = ()
+
+    @property
+    def acting(self) -> tuple[NamedCause, ...]:
+        """All that is held to act, whether it costs something or not."""
+        return (*self.causes, *(one.cause for one in self.negligible))
 
 
 def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Verdict:
@@ -77,13 +115,15 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     surrogate, evidence = result.surrogate, result.surrogate.evidence
     after_z = held_out_z(surrogate, result.found)
     before, after = pooled_z(evidence.z), pooled_z(after_z)
-    deviates = np.abs(before) > STANDS_OUT
+    deviates = np.abs(before) > evidence.stands_out
     explained = explained_share(deviates, before, after) if deviates.any() else 1.0
     others = out_of_catalogue(surrogate, result.found)
-    unexplained = worst_first([*others, *deviations(after, UNEXPLAINED)])
+    unexplained = worst_first([*others, *deviations(after, UNEXPLAINED * evidence.stands_out)])
     causes = _named(alternatives, float(np.clip(1.0 - explained, 0.0, 1.0)))
+    if not deviates.any():
+        causes = tuple(one for one in causes if one.probability > LIKELY)
     kind = kind_of(deviates, explained, has_causes=bool(causes), has_unexplained=bool(unexplained))
-    where = deviations(before, STANDS_OUT)
+    where = deviations(before, evidence.stands_out)
     if kind is Kind.UNKNOWN and others:
         first = others[0]  # what it depends on says more than what else that moves
         where = shared([first, *(one for one in where if one.feature != first.feature)])
@@ -95,6 +135,29 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
         gap=no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z if causes else evidence.z),
         after_z=after_z,
     )
+
+
+def is_small(cause: NamedCause) -> bool:
+    """Whether an effect, or what it is off the rig by, is below the size at which it begins to matter."""
+    name = cause.cause.candidate.parameter
+    least = KINDS[cause.effect.name].matters_from or 0.0
+    has = 0.0 if cause.in_rig is None else float(getattr(cause.in_rig, name))
+    return abs(float(getattr(cause.effect, name)) - has) < least
+
+
+def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
+    """The verdict with causes set aside that cost less than NEGLIGIBLE_DEG, by their names."""
+    aside = tuple(
+        Negligible(one, costs_deg[one.effect.name])
+        for one in verdict.causes
+        if costs_deg.get(one.effect.name, np.inf) < NEGLIGIBLE_DEG
+    )
+    names = {one.cause.effect.name for one in aside}
+    kept = tuple(one for one in verdict.causes if one.effect.name not in names)
+    kind = verdict.kind
+    if aside and not kept:
+        kind = Kind.NONE if verdict.kind is Kind.EFFECT else Kind.UNKNOWN
+    return replace(verdict, kind=kind, causes=kept, negligible=aside)
 
 
 def kind_of(deviates: Mask, explained: float, *, has_causes: bool, has_unexplained: bool) -> Kind:
@@ -118,7 +181,7 @@ def _named(alternatives: Sequence[Alternatives], unexplained: float) -> tuple[Na
             parameters=parameters_of(one),
             tied_with=one.tied_with,
         )
-        for one in alternatives
+        for one in sorted(alternatives, key=lambda one: -one.gain)
     ]
     # Of causes that are as good as equally probable, first what has no realisations to choose from.
     return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.candidate.realisations)))

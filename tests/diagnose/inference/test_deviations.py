@@ -10,9 +10,9 @@ from gyrodrift.diagnose.inference.deviations import (
     deviations,
     explained_share,
     held_out_z,
-    pooled_z,
     worst_first,
 )
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 

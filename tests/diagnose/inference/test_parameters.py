@@ -30,11 +30,11 @@ def test_the_interval_holds_what_scores_less_by_two() -> None:
     """Sizes 4 to 6 of 1 to 8, around 5."""
     profile = -1.5 * (SIZES - 5.0) ** 2
     cause = Cause(response("scale_factor", {"rate": 1.0}), 4)
-    (one,) = parameters_of(Alternatives(cause, (), profile))
+    (one,) = parameters_of(Alternatives(cause, 1.0, (), profile))
     assert (one.name, one.unit) == ("error_percent", "%")
     assert one.value == pytest.approx(5.0)
     assert (one.low, one.high) == (4.0, 6.0)
-    assert effect_of(Alternatives(cause, (), profile)).name == "scale_factor"
+    assert effect_of(Alternatives(cause, 1.0, (), profile)).name == "scale_factor"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from inference_support import candidate, row
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
-from gyrodrift.diagnose.inference.pooling import evidence_of, interpolated, scaled
+from gyrodrift.diagnose.inference.pooling import common_share, evidence_of, interpolated, scaled
+from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
@@ -23,16 +24,33 @@ def table(name: str, nulls: Floats, answers: dict[str, Floats] | None = None) ->
 
 
 def test_nulls_of_all_sessions_are_one_sample() -> None:
-    """Their mean is taken off, their spread and the relevance threshold are one sigma."""
+    """Their mean is taken off, their spread and the relevance threshold are one sigma.
+
+    About 2 they are −2, 0 and −1, 3. Run by run their means are −1.5 and 1.5, of variance 4.5, where independent ones
+    would have half of 3.5: 2.57 times that, which two runs' worth of 1 and one of data take to 1.52.
+    """
     nulls = [np.array([row({"rate": 0.0}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
     evidence = evidence_of([table("one", nulls[0]), table("two", nulls[1])], [])
     at = NUMBER["rate"]
-    variance = np.var([0.0, 2.0, 1.0, 5.0], ddof=1)
+    variance = np.var([0.0, 2.0, 1.0, 5.0], ddof=1) * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
     assert evidence.names == ("one", "two")
     assert evidence.difference[:, at] == pytest.approx([5.0, 5.0])
     assert evidence.sigma[:, at] == pytest.approx(np.sqrt(variance + 4.0))
-    assert evidence.nulls[:, at] == pytest.approx(np.array([-2.0, 0.0, -1.0, 3.0]) / np.sqrt(variance + 4.0))
+    assert evidence.nulls[:, :, at] == pytest.approx(np.array([[-2.0, 0.0], [-1.0, 3.0]]) / np.sqrt(variance + 4.0))
     assert evidence.z[0, at] == pytest.approx(5.0 / np.sqrt(variance + 4.0))
+
+
+def test_what_sessions_have_in_common_widens_their_mean() -> None:
+    """Of four with the same eight nulls the variance of the mean is that of one, four times that of independent ones.
+
+    Two runs' worth of 1 hold it back: (2 + 7·4·8/7 / 1) / 9 of ±1, and never less than 1.
+    """
+    runs = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0])[:, None]
+    assert common_share(np.array([runs] * 4)) == pytest.approx([(2.0 + 32.0) / 9.0])
+    assert common_share(np.array([runs, -runs, runs, -runs])) == pytest.approx([1.0])
+    assert common_share(np.array([runs])) == pytest.approx([1.0])
+    independent = np.random.default_rng(3).standard_normal((4, 8, 500))
+    assert common_share(independent).mean() == pytest.approx(1.0, abs=0.25)
 
 
 def test_a_feature_that_these_motions_do_not_have_never_deviates() -> None:
@@ -95,3 +113,48 @@ def test_realisations_of_all_sessions_are_one_sample() -> None:
     assert response.spread[0, NUMBER["time"]] == pytest.approx(np.sqrt((9.0 + 1.0 + 9.0) / 4.0))
     assert response.mean[0, :, NUMBER[LOG]] == pytest.approx([1.5, 1.5])
     assert response.spread[0, NUMBER[LOG]] == pytest.approx(np.std([1.0, 2.0, 3.0, 0.0]))
+
+
+def turning(phase_deg: float) -> Candidate:
+    """Once per turn at any phase, simulated at amplitude 1 and tried at 1 to 4."""
+    return replace(
+        candidate("scale_factor"),
+        name="g_sensitivity",
+        phase_deg=phase_deg,
+        is_phase_free=True,
+        grid_points=np.array([1.0]),
+        sizes=np.array([1.0, 2.0, 4.0]),
+    )
+
+
+def at_phase(deg: float, amplitude: float) -> Floats:
+    """(F,) what a session shows of it: 3 per amplitude in the sine, and 3 in the cosine."""
+    phase = np.deg2rad(deg)
+    return row({"turn_sine": 3.0 * amplitude * np.cos(phase), "turn_cosine": 3.0 * amplitude * np.sin(phase)})
+
+
+def test_a_free_phase_is_found_in_each_session_at_one_amplitude() -> None:
+    """At 30 and at 200 degrees an amplitude of 4 explains all of both, and one response stands for all phases."""
+    shown = (30.0, 200.0)
+    tried = [turning(deg) for deg in (0.0, 30.0, 60.0)]
+    answers = {simulated_key(tried[0], deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
+    tables = [
+        replace(table(str(deg), np.zeros((2, len(FEATURES))), answers), difference=at_phase(deg, 4.0)) for deg in shown
+    ]
+    evidence = evidence_of(tables, tried)
+    (response,) = evidence.responses
+    assert response.phases_deg is not None
+    assert response.phases_deg % 360.0 == pytest.approx(shown)
+    assert response.mean[2] == pytest.approx(evidence.difference, abs=1e-12)
+    assert response.mean[1] == pytest.approx(0.5 * evidence.difference, abs=1e-12)
+
+
+def test_a_phase_is_weighed_by_what_is_known() -> None:
+    """A sine that chance makes as large says nothing of the phase: it is that of the cosine."""
+    one = turning(0.0)
+    answers = {simulated_key(one, deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
+    loud = np.array([row({"turn_sine": 100.0}), row({"turn_sine": -100.0})])
+    shown = replace(table("one", loud, answers), difference=row({"turn_sine": 5.0, "turn_cosine": 5.0}))
+    (response,) = evidence_of([shown], [one]).responses
+    assert response.phases_deg is not None
+    assert response.phases_deg[0] == pytest.approx(90.0, abs=1.0)

@@ -48,9 +48,10 @@ def test_a_second_cause_is_added() -> None:
 
 def test_two_that_mask_each_other_are_found() -> None:
     """In the feature that both move they cancel, so that either alone makes it worse and a decoy gains more."""
-    up = response("scale_factor", {"rate": 8.0, "abs_rate": 2.5})
-    down = response("clock_drift", {"rate": -8.0, "clock_ratio": 2.5})
-    decoy = response("temp_bias", {"abs_rate": 2.5, "temperature": 1.0})
+    sizes = np.arange(1.0, 9.0, 0.5)
+    up = response("scale_factor", {"rate": 8.0, "abs_rate": 2.5}, sizes)
+    down = response("clock_drift", {"rate": -8.0, "clock_ratio": 2.5}, sizes)
+    decoy = response("temp_bias", {"abs_rate": 2.5, "temperature": 1.0}, sizes)
     surrogate_evidence = evidence({"abs_rate": 12.5, "clock_ratio": 12.5}, up, down, decoy)
     first, _ = with_one_more(Surrogate(surrogate_evidence), (), added)
     assert first[0].names == ("temp_bias",)

@@ -1,11 +1,13 @@
 """Predictions of the surrogate: responses that add up, corrected where a set was simulated, and no memory beside."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from inference_support import SIZES, evidence, random_response, response, row, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate
 
 RATE, DRIFT = response("scale_factor", {"rate": 2.0}), response("clock_drift", {"clock_ratio": 3.0})
 THIRD = response("temp_bias", {"temperature": 1.0})
@@ -82,3 +84,19 @@ def test_residuals_are_in_standard_deviations() -> None:
     assert residual[NUMBER["rate"]] == pytest.approx(2.0 / np.sqrt(1.0 + 0.4**2 + (0.04 * 4.0) ** 2))
     assert residual[NUMBER["clock_ratio"]] == 6.0
     assert row({})[0] == residual[-1] == 0.0
+
+
+def test_a_phase_that_was_fitted_has_its_price_in_every_session() -> None:
+    """By itself and beside others, in scores and in curves, and once for each cause that has one."""
+    turning = replace(RATE, phases_deg=np.full(4, 30.0))
+    surrogate = Surrogate(evidence({"rate": 6.0, "clock_ratio": 6.0}, RATE, DRIFT, turning))
+    for others in ((), (ONE_DRIFT,)):
+        free, fixed = (surrogate.scores((*others, Cause(one, 1))) for one in (turning, RATE))
+        assert free == pytest.approx(fixed - FREE_PHASE_COST)
+        assert surrogate.curve(others, turning) == pytest.approx(surrogate.curve(others, RATE) - FREE_PHASE_COST)
+    beside_free = surrogate.curve((Cause(turning, 1),), DRIFT)
+    assert beside_free[0] == pytest.approx(surrogate.scores((Cause(turning, 1), ONE_DRIFT)))
+    two = replace(DRIFT, phases_deg=np.full(4, 60.0))
+    surrogate = Surrogate(evidence({"rate": 6.0, "clock_ratio": 6.0}, RATE, DRIFT, turning, two))
+    both = surrogate.scores((Cause(turning, 1), Cause(two, 0)))
+    assert both == pytest.approx(surrogate.scores((TWO, ONE_DRIFT)) - 2.0 * FREE_PHASE_COST)

@@ -1,13 +1,26 @@
 """The verdict: what kind of gap it is, ties told as ties, what no effect explains, and in which order causes stand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from inference_support import Amounts, added, candidate, evidence, response
 
+from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.search import search
-from gyrodrift.diagnose.inference.verdict import Kind, Verdict, kind_of, verdict_of
+from gyrodrift.diagnose.inference.surrogate import Cause
+from gyrodrift.diagnose.inference.verdict import (
+    NEGLIGIBLE_DEG,
+    Kind,
+    NamedCause,
+    Verdict,
+    is_small,
+    kind_of,
+    set_aside,
+    verdict_of,
+)
 
 RATE = response("scale_factor", {"rate": 2.0})
 DRIFT = response("clock_drift", {"clock_ratio": 3.0})
@@ -124,3 +137,66 @@ def test_a_profile_has_the_score_of_the_set_at_each_size() -> None:
         assert one.profile.max() == pytest.approx(surrogate.scores(result.found.causes).sum())
         assert one.rivals == ()
         assert one.rival_weight == 0.0
+
+
+def named(text: str, in_rig: str | None = None) -> NamedCause:
+    """A cause as it is named, of an effect that a rig may have at another size."""
+    effect = parse_effect(text)
+    tried = replace(candidate(effect.name), in_rig=parse_effect(in_rig) if in_rig else None)
+    return NamedCause(Cause(replace(RATE, candidate=tried), 0), effect, "group", "", 0.9, (), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "in_rig", "small"),
+    [
+        ("latency:delay_ms=1.4", None, True),
+        ("latency:delay_ms=1.6", None, False),
+        ("latency:delay_ms=21.4", "latency:delay_ms=20", True),
+        ("latency:delay_ms=18.4", "latency:delay_ms=20", False),
+        ("scale_factor:error_percent=-3", None, False),
+        ("temp_bias:slope_dps_per_c=-0.00001", None, True),
+    ],
+)
+def test_a_cause_is_small_by_what_is_new_of_it(text: str, in_rig: str | None, small: bool) -> None:  # noqa: FBT001 - parametrized
+    """A delay matters from 1.5 ms on, or from 1.5 ms beside that of the rig."""
+    assert is_small(named(text, in_rig)) is small
+
+
+def test_what_costs_nothing_is_no_cause() -> None:
+    """It is told beside what it costs; what costs as much as the bound stays, and so does what nobody asked for."""
+    verdict = judged(evidence({"rate": 10.0, "clock_ratio": 9.0}, RATE, DRIFT))
+    assert {cause.effect.name for cause in verdict.causes} == {"scale_factor", "clock_drift"}
+    aside = set_aside(verdict, {"clock_drift": 0.01})
+    assert [cause.effect.name for cause in aside.causes] == ["scale_factor"]
+    assert [(one.cause.effect.name, one.yaw_deg) for one in aside.negligible] == [("clock_drift", 0.01)]
+    assert aside.kind is Kind.EFFECT
+    assert {cause.effect.name for cause in aside.acting} == {"scale_factor", "clock_drift"}
+    assert set_aside(verdict, {"clock_drift": NEGLIGIBLE_DEG}) == verdict
+    assert set_aside(verdict, {}) == verdict
+
+
+def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
+    """Unless something is left over that nothing explains."""
+    whole = judged(evidence({"rate": 10.0}, RATE, DRIFT))
+    part = judged(evidence({"rate": 10.0, "temperature_rate": 4.0}, RATE, DRIFT))
+    assert set_aside(whole, {"scale_factor": 0.0}).kind is Kind.NONE
+    assert set_aside(part, {"scale_factor": 0.0}).kind is Kind.UNKNOWN
+    assert set_aside(whole, {"scale_factor": 0.0}).causes == ()
+
+
+def test_a_cause_has_the_phase_of_each_session() -> None:
+    """Where phases are free; where the rig has it, that which it has in the session; elsewhere its own everywhere."""
+    tilt = "g_sensitivity:amplitude_dps=0.1,phase_deg=30"
+    one = named(tilt)
+    assert one.in_session(1, ()) == one.effect
+    free = replace(
+        one, cause=replace(one.cause, response=replace(one.cause.response, phases_deg=np.array([10.0, 200.0])))
+    )
+    assert free.in_session(1, ()).model_dump()["phase_deg"] == 200.0
+    shown = one.effect.model_copy(update={"phase_deg": 120.0})
+    in_rig = named("g_sensitivity:amplitude_dps=0.2,phase_deg=30", tilt)
+    assert in_rig.in_session(0, (shown,)).model_dump() == {
+        "name": "g_sensitivity",
+        "amplitude_dps": 0.2,
+        "phase_deg": 120.0,
+    }

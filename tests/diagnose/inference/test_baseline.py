@@ -1,0 +1,104 @@
+"""What is common to a baseline and to the recordings beside it is no gap; what differs within it is chance."""
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+from inference_support import Amounts, row
+
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.features.within_second import LAG_FEATURES
+from gyrodrift.diagnose.inference.baseline import NOT_COMPARED, against, baseline_of, slow_features
+from gyrodrift.diagnose.inference.pooling import evidence_of
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+
+ALL = np.ones(len(FEATURES), bool)
+NONE = np.zeros((2, len(FEATURES)))
+RATE, WANDER = NUMBER["rate"], NUMBER["wander_20s"]
+
+
+def design(seconds: int) -> DesignMatrix:
+    """As far as RMS asks for it: how many seconds and samples there are."""
+    one = SimpleNamespace(
+        static=SimpleNamespace(vectors=np.zeros((seconds, len(COLUMNS)))),
+        lag=SimpleNamespace(vectors=np.zeros((100 * seconds, len(LAG_FEATURES)))),
+    )
+    return cast("DesignMatrix", one)
+
+
+def table(difference: Amounts) -> ResponseTable:
+    """Of a session; 0.1 of a feature matters, and chance does nothing."""
+    return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {})
+
+
+SHORT, LONG = design(100), design(400)
+
+
+def test_what_all_have_in_common_cancels() -> None:
+    """A device that reads 3 too much in each feature's own units, before and today."""
+    own: Amounts = {"rate": 3.0, "wander_20s": 3.0}
+    baseline = baseline_of([table(own)] * 4, [SHORT] * 4, ALL)
+    (today,) = against([table({"rate": 8.0, "wander_20s": 3.0})], [SHORT], baseline)
+    assert today.difference[RATE] == pytest.approx(5.0)
+    assert today.difference[WANDER] == pytest.approx(0.0)
+
+
+def test_another_length_of_recording_does_not_matter() -> None:
+    """Coefficients grow with the root of the seconds, 3 in 100 s are 6 in 400 s; a logarithm of a variance does not."""
+    baseline = baseline_of([table({"rate": 3.0, "wander_20s": 3.0})] * 4, [SHORT] * 4, ALL)
+    (today,) = against([table({"rate": 6.0, "wander_20s": 3.0})], [LONG], baseline)
+    assert today.difference[[RATE, WANDER]] == pytest.approx([0.0, 0.0])
+    assert baseline.common[RATE] == pytest.approx(0.3)
+
+
+def test_what_the_simulator_differs_from_itself_by_is_not_the_device() -> None:
+    """The mean of the null is taken off first: of 3, one is what replaying leaves."""
+    nulls = np.tile(row({"rate": 1.0}), (2, 1))
+    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {})
+    assert baseline_of([one] * 3, [SHORT] * 3, ALL).common[RATE] == pytest.approx(0.2)
+
+
+def test_a_device_that_scatters_has_to_differ_by_more() -> None:
+    """Recordings of 1 to 5 widen what one has to differ by, and nothing is compared that never moves."""
+    scattered = [table({"rate": value}) for value in (1.0, 2.0, 4.0, 5.0)]
+    steady = [table({"rate": 3.0})] * 4
+    wide, narrow = (baseline_of(each, [SHORT] * 4, ALL) for each in (scattered, steady))
+    assert wide.common[RATE] == pytest.approx(narrow.common[RATE])
+    assert wide.scatter[RATE] > 1.3 * narrow.scatter[RATE]
+    assert narrow.scatter[WANDER] == NOT_COMPARED
+    (today,) = against([table({"rate": 8.0})], [SHORT], wide)
+    assert today.thresholds[RATE] == pytest.approx(np.hypot(0.1, 10.0 * wide.scatter[RATE]))
+    assert today.thresholds[WANDER] == pytest.approx(0.1)
+
+
+def test_a_scatter_of_many_recordings_is_that_of_the_next_one() -> None:
+    """Of 40 recordings around nothing, 0.1 RMS, it is about that: little is not known any more."""
+    values = np.random.default_rng(7).normal(0.0, 1.0, 40)
+    baseline = baseline_of([table({"rate": float(value)}) for value in values], [SHORT] * 40, ALL)
+    own = 0.1 * float(np.std(values, ddof=1))
+    assert 0.95 * own < baseline.scatter[RATE] < 1.5 * own
+
+
+def test_one_recording_is_a_baseline_too() -> None:
+    """Its scatter is a share of what it shows, widened since that is all that is known of it."""
+    baseline = baseline_of([table({"rate": 4.0})], [SHORT], ALL)
+    assert baseline.common[RATE] == pytest.approx(0.4)
+    assert 0.28 < baseline.scatter[RATE] < 10.0 * 0.28
+
+
+def test_what_cannot_be_compared_never_deviates() -> None:
+    """However far it is off, and without anything being taken from it."""
+    baseline = baseline_of([table({"rate": 3.0})] * 3, [SHORT] * 3, ~ALL)
+    tables = against([table({"rate": 1e4, "wander_20s": 1e4})], [SHORT], baseline)
+    assert tables[0].difference[RATE] == 1e4
+    assert np.abs(evidence_of(tables, []).z).max() < 0.1
+    assert baseline.scatter[RATE] == NOT_COMPARED
+
+
+def test_slow_features_say_nothing_of_single_samples() -> None:
+    """Regressors and the bias second by second; no noise, no values, no stamps."""
+    names = {FEATURES[number].name for number in np.flatnonzero(slow_features())}
+    assert {"rate", "temperature", "turn_sine_rate", "wander_20s", "walk_60s", "two_levels"} <= names
+    assert not any(name.startswith(("noise_", "equal_", "stamp_", "arrival_", "angle_", "tails_")) for name in names)
