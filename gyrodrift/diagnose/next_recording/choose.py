@@ -1,0 +1,198 @@
+"""Which motion to record next: the two manoeuvres that together tell the hypotheses apart best.
+
+All manoeuvres are simulated briefly and seldom, the better half of them more often (successive halving). The best of
+them is joined by the one that adds most to it. The best pairs are simulated as they would be played, unless one tells
+all there is already. What is predicted of the chosen one comes from realisations that had no part in choosing it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from firmware_sim.measure import Motion
+from firmware_sim.motion.profile import Profile
+from firmware_sim.rig import Rig
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.next_recording.information import (
+    Told,
+    entropy,
+    held_out_log_likelihoods,
+    information_bound,
+    told_by,
+)
+from gyrodrift.diagnose.next_recording.limits import MotionLimits, limits_of
+from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre
+from gyrodrift.diagnose.next_recording.profiles import profile_of, random_profile
+from gyrodrift.diagnose.next_recording.rig_hypothesis import RigHypothesis, common_rig, weights_of
+from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+
+SCREENED_MINUTES = (1.0, 1.5)
+"""A manoeuvre is screened for as long as it would have in a pair, within these bounds."""
+
+PREDICTED_MINUTES = 4.0
+"""Longer recordings tell at least what is predicted of one so long."""
+
+SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
+"""Realisations: of each manoeuvre, and as many more of the better half; of the best pairs; of the chosen one; of what
+it is compared with."""
+
+FINALISTS = 3
+"""So many are simulated as they would be played."""
+
+EFFORT_BITS = 0.05
+"""Warming the air has to tell more than this, or a motion without is as good."""
+
+NEARLY_ALL = 0.99
+"""A share of what there is to tell from which on no more is simulated to choose."""
+
+
+WORTH_IT = 0.2
+"""A motion that tells a smaller share of what there is to tell is not worth the table's time."""
+
+
+@dataclass(frozen=True, slots=True)
+class NextRecording:
+    """What to record.
+
+    names
+        Of the hypotheses, the most probable first.
+    minutes
+        Length of the recording.
+    manoeuvres, limits
+        What it is made of, and within what.
+    profile
+        The motion.
+    open_bits
+        What there is to be told, bits.
+    predicted
+        What one session of it tells.
+    at_random
+        What one session of a motion at random tells, of the same length.
+    again
+        What one more session of what was recorded so far tells; None where that was not given.
+    """
+
+    names: tuple[str, ...]
+    minutes: float
+    manoeuvres: tuple[Manoeuvre, ...]
+    limits: MotionLimits
+    profile: Profile
+    open_bits: float
+    predicted: Told
+    at_random: Told
+    again: Told | None
+
+    @property
+    def is_worth_it(self) -> bool:
+        """Whether it tells enough to be recorded."""
+        return self.predicted.information > WORTH_IT * self.open_bits
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """What is to be told apart, and with what random numbers."""
+
+    rigs: tuple[Rig, ...]
+    base: Rig
+    weights: Floats
+    seed: int
+
+    def log_likelihoods(self, motion: Motion, minutes: float, stage: int, realisations: int) -> Floats:
+        """(R, H, H) as held-out realisations have it; each stage has random numbers of its own."""
+        stream = int(np.random.SeedSequence([self.seed, stage]).generate_state(1)[0])
+        return held_out_log_likelihoods(
+            simulated_features(self.rigs, self.base, PlannedMotion(motion, minutes), stream, realisations)
+        )
+
+    def told(self, motion: Motion, minutes: float, realisations: int) -> Told:
+        """What a motion tells, by realisations that nothing was chosen by."""
+        return told_by(self.log_likelihoods(motion, minutes, _PREDICTED, realisations), self.weights)
+
+    def worth(self, log_likelihoods: Floats, manoeuvres: Sequence[Manoeuvre]) -> float:
+        """By which motions are compared, bits."""
+        effort = EFFORT_BITS * any(one.warms_air for one in manoeuvres)
+        return information_bound(log_likelihoods, self.weights) - effort
+
+    def is_answered(self, log_likelihoods: Floats) -> bool:
+        """Whether there is hardly more to tell."""
+        return information_bound(log_likelihoods, self.weights) > NEARLY_ALL * entropy(self.weights)
+
+
+_FIRST, _MORE, _PAIRS, _PREDICTED = range(4)
+"""Stages."""
+
+
+def next_recording_of(
+    hypotheses: Sequence[RigHypothesis], minutes: float, seed: int, recorded: PlannedMotion | None = None
+) -> NextRecording:
+    """Choose what to record, so that the features tell which hypothesis holds.
+
+    hypotheses
+        What the recordings so far leave open.
+    minutes
+        Length of the next recording.
+    seed
+        Of all that is random; the same one gives the same choice.
+    recorded
+        A motion that was recorded so far, to be compared with.
+
+    Raises
+    ------
+    ValueError
+        Where there are fewer than two hypotheses, or the recording would be too short.
+    """
+    base = common_rig(hypotheses)
+    question = _Question(tuple(one.rig for one in hypotheses), base, weights_of(hypotheses), seed)
+    limits, shown = limits_of(base.base), min(minutes, PREDICTED_MINUTES)
+    chosen = _chosen(question, shown, limits)
+    return NextRecording(
+        names=tuple(one.name for one in sorted(hypotheses, key=lambda one: -one.weight)),
+        minutes=minutes,
+        manoeuvres=chosen,
+        limits=limits,
+        profile=profile_of(chosen, minutes, limits),
+        open_bits=entropy(question.weights),
+        predicted=question.told(profile_of(chosen, shown, limits), shown, PREDICTED),
+        at_random=question.told(random_profile(shown, limits, seed), shown, COMPARED),
+        again=None if recorded is None else question.told(recorded.motion, recorded.minutes, COMPARED),
+    )
+
+
+def _chosen(question: _Question, minutes: float, limits: MotionLimits) -> tuple[Manoeuvre, ...]:
+    """The pair that tells most."""
+    shown = _screened(question, minutes, limits)
+
+    def alone(one: Manoeuvre) -> float:
+        return question.worth(shown[one], (one,))
+
+    first = max(shown, key=alone)
+
+    def beside_first(one: Manoeuvre) -> float:
+        realisations = min(len(shown[first]), len(shown[one]))
+        return question.worth(shown[first][:realisations] + shown[one][:realisations], (first, one))
+
+    others = sorted((one for one in shown if one is not first), key=beside_first, reverse=True)
+    if question.is_answered(shown[first]):
+        return first, others[0]
+
+    def as_played(pair: tuple[Manoeuvre, ...]) -> float:
+        found = question.log_likelihoods(profile_of(pair, minutes, limits), minutes, _PAIRS, FINAL)
+        return question.worth(found, pair)
+
+    return max(((first, other) for other in others[:FINALISTS]), key=as_played)
+
+
+def _screened(question: _Question, minutes: float, limits: MotionLimits) -> dict[Manoeuvre, Floats]:
+    """Log-likelihoods of each manoeuvre by itself; of the better half alone, where none tells all."""
+    brief = float(np.clip(0.5 * minutes, *SCREENED_MINUTES))
+
+    def simulated(one: Manoeuvre, stage: int) -> Floats:
+        return question.log_likelihoods(profile_of((one,), brief, limits), brief, stage, SCREENED)
+
+    shown = {one: simulated(one, _FIRST) for one in FAMILY}
+    ranked = sorted(FAMILY, key=lambda one: question.worth(shown[one], (one,)), reverse=True)
+    if question.is_answered(shown[ranked[0]]):
+        return shown
+    better = ranked[: len(FAMILY) // 2]
+    return {one: np.concatenate([shown[one], simulated(one, _MORE)]) for one in better}

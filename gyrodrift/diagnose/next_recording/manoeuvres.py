@@ -1,0 +1,173 @@
+"""The family of motions that a next recording is put together from: each separates what others cannot."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import floor
+
+from firmware_sim.motion.profile import Segment
+from firmware_sim.motion.segments import Drive, Ramp, Rest, Steps
+from firmware_sim.motion.waves import Chirp, Multisine
+from gyrodrift.diagnose.next_recording.limits import SLOWEST_HZ, MotionLimits
+
+Segments = list[Segment]
+
+RAMP_S, SHARP_S = 0.5, 0.1
+"""How long a step takes, and how long one that is to be sharp."""
+
+HOLD_S = 8.0
+"""About so long a step is held; reversals are held much shorter."""
+
+THROUGH_ZERO_DPS = 3.0
+CREEP_S = 2.0
+"""A slow ramp runs between these rates, and takes so long to get there."""
+
+TONES = 24
+CURVE_S, DRIVE_DPS, STANDS = 4.0, 20.0, 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """A motion of any length.
+
+    name
+        By which it is found.
+    says
+        What happens, in a few words for a person, within given limits.
+    segments
+        The motion of a length in s, from rest to rest, within given limits.
+    warms_air
+        Whether the air gets warmer meanwhile, and cools again.
+    """
+
+    name: str
+    says: Callable[[MotionLimits], str]
+    segments: Callable[[float, MotionLimits], Segments]
+    warms_air: bool = False
+
+
+def _rest(seconds: float, _: MotionLimits) -> Segments:
+    return [Rest(kind="rest", seconds=seconds)]
+
+
+def _steps(seconds: float, rates_dps: tuple[float, ...], ramp_s: float, hold_s: float) -> Segments:
+    """Each rate and its opposite, as often as it takes for holds of about this length; exactly so long in all."""
+    both = tuple(signed for rate_dps in rates_dps for signed in (rate_dps, -rate_dps))
+    rounds = max(1, round(seconds / (len(both) * (ramp_s + hold_s))))
+    rates = both * rounds
+    held_s = (seconds - ramp_s) / len(rates) - ramp_s
+    return [Steps(kind="steps", rates_dps=rates, ramp_seconds=ramp_s, hold_seconds=held_s)]
+
+
+def _turns(seconds: float, rate_dps: float) -> Segments:
+    """Whole turns one way and the same number back, and rest for what is left of the time."""
+    turn_s = 360.0 / rate_dps
+    turns = max(1, floor((seconds - 2.0 * RAMP_S) / (2.0 * turn_s)))
+    held_s = turns * turn_s - RAMP_S
+    segments: Segments = []
+    for signed_dps in (rate_dps, -rate_dps):
+        segments.append(
+            Steps(kind="steps", rates_dps=(signed_dps,), ramp_seconds=RAMP_S, hold_seconds=held_s),
+        )
+    left_s = seconds - sum(segment.seconds for segment in segments)
+    return [*segments, Rest(kind="rest", seconds=left_s)] if left_s > 0.0 else segments
+
+
+def _chirp(seconds: float, limits: MotionLimits) -> Segments:
+    return [
+        Chirp(
+            kind="chirp",
+            seconds=seconds,
+            amplitude_dps=limits.wave_dps,
+            from_hz=SLOWEST_HZ,
+            to_hz=limits.wave_hz,
+        )
+    ]
+
+
+def _multisine(seconds: float, limits: MotionLimits) -> Segments:
+    rms_dps = limits.wave_dps / 2.0**0.5
+    return [
+        Multisine(
+            kind="multisine", seconds=seconds, rms_dps=rms_dps, from_hz=SLOWEST_HZ, to_hz=limits.wave_hz, tones=TONES
+        )
+    ]
+
+
+def _through_zero(seconds: float, _: MotionLimits) -> Segments:
+    rates_dps = (-THROUGH_ZERO_DPS, THROUGH_ZERO_DPS, 0.0)
+    times_s = (CREEP_S, seconds - 2.0 * CREEP_S, CREEP_S)
+    return [
+        Ramp(kind="ramp", seconds=time_s, to_dps=rate_dps) for time_s, rate_dps in zip(times_s, rates_dps, strict=True)
+    ]
+
+
+def _drive(seconds: float, _: MotionLimits) -> Segments:
+    drive = Drive(
+        kind="drive",
+        minutes=(seconds - CURVE_S) / 60.0,
+        rms_dps=DRIVE_DPS,
+        curve_seconds=CURVE_S,
+        rest_share=STANDS,
+        seed=1,
+    )
+    left_s = seconds - drive.seconds
+    return [drive, Rest(kind="rest", seconds=left_s)] if left_s > 0.0 else [drive]
+
+
+def _shares(limits: MotionLimits, *shares: float) -> tuple[float, ...]:
+    return tuple(share * limits.rate_dps for share in shares)
+
+
+def _many_speeds(seconds: float, limits: MotionLimits) -> Segments:
+    return _steps(seconds, _shares(limits, 0.05, 0.2, 0.5, 0.95), RAMP_S, HOLD_S)
+
+
+FAMILY = (
+    Manoeuvre("rest", lambda _: "rest", _rest),
+    Manoeuvre("warm_rest", lambda _: "rest in air that warms and cools", _rest, warms_air=True),
+    Manoeuvre(
+        "warm_steps",
+        lambda limits: f"steps of both signs up to {0.95 * limits.rate_dps:.0f} deg/s in air that warms and cools",
+        _many_speeds,
+        warms_air=True,
+    ),
+    Manoeuvre(
+        "slow_steps",
+        lambda _: "steps of both signs from 2 to 20 deg/s",
+        lambda seconds, _: _steps(seconds, (2.0, 6.0, 20.0), RAMP_S, HOLD_S),
+    ),
+    Manoeuvre(
+        "many_speeds",
+        lambda limits: f"steps of both signs at four speeds up to {0.95 * limits.rate_dps:.0f} deg/s",
+        _many_speeds,
+    ),
+    Manoeuvre(
+        "fast_steps",
+        lambda limits: f"fast steps of both signs to {limits.rate_dps:.0f} deg/s",
+        lambda seconds, limits: _steps(seconds, _shares(limits, 0.6, 1.0), RAMP_S, HOLD_S),
+    ),
+    Manoeuvre(
+        "slow_turns",
+        lambda _: "whole turns both ways at 36 deg/s",
+        lambda seconds, _: _turns(seconds, 36.0),
+    ),
+    Manoeuvre(
+        "fast_turns",
+        lambda limits: f"whole turns both ways at {0.7 * limits.rate_dps:.0f} deg/s",
+        lambda seconds, limits: _turns(seconds, 0.7 * limits.rate_dps),
+    ),
+    Manoeuvre(
+        "reversals",
+        lambda limits: f"sharp reversals at {0.3 * limits.rate_dps:.0f} deg/s",
+        lambda seconds, limits: _steps(seconds, _shares(limits, 0.3), SHARP_S, 1.0),
+    ),
+    Manoeuvre(
+        "small_reversals",
+        lambda _: "sharp reversals at 8 deg/s",
+        lambda seconds, _: _steps(seconds, (8.0,), SHARP_S, 1.0),
+    ),
+    Manoeuvre("chirp", lambda limits: f"a chirp to {limits.wave_hz:.3g} Hz", _chirp),
+    Manoeuvre("multisine", lambda limits: f"a multisine to {limits.wave_hz:.3g} Hz", _multisine),
+    Manoeuvre("through_zero", lambda _: "a slow ramp through zero", _through_zero),
+    Manoeuvre("drive", lambda _: "gentle curves as of a drive", _drive),
+)

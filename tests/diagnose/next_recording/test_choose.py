@@ -1,0 +1,72 @@
+"""The motion that is chosen, and that what is predicted of it comes true."""
+
+import numpy as np
+import pytest
+
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Rig, parse_effect
+from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
+from gyrodrift.diagnose.next_recording.information import feature_model_of
+from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
+from gyrodrift.diagnose.next_recording.sentence import sentence
+from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+
+RIG = Rig()
+MINUTES = 2.0
+
+
+def hypotheses(*texts: str) -> list[RigHypothesis]:
+    """Equally likely causes, as a command line says them; an empty one is that there is none."""
+    made = [(text.partition(":")[0] or NOTHING, (parse_effect(text),) if text else ()) for text in texts]
+    return [RigHypothesis(name, RIG.model_copy(update={"effects": effects}), 0.5) for name, effects in made]
+
+
+def share_right(found: NextRecording, asked: list[RigHypothesis]) -> float:
+    """Of eight new sessions of each hypothesis, how many are most like those of their own."""
+    planned, rigs = PlannedMotion(found.profile, found.minutes), [one.rig for one in asked]
+    model = feature_model_of(simulated_features(rigs, RIG, planned, 4001, 4))
+    fresh = simulated_features(rigs, RIG, planned, 4002, 8).values
+    right = [model.log_likelihoods(values).argmax(axis=1) == number for number, values in enumerate(fresh)]
+    return float(np.mean(right))
+
+
+def test_temperature_and_warming_up_are_told_apart_by_warming_the_air() -> None:
+    """At power-on both follow the sensor's own heat, with the same time constant; only other air parts them."""
+    # 8 °C of self-heating with 240 s times 0.01 deg/s/°C is a bias that settles by 0.08 deg/s with 240 s.
+    asked = hypotheses("temp_bias:slope_dps_per_c=0.01", "warmup:amplitude_dps=-0.08,time_constant_s=240")
+    rest = PlannedMotion(load_profile("rest"), MINUTES)
+    found = next_recording_of(asked, MINUTES, seed=1, recorded=rest)
+    assert any(one.warms_air for one in found.manoeuvres)
+    assert found.predicted.probability > 0.95
+    assert found.again is not None
+    assert found.again.probability < 0.6
+    assert found.at_random.probability < 0.8
+    assert share_right(found, asked) > 0.9
+
+
+def test_a_dead_band_is_looked_for_near_zero() -> None:
+    """No fast motion and no rest beside a bias of 0.35 deg/s shows a band of 0.05."""
+    rig = Rig(base=RIG.base.model_copy(update={"bias_dps": 0.35}))
+    band = rig.model_copy(update={"effects": (parse_effect("deadband:width_dps=0.05"),)})
+    found = next_recording_of([RigHypothesis(NOTHING, rig, 0.5), RigHypothesis("deadband", band, 0.5)], MINUTES, seed=2)
+    assert "through_zero" in {one.name for one in found.manoeuvres}
+    assert found.predicted.probability > 0.9
+    assert sentence(found, "next.yaml").startswith("Switch the device on and play next.yaml (2 min: ")
+    assert "it tells whether there is deadband with probability" in sentence(found, "next.yaml")
+
+
+def test_what_nothing_shows_is_said_to_be_so() -> None:
+    """Two causes that do the same by definition stay as probable as they were, and the sentence says so."""
+    asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
+    found = next_recording_of(asked, MINUTES, seed=3)
+    assert found.predicted.probability == pytest.approx(0.5, abs=0.1)
+    assert not found.is_worth_it
+    assert sentence(found, "next.yaml").startswith("No motion of 2 min tells scale_factor from scale_factor")
+
+
+def test_the_same_question_has_the_same_answer() -> None:
+    """To the last digit, for one seed."""
+    asked = hypotheses("", "saturation:limit_dps=150")
+    first, second = (next_recording_of(asked, 1.0, seed=4) for _ in range(2))
+    assert first == second
+    assert first.predicted.probability > 0.95
