@@ -53,6 +53,7 @@ def diagnosis(away: Amounts) -> Diagnosis:
             "scale_factor", "error_percent", 4.98, 4.9, 5.06, "%", 90.0, agrees=True, says="agrees on scale_factor"
         ),
         yaw_impact=YawImpact(12.5, 0.5, 12.1, 160.0, 155.0, 150.0),
+        contradictions=(),
         remarks=(),
         untestable=(Untestable("clock_drift", "no host times"), Untestable("temp_bias", "no temperature")),
         withheld=("popcorn",),
@@ -62,11 +63,13 @@ def diagnosis(away: Amounts) -> Diagnosis:
             BaseValue("sample_rate_hz", 100.0, 99.0, 98.0, 100.0),
         ),
         next_step="Record more sessions: with three and more the fit can be checked.",
+        next_profile_yaml=None,
         seconds=12.5,
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
         ranking=ranking(surrogate, causes),
         lookalikes=lookalikes(surrogate.evidence),
+        stands_out=surrogate.evidence.stands_out,
         features=feature_comparisons_of(surrogate, causes, none, [design()] * SESSIONS),
         residuals=_residuals(),
     )

@@ -22,6 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--withhold", action="append", default=[], metavar="EFFECT", help="leave it out of the candidates"
     )
+    parser.add_argument(
+        "--baseline",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="sessions of the same device from another day or bench: explain the difference to them",
+    )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
     parser.add_argument("--cluster", metavar="ADDRESS", help="replay on a Dask cluster, such as tcp://host:8786")
 
@@ -35,9 +43,10 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.effects.catalogue import CATALOGUE
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
-    from gyrodrift.diagnose.diagnosis import DiagnosisRequest, diagnose
+    from gyrodrift.diagnose.diagnosis import diagnose
     from gyrodrift.diagnose.report.files import summary, write_files
     from gyrodrift.diagnose.report.page import report_html
+    from gyrodrift.diagnose.stages import DiagnosisRequest
     from gyrodrift.progress import Progress
     from gyrodrift.session.files import session_paths
 
@@ -52,7 +61,15 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress(sys.stderr) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
-            DiagnosisRequest(session_paths(arguments.paths), rig, withheld, jobs, arguments.cluster, progress.evaluated)
+            DiagnosisRequest(
+                session_paths(arguments.paths),
+                rig,
+                withheld,
+                jobs,
+                arguments.cluster,
+                progress.evaluated,
+                session_paths(arguments.baseline) if arguments.baseline else (),
+            )
         )
     write_files(arguments.out, diagnosis)
     page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))

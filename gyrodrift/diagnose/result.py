@@ -9,6 +9,7 @@ from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
+from gyrodrift.diagnose.recording.facts import Contradiction
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +28,13 @@ class DiagnosedSession:
 
 @dataclass(frozen=True, slots=True)
 class BaseValue:
-    """A base value of the rig beside those of the sessions: their median, least and largest."""
+    """A base value of the rig beside those of the sessions: their median, least and largest, None where not known."""
 
     name: str
     rig: float
-    data: float
-    low: float
-    high: float
+    data: float | None
+    low: float | None
+    high: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,18 +49,22 @@ class Untestable:
 class Diagnosis:
     """Everything that is reported.
 
+    contradictions
+        Facts of the rig that the sessions contradict; they come before all else.
     remarks
         What the recording checks found, and what else limits this result; a sentence each.
     detectable
         Of each effect that was tried, the smallest size that would have been seen.
-    next_step
-        What to record next, in a sentence.
+    next_step, next_profile_yaml
+        What to record next, in a sentence; and as a motion, where one would decide what is open.
     seconds
         What all of it took.
     rig_yaml
         The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
     ranking, lookalikes
         The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
+    stands_out
+        Pooled z from which on a feature counts as a deviation.
     features
         Real beside simulated, in the order of FEATURES.
     residuals
@@ -69,16 +74,19 @@ class Diagnosis:
     verdict: Verdict
     linear_model: LinearModel
     yaw_impact: YawImpact
+    contradictions: tuple[Contradiction, ...]
     remarks: tuple[str, ...]
     untestable: tuple[Untestable, ...]
     withheld: tuple[str, ...]
     detectable: tuple[Detectable, ...]
     calibration: tuple[BaseValue, ...]
     next_step: str
+    next_profile_yaml: str | None
     seconds: float
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
     ranking: tuple[Ranked, ...]
     lookalikes: tuple[Alike, ...]
+    stands_out: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)

@@ -63,4 +63,4 @@ def test_a_rig_that_cannot_hold_the_rates_is_told_of(
     none = [word for name in CATALOGUE for word in ("--withhold", name)]
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 1e-5}
     diagnosed([recordings.data / "temperature_sweep.csv"], base, tmp_path, *none)
-    assert "is the rig's dps_per_lsb right?" in capsys.readouterr().err
+    assert "is the rig's dps_per_lsb right?" in capsys.readouterr().out

@@ -10,7 +10,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.features.units import FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
-from gyrodrift.diagnose.inference.deviations import pooled_z
+from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import fitted_without
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference, reference_of
@@ -19,6 +20,9 @@ from gyrodrift.tune.search.objective import Objective
 
 EVALUATIONS = 300
 """Of the cost, for each of the three tunings."""
+
+COST_SESSIONS = 2
+"""Sessions that the cost of a single effect is taken from."""
 
 HELD_OUT_EVERY = 3
 """Every third session is scored and not tuned on."""
@@ -42,11 +46,14 @@ class YawImpact:
     pi_real_tuned_on_real: float
 
 
-def yaw_impact_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> YawImpact:
+def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> YawImpact:
     """Tune on simulated and real sessions, and score on real ones held out."""
     real = [reference_of(_as_session(subject.seen.recording)) for subject in subjects]
     before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
-    after = [reference_of(subject.session(effects, seed)) for seed, subject in enumerate(subjects)]
+    after = [
+        reference_of(subject.session(effects_in(causes, number, subject), number))
+        for number, subject in enumerate(subjects)
+    ]
     number = range(len(subjects))
     tuned_on = [at for at in number if at % HELD_OUT_EVERY != HELD_OUT_EVERY - 1 or len(subjects) == 1]
     scored_on = [at for at in number if at not in tuned_on] or tuned_on
@@ -55,6 +62,30 @@ def yaw_impact_of(subjects: Sequence[Subject], effects: tuple[Effect, ...]) -> Y
         pi = on_real.cost(np.vstack(best), scored_on).pi
         errors = [float(cost.cost(best[0]).mean_absolutes.mean()) for cost in (on_real, on_before, on_after)]
     return YawImpact(*errors, *(float(value) for value in pi))
+
+
+def cost_deg(subjects: Sequence[Subject], causes: Sequence[NamedCause], one: NamedCause) -> float:
+    """What an effect beside others adds to or takes from the yaw error of the integrated rate: mean absolute, deg."""
+    others = [cause for cause in causes if cause is not one]
+    costs = []
+    for number, subject in enumerate(subjects[:COST_SESSIONS]):
+        with_it, without = (
+            yaw_error_deg(subject.played(effects_in(each, number, subject), number)) for each in (causes, others)
+        )
+        costs.append(float(np.nanmean(np.abs(with_it - without))))
+    return float(np.mean(costs))
+
+
+def yaw_error_deg(recording: Recording) -> Floats:
+    """Integrated rate less the encoder's angle, degrees, shape (n,); NaN where a sample never came."""
+    steps_s = np.diff(filled(recording.device_s), prepend=0.0)
+    away_deg: Floats = np.cumsum(filled(recording.rate_dps) * steps_s) - recording.encoder_deg
+    return away_deg
+
+
+def effects_in(causes: Sequence[NamedCause], number: int, subject: Subject) -> tuple[Effect, ...]:
+    """Of session `number`."""
+    return tuple(cause.in_session(number, subject.rig.effects) for cause in causes)
 
 
 def _as_session(recording: Recording) -> Session:

@@ -25,7 +25,7 @@ def causes(diagnosis: Diagnosis) -> str:
 def _introduction(diagnosis: Diagnosis) -> str:
     beside = (
         " What still gains beside the named causes would be named too, from that on."
-        if diagnosis.verdict.causes
+        if diagnosis.verdict.acting
         else ""
     )
     return (
@@ -38,7 +38,8 @@ def _introduction(diagnosis: Diagnosis) -> str:
 
 def _ranking_table(diagnosis: Diagnosis) -> str:
     ranked = diagnosis.ranking
-    has_causes = bool(diagnosis.verdict.causes)
+    has_causes = bool(diagnosis.verdict.acting)
+    small = {one.cause.effect.name for one in diagnosis.verdict.negligible}
     named = {cause.effect.name for cause in diagnosis.verdict.causes}
     tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
     most = max([one.gain for one in ranked] + [GAIN])
@@ -46,7 +47,15 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
     head = headings(["effect", "", "gain alone", *beside, "takes away", "best size", "group"], words=1)
     rows = []
     for one in ranked:
-        mark = " named" if one.name in named else " tied" if one.name in tied else ""
+        mark = (
+            " named"
+            if one.name in named
+            else " tied"
+            if one.name in tied
+            else " negligible"
+            if one.name in small
+            else ""
+        )
         name = f"<b>{text(one.name)}</b>" if mark else text(one.name)
         group = one.group if one.group != one.name else ""
         numbers = _numbers(one, has_causes=has_causes)

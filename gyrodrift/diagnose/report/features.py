@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.deviations import STANDS_OUT, UNEXPLAINED, Deviation
+from gyrodrift.diagnose.inference.deviations import UNEXPLAINED, Deviation
+from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.report.figures import feature_svgs
-from gyrodrift.diagnose.report.text import deviates, marks, percent
+from gyrodrift.diagnose.report.text import deviates, marks, number, percent
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, table, text
 
@@ -19,7 +20,10 @@ def features(diagnosis: Diagnosis) -> str:
     if not compared:
         return section("Where they differ", paragraph(_nowhere(diagnosis)))
     return section(
-        "Where they differ", paragraph(_introduction()), _table(diagnosis, compared), _charts(diagnosis, compared)
+        "Where they differ",
+        paragraph(_introduction(diagnosis)),
+        _table(diagnosis, compared),
+        _charts(diagnosis, compared),
     )
 
 
@@ -31,13 +35,23 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
     return [replace(by_name[name], z_after=left.get(name, by_name[name].z_after)) for name in names]
 
 
-def _introduction() -> str:
+def _introduction(diagnosis: Diagnosis) -> str:
     return (
         f"{len(FEATURES)} features were measured on each recording and on the simulator driven through the same "
         "motion. A feature is one number, such as how the rate error grows with the rate. Listed is every one that "
-        f"deviates by more than {STANDS_OUT:g} times what chance does over all sessions (a standard deviation, from "
-        "simulations without any gap, with the relevance threshold below which a feature does not matter for yaw), or "
-        f"by more than {UNEXPLAINED:g} times after the causes are added."
+        f"deviates by more than {number(diagnosis.stands_out)} times what chance does over all sessions (a standard "
+        "deviation, from simulations without any gap, with the relevance threshold below which a feature does not "
+        f"matter for yaw), or by more than {number(UNEXPLAINED * diagnosis.stands_out)} times after the causes are "
+        f"added. {_family_wise(diagnosis)}"
+    )
+
+
+def _family_wise(diagnosis: Diagnosis) -> str:
+    """Where the threshold comes from."""
+    return (
+        f"The {number(diagnosis.stands_out)} belong to this rig, these motions and this number of sessions: in "
+        f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions without a gap, chance takes even one of all "
+        "features further."
     )
 
 
@@ -46,13 +60,12 @@ def _nowhere(diagnosis: Diagnosis) -> str:
     return (
         f"Nowhere. Of {len(FEATURES)} features measured on each recording and on the simulator driven through the "
         f"same motion, the largest deviates by {deviates(worst.z_before)} times what chance does "
-        f"({text(worst.feature.says)}); "
-        f"{STANDS_OUT:g} count as a deviation."
+        f"({text(worst.feature.says)}); {number(diagnosis.stands_out)} count as a deviation. {_family_wise(diagnosis)}"
     )
 
 
 def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
-    has_causes = bool(diagnosis.verdict.causes)
+    has_causes = bool(diagnosis.verdict.acting)
     after = ["unexplained", "share"] * has_causes
     head = headings(["what it says", "times chance", "share", *after, "feature", "stage", "when"], words=3)
     caption = "Worst first. Share: of the squares of all deviations, each held at 20 times chance."
@@ -62,7 +75,7 @@ def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
 def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
     where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.unexplained))
     cells = [text(one.feature.says), deviates(one.z_before), where]
-    if verdict.causes:
+    if verdict.acting:
         after = deviates(one.z_after)
         cells += [span(after, "mark") if left else after, left]
     return [*cells, f"<code>{text(one.feature.name)}</code>", one.feature.stage, one.feature.regime]
@@ -74,7 +87,7 @@ def _share(every: Sequence[Deviation], name: str) -> str:
 
 
 def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
-    has_causes = bool(diagnosis.verdict.causes)
+    has_causes = bool(diagnosis.verdict.acting)
     apart = "; the causes are fitted on the other sessions" if has_causes and len(diagnosis.sessions) > 1 else ""
     words = (
         "A dot is a recording. A bar is what the simulator gives on the same motion, with the range that chance leaves "

@@ -12,10 +12,11 @@ from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
 
 SHOWN = 3
+PROFILE = "next-profile.yaml"
 
 
 def write_files(folder: Path, diagnosis: Diagnosis) -> None:
-    """`gap.json` and `rig.yaml`, each whole or not at all.
+    """`gap.json`, `rig.yaml` and the next motion where there is one, each whole or not at all.
 
     Raises
     ------
@@ -25,14 +26,21 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
     write_whole(folder / "gap.json", [text, "\n"])
     write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
+    profile = folder / PROFILE
+    if diagnosis.next_profile_yaml is not None:
+        write_whole(profile, [diagnosis.next_profile_yaml])
+    else:
+        profile.unlink(missing_ok=True)
 
 
 def content(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `gap.json` holds."""
     verdict, impact = diagnosis.verdict, diagnosis.yaw_impact
     return {
+        "contradictions": [asdict(one) for one in diagnosis.contradictions],
         "verdict": verdict.kind.value,
         "causes": [_cause(cause) for cause in verdict.causes],
+        "negligible": [{**_cause(one.cause), "yaw_deg": round(one.yaw_deg, 4)} for one in verdict.negligible],
         "where": [_deviation(one) for one in verdict.where],
         "leftover": [_deviation(one) for one in verdict.unexplained],
         "gap": asdict(verdict.gap),
@@ -60,11 +68,13 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
     parameters = {
         one.name: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit} for one in cause.parameters
     }
+    in_rig = {} if cause.in_rig is None else {"in_rig": cause.in_rig.model_dump(exclude={"name"})}
     return {
         "effect": cause.effect.name,
         "group": cause.group,
         "probability": round(cause.probability, 4),
         "parameters": parameters,
+        **in_rig,
         "tied_with": list(cause.tied_with),
     }
 
@@ -92,8 +102,12 @@ def _finite(value: Any) -> Any:
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict in ten lines or fewer."""
     verdict, gap, impact = diagnosis.verdict, diagnosis.verdict.gap, diagnosis.yaw_impact
-    lines = [headline(diagnosis)]
+    lines = [f"contradiction of facts: {one.says}" for one in diagnosis.contradictions]
+    lines.append(headline(diagnosis))
     lines += [f"  {said(cause)}" for cause in verdict.causes[:SHOWN]]
+    lines += [
+        f"  negligible: {said(one.cause)}; costs {one.yaw_deg:.2g} deg of yaw" for one in verdict.negligible[:SHOWN]
+    ]
     if verdict.where:
         lines.append("where: " + "; ".join(f"{one.says} ({one.stage}, {one.regime})" for one in verdict.where[:SHOWN]))
     if verdict.causes and verdict.unexplained:
@@ -113,10 +127,12 @@ def summary(diagnosis: Diagnosis) -> list[str]:
 
 def headline(diagnosis: Diagnosis) -> str:
     """The verdict as a sentence."""
-    names = " and ".join(cause.effect.name for cause in diagnosis.verdict.causes)
+    names = " and ".join(_name(cause) for cause in diagnosis.verdict.causes)
+    small = " and ".join(one.cause.effect.name for one in diagnosis.verdict.negligible)
     match diagnosis.verdict.kind:
         case Kind.NONE:
-            return "none: the simulator explains these sessions"
+            beside = f", but for {small}, negligible in yaw" if small else ""
+            return f"none: the simulator explains these sessions{beside}"
         case Kind.EFFECT:
             return f"effect: the sessions differ from the simulator by {names}"
         case Kind.PARTLY:
@@ -126,11 +142,19 @@ def headline(diagnosis: Diagnosis) -> str:
             return "unknown: the sessions differ from the simulator by something that none of its effects explains"
 
 
+def _name(cause: NamedCause) -> str:
+    return cause.effect.name if cause.in_rig is None else f"another size of {cause.effect.name}"
+
+
 def said(cause: NamedCause) -> str:
     """A cause in one line."""
     first = cause.parameters[0]
+    has = ""
+    if cause.in_rig is not None:
+        has = f" in the rig with {getattr(cause.in_rig, first.name):.4g} {first.unit}, the sessions say"
+    phase = ", a phase of its own in each session" if cause.cause.response.phases_deg is not None else ""
     tied = f"; could as well be {', '.join(cause.tied_with)}" if cause.tied_with else ""
     return (
-        f"{cause.effect.name}: {first.name} {first.value:.4g} {first.unit} ({first.low:.4g} to {first.high:.4g}), "
-        f"probability {cause.probability:.2f}{tied}"
+        f"{cause.effect.name}: {first.name}{has} {first.value:.4g} {first.unit} ({first.low:.4g} to {first.high:.4g})"
+        f"{phase}, probability {cause.probability:.2f}{tied}"
     )

@@ -1,13 +1,26 @@
-"""The head of a report: the verdict, what it means, its numbers as tiles, and what to record next."""
+"""The head of a report: contradicted facts, the verdict, what it means, its numbers as tiles, what to record next."""
 
 from math import sqrt
 
 from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
+from gyrodrift.diagnose.report.beforehand import against, baseline, doubts, headline_of
 from gyrodrift.diagnose.report.files import headline
-from gyrodrift.diagnose.report.text import NAMES, fitted, fixed, interval, percent, size
+from gyrodrift.diagnose.report.text import (
+    FREE_PHASE,
+    NAMES,
+    fitted,
+    fixed,
+    has_free_phase,
+    in_rig,
+    interval,
+    number,
+    others_of,
+    percent,
+    size,
+)
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import header, paragraph, text, tile, tiles, warnings
+from gyrodrift.html.html import header, paragraph, text, tile, tiles
 from gyrodrift.html.numbers import degrees, significant
 
 WHERE = 3
@@ -24,11 +37,15 @@ def verdict(diagnosis: Diagnosis) -> str:
     """The head of the page."""
     kind, _, sentence = headline(diagnosis).partition(": ")
     begins_with_a_name = any(sentence.startswith(cause.effect.name) for cause in diagnosis.verdict.causes)
+    said = sentence if begins_with_a_name else f"{sentence[:1].upper()}{sentence[1:]}"
     return header(
         f"gyrodrift diagnose · {_sessions(diagnosis)} · verdict: {kind}",
-        sentence if begins_with_a_name else f"{sentence[:1].upper()}{sentence[1:]}",
+        headline_of(diagnosis, said),
+        against(diagnosis),
+        paragraph(f"<b>Apart from that:</b> {text(sentence)}.") if diagnosis.contradictions else "",
+        baseline(diagnosis),
         *(paragraph(words) for words in _in_words(diagnosis)),
-        warnings("Before believing it", _warnings(diagnosis)),
+        doubts(diagnosis),
         tiles([*_cause_tiles(diagnosis), _gap_tile(diagnosis), _yaw_tile(diagnosis), _transfer_tile(diagnosis)]),
         paragraph(f"<b>Record next.</b> {text(diagnosis.next_step)}"),
     )
@@ -47,9 +64,9 @@ def _in_words(diagnosis: Diagnosis) -> list[str]:
     if verdict.causes and verdict.unexplained:
         left = "; ".join(text(one.says) for one in verdict.unexplained[:WHERE])
         said += [f"<b>Unexplained:</b> {left}. No effect of the simulator takes this away."]
-    if not verdict.causes and verdict.where:
+    if not verdict.causes and verdict.kind is Kind.UNKNOWN:
         said += [NOTHING_NAMED]
-    return said
+    return [*said, *_negligible_words(diagnosis)]
 
 
 def _where(diagnosis: Diagnosis) -> str:
@@ -57,7 +74,7 @@ def _where(diagnosis: Diagnosis) -> str:
     if not where:
         return (
             "The simulator was driven through the very motion of each recording, and nothing that was measured differs "
-            "from it by more than chance does."
+            f"from it by more than chance does{', by itself' * bool(diagnosis.verdict.acting)}."
         )
     said = list(dict.fromkeys(text(one.says) for one in where))
     more = [f"and {len(said) - WHERE} more deviations, below"] if len(said) > WHERE else []
@@ -67,20 +84,27 @@ def _where(diagnosis: Diagnosis) -> str:
 def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
     doubt = " It is the best there is, and still leaves most of it." if diagnosis.verdict.kind is Kind.UNKNOWN else ""
     tied = f" These sessions cannot tell it from {_names(cause.tied_with)}." if cause.tied_with else ""
+    has = in_rig(cause)
+    size_words = (
+        f"It is in the rig with {has}; the recordings say {fitted(cause)}" if has else f"Fitted: {fitted(cause)}"
+    )
     return (
-        f"<b>{text(cause.effect.name)}</b>: {text(cause.meaning)}. Fitted: {fitted(cause)}; probability "
+        f"<b>{text(cause.effect.name)}</b>: {text(cause.meaning)}. {size_words}; probability "
         f"{cause.probability:.2f}.{tied}{doubt}"
     )
 
 
+def _negligible_words(diagnosis: Diagnosis) -> list[str]:
+    """What acts and costs nothing, in a sentence."""
+    found = diagnosis.verdict.negligible
+    if not found:
+        return []
+    said = [f"<b>{text(one.cause.effect.name)}</b> costs {number(one.yaw_deg, 2)}° of yaw" for one in found]
+    return [f"<b>Seen, and negligible:</b> {', '.join(said)}. Real, and too little to be a cause."]
+
+
 def _names(names: tuple[str, ...]) -> str:
     return " or ".join(f"<b>{text(name)}</b>" for name in names)
-
-
-def _warnings(diagnosis: Diagnosis) -> list[str]:
-    linear = diagnosis.linear_model
-    disagrees = [f"the linear model, by likelihood alone, {linear.says}"] if linear.agrees is False else []
-    return [*diagnosis.remarks, *disagrees]
 
 
 def _cause_tiles(diagnosis: Diagnosis) -> list[str]:
@@ -92,11 +116,13 @@ def _cause_tiles(diagnosis: Diagnosis) -> list[str]:
 
 
 def _cause_tile(cause: NamedCause) -> str:
-    first, *others = cause.parameters
+    first, has = cause.parameters[0], in_rig(cause)
     rows = [
         (text(first.name), size(first.value, first.unit)),
         ("interval", interval(first)),
-        *((text(one.name), size(one.value, one.unit)) for one in others),
+        *[("in the rig", has)] * bool(has),
+        *((text(one.name), size(one.value, one.unit)) for one in others_of(cause)),
+        *[("phase", FREE_PHASE)] * has_free_phase(cause),
         ("probability", f"{cause.probability:.2f}"),
         ("or else", ", ".join(map(text, cause.tied_with)) or "nothing as good"),
     ]

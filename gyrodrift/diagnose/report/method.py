@@ -1,11 +1,32 @@
 """The end of a report: the rig beside the recordings, the recordings themselves, and what words mean."""
 
+from math import floor, isfinite, log10
+from typing import NamedTuple
+
 from gyrodrift import __version__
-from gyrodrift.diagnose.result import DiagnosedSession, Diagnosis
+from gyrodrift.diagnose.report.text import fixed, quiet
+from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.html.html import command_line, facts, headings, paragraph, section, table, text
 from gyrodrift.html.numbers import even, significant
 
-UNITS = {"sample_rate_hz": "Hz", "noise_dps_rthz": "deg/s/√Hz", "bias_dps": "deg/s", "host_delay_s": "s"}
+
+class BaseUnit(NamedTuple):
+    """How a base value is told to a person: its unit, how many of it the rig's own unit is, and most decimals."""
+
+    unit: str
+    times: float = 1.0
+    decimals: int = 5
+
+
+SHOWN = {
+    "sample_rate_hz": BaseUnit("Hz", decimals=3),
+    "noise_dps_rthz": BaseUnit("deg/s/√Hz"),
+    "bias_dps": BaseUnit("deg/s", decimals=4),
+    "host_delay_s": BaseUnit("ms", 1e3, 2),
+    "host_jitter_s": BaseUnit("ms", 1e3, 2),
+    "encoder_phase_deg": BaseUnit("deg", decimals=2),
+}
+UNKNOWN = "none seen"
 
 GAP = (
     "The root mean square over all features of how many times chance each deviates, at most 20 each. Without a gap it "
@@ -34,17 +55,27 @@ GLOSSARY = (
 
 def calibration(diagnosis: Diagnosis) -> str:
     """The section of base values of the rig."""
-    rows = []
-    for one in diagnosis.calibration:
-        numbers = even([one.rig, one.data, one.low, one.high])
-        unit = f' <span class="note">{UNITS[one.name]}</span>' if one.name in UNITS else ""
-        rows.append([f"{text(one.name)}{unit}", *numbers])
+    rows = [_base_row(one) for one in diagnosis.calibration]
     words = (
-        "Bias, noise and sample rate may differ from the rig's without being a fault of the simulator: they were "
-        "fitted to each session first, and are no cause. Copy them into the rig if it is to stand for this device."
+        "These may differ from the rig's without being a fault of the simulator, and are no cause: bias, noise and "
+        "sample rate, how late the host has a sample (delay) and by how much that scatters (jitter), and the angle at "
+        "which the encoder begins (phase). They were fitted to each session first. Noise and bias are fitted through "
+        "the rig with its effects: each is moved until the simulator, driven through the same motion, measures what "
+        "was recorded. Copy them into the rig if it is to stand for this device. No delay is seen where the clocks of "
+        "host and device have no common zero, and no jitter where arrivals do not scatter as behind a scheduler."
     )
     head = headings(["base value", "rig", "recordings", "least", "most"])
     return section("The rig beside the recordings", paragraph(words), table("Median of all sessions.", head, rows))
+
+
+def _base_row(one: BaseValue) -> list[str]:
+    """A base value of the rig, and those of the recordings."""
+    shown = SHOWN.get(one.name, BaseUnit(""))
+    known = [value * shown.times for value in (one.rig, one.data, one.low, one.high) if value is not None]
+    sizes = [abs(value) for value in known if isfinite(value) and abs(value) >= 10.0**-shown.decimals]
+    decimals = min(max(2 - floor(log10(max(sizes))), 0), shown.decimals) if sizes else 0
+    unit = f" {quiet(shown.unit)}" if shown.unit else ""
+    return [f"{text(one.name)}{unit}", *[*(fixed(value, decimals) for value in known), *[UNKNOWN] * 3][:4]]
 
 
 def how_it_was_done(diagnosis: Diagnosis, command: str) -> str:

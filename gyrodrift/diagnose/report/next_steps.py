@@ -4,7 +4,8 @@ import shlex
 from pathlib import Path
 
 from gyrodrift.diagnose.inference.verdict import Kind
-from gyrodrift.diagnose.report.text import quiet, size
+from gyrodrift.diagnose.report.files import PROFILE
+from gyrodrift.diagnose.report.text import in_rig, quiet, size
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import command_line, headings, paragraph, section, table, text
 
@@ -38,21 +39,43 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
         ("The filter tuned on them:", f"gyrodrift tune {simulated} --out {tuned}"),
         ("The same rig as a device on a serial port:", f"python -m firmware_sim --link /tmp/gyro --rig {rig}"),
         (
-            "When there are more recordings, asked whether anything is left:",
+            "Recordings made after this one, asked whether anything is left beside that rig:",
             f"gyrodrift diagnose MORE --rig {rig} --out {shlex.quote(str(home / 'again'))}",
         ),
     ]
+    if diagnosis.next_profile_yaml is not None:
+        profile, more = shlex.quote(str(home / PROFILE)), shlex.quote(str(home / "more"))
+        steps += [
+            (
+                "The motion that decides what is open, for a table of your own; a simulated device plays it so:",
+                f"python -m firmware_sim --link /tmp/gyro --rig {rig} --profile {profile}",
+            ),
+            (
+                "Recordings of it in a folder, diagnosed with those that there are:",
+                f"gyrodrift diagnose SESSIONS MORE --out {more}",
+            ),
+        ]
     parts = [part for words, command in steps for part in (paragraph(words), command_line(command))]
     return section("How to go on", paragraph(_rig_words(diagnosis)), *parts)
 
 
 def _rig_words(diagnosis: Diagnosis) -> str:
-    names = " and ".join(f"<b>{text(cause.effect.name)}</b>" for cause in diagnosis.verdict.causes)
-    if not names:
-        return "<code>rig.yaml</code> beside this page is the rig as it was: there is nothing to switch on."
+    here = "<code>rig.yaml</code> beside this page is the rig"
+    facts = ", with the facts that the recordings show" if diagnosis.contradictions else ""
+    new, changed = (
+        " and ".join(f"<b>{text(one.effect.name)}</b>" for one in diagnosis.verdict.causes if bool(in_rig(one)) is has)
+        for has in (False, True)
+    )
+    if not new and not changed:
+        as_it_was = facts or " as it was"
+        return f"{here}{as_it_was}: there is nothing to switch on."
     doubt = ""
     if diagnosis.verdict.kind is Kind.UNKNOWN:
         doubt = " It does not explain the recordings: do not rely on what is tuned with it."
     if diagnosis.verdict.kind is Kind.PARTLY:
         doubt = " Something is unexplained, as said above: it is nearer to the real thing, and not the same."
-    return f"<code>rig.yaml</code> beside this page is the rig with {names} switched on at the fitted size.{doubt}"
+    said = [f"with {new} switched on at the fitted size"] * bool(new)
+    said += [f"with the fitted size of {changed} instead of its own (without it, where nearly nothing is left)"] * bool(
+        changed
+    )
+    return f"{here} {' and '.join(said)}{facts}.{doubt}"

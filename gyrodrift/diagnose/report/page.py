@@ -6,6 +6,7 @@ from gyrodrift.diagnose.report.causes import causes
 from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration, how_it_was_done
+from gyrodrift.diagnose.report.negligible import negligible
 from gyrodrift.diagnose.report.next_steps import detectable, next_steps
 from gyrodrift.diagnose.report.residuals import residuals
 from gyrodrift.diagnose.result import Diagnosis
@@ -16,6 +17,7 @@ def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
     """The page of a diagnosis whose files stand in a folder, with the command that made it."""
     body = [
         verdict(diagnosis),
+        negligible(diagnosis),
         features(diagnosis),
         residuals(diagnosis),
         causes(diagnosis),

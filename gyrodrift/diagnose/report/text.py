@@ -16,6 +16,9 @@ UNKNOWN = "–"
 """In the place of a number that there is not."""
 
 
+FREE_PHASE = "another one in each session"
+"""Of an effect once per turn, beside an encoder that is zeroed wherever it stands at power-on."""
+
 UNITS = {"1/h": "per hour"}
 """Those that read better in words."""
 
@@ -44,9 +47,27 @@ def interval(parameter: Parameter) -> str:
 
 def fitted(cause: NamedCause) -> str:
     """Parameters of a cause in a line."""
-    first, *others = cause.parameters
-    held = [f"{text(one.name)} {size(one.value, one.unit)}" for one in others]
-    return ", ".join([f"{text(first.name)} {size(first.value, first.unit)} ({interval(first)})", *held])
+    first, phase = cause.parameters[0], ["a phase that is " + FREE_PHASE] * has_free_phase(cause)
+    held = [f"{text(one.name)} {size(one.value, one.unit)}" for one in others_of(cause)]
+    return ", ".join([f"{text(first.name)} {size(first.value, first.unit)} ({interval(first)})", *held, *phase])
+
+
+def has_free_phase(cause: NamedCause) -> bool:
+    """Whether its phase was fitted to each session by itself."""
+    return cause.cause.response.phases_deg is not None
+
+
+def others_of(cause: NamedCause) -> list[Parameter]:
+    """Parameters beside the size, without a phase that each session has for itself, and what is as in the rig."""
+    known = {} if cause.in_rig is None else cause.in_rig.model_dump()
+    names = {"phase_deg"} if has_free_phase(cause) else set[str]()
+    return [one for one in cause.parameters[1:] if one.name not in names and known.get(one.name) != one.value]
+
+
+def in_rig(cause: NamedCause) -> str:
+    """The size that the rig states of a cause that it has already; empty where it has not."""
+    first = cause.parameters[0]
+    return "" if cause.in_rig is None else size(float(getattr(cause.in_rig, first.name)), first.unit)
 
 
 def deviates(z: float) -> str:

@@ -1,0 +1,107 @@
+"""Recordings beside a baseline of the same device: what both differ from the simulator by is explained first.
+
+The causes that the baseline names go into the rig, so that the simulator is near the device as it was. What the
+baseline still differs by is then taken from the recordings to be diagnosed.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_sim.rig import Base, Rig
+from gyrodrift.arrays import Mask
+from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of, slow_features
+from gyrodrift.diagnose.recording.facts import contradictions
+from gyrodrift.diagnose.recording.levels import levels_of
+from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.diagnose.stages import (
+    DiagnosisRequest,
+    adopted,
+    inferred_of,
+    recordings_of,
+    simulated_of,
+    tables_of,
+    with_facts,
+)
+
+SAME_RATE = 0.1
+"""Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
+radio that loses some samples is not."""
+
+NO_STEPS_CPR = 3_600_000
+"""Counts that stand for a reference without any: a ten-thousandth of a degree."""
+
+NO_STEPS_DPS = 1e-4
+"""The same of a rate."""
+
+
+class ExplainedBaseline(NamedTuple):
+    """The rig with what the baseline shows, what is still common, and what there is to say."""
+
+    rig: Rig
+    baseline: Baseline
+    remarks: list[str]
+
+
+def rig_shown_by(recordings: Sequence[Recording]) -> Rig:
+    """A rig without effects whose facts are those that recordings show: the steps of their rates and angles."""
+    lsb = [step for step in (levels_of(one.rate_dps).step for one in recordings) if step is not None]
+    count = [step for step in (levels_of(one.encoder_deg).step for one in recordings) if step is not None]
+    cpr = round(360.0 / float(np.median(count))) if count else NO_STEPS_CPR
+    return Rig(base=Base(dps_per_lsb=float(np.median(lsb)) if lsb else NO_STEPS_DPS, encoder_cpr=cpr))
+
+
+def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:
+    """Diagnose the baseline by itself, and keep what no cause explains.
+
+    Raises
+    ------
+    DataError
+        Where no recording of the baseline can be used.
+    """
+    paths, of_baseline, remarks = recordings_of(asked.baseline)
+    rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base))
+    own = asked._replace(rig=rig)
+    simulated = simulated_of(own, paths, of_baseline)
+    causes = inferred_of(simulated, asked.jobs).verdict.causes
+    rig = adopted(rig, causes)
+    subjects, tables = simulated.subjects, simulated.tables
+    if causes:
+        subjects = [subject_of(recording, rig) for recording in of_baseline]
+        tables = tables_of(own._replace(rig=rig), paths, subjects, ())
+    remarks = [f"baseline: {remark}" for remark in remarks]
+    if causes:
+        names = ", ".join(cause.effect.name for cause in causes)
+        remarks.append(f"baseline: the rig lacks {names} already there; only what is new since is told")
+    else:
+        remarks.append(f"baseline: no cause stands out in its {len(of_baseline)} recordings; what is new since is told")
+    compared, differ = compared_of(of_baseline, recordings)
+    baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
+    return ExplainedBaseline(rig, baseline, [*remarks, *differ])
+
+
+def beside(
+    tables: Sequence[ResponseTable], subjects: Sequence[Subject], baseline: Baseline
+) -> tuple[ResponseTable, ...]:
+    """Tables of recordings with what is common to the baseline taken away."""
+    return tuple(against(tables, [subject.design for subject in subjects], baseline))
+
+
+def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    """Which features both can speak of, and what is to be said of the others."""
+    rates_hz = [1.0 / float(np.median([one.period_s for one in each])) for each in (first, second)]
+    lsb_dps = [rig_shown_by(each).base.dps_per_lsb for each in (first, second)]
+    differ = []
+    if abs(rates_hz[0] / rates_hz[1] - 1.0) > SAME_RATE:
+        differ.append(f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}")
+    if abs(lsb_dps[0] / lsb_dps[1] - 1.0) > SAME_RATE:
+        steps = f"{lsb_dps[0]:.4g} deg/s, in these recordings in steps of {lsb_dps[1]:.4g}: is it the same device"
+        differ.append(f"rates come in steps of {steps}, with the same range?")
+    if not differ:
+        return np.ones(len(FEATURES), bool), []
+    said = "what single samples show is not compared; rate errors second by second are"
+    return slow_features(), [f"{words}: {said}" for words in differ]

@@ -1,0 +1,157 @@
+"""The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from firmware_sim.rig import Rig
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.pooling import evidence_of
+from gyrodrift.diagnose.inference.search import search
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, verdict_of
+from gyrodrift.diagnose.recording.checks import together_s
+from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.result import Untestable
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.simulate.distribute import SimulationPlan, checked_recording, response_tables
+from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
+from gyrodrift.diagnose.simulate.hints import hints_of
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.diagnose.simulate.whole_set import Sized
+from gyrodrift.errors import DataError
+
+GONE_SHARE = 0.1
+"""Of an effect in the rig, below which what is left of it is nothing."""
+
+LESS_IS_MORE = frozenset({"saturation", "bandwidth", "encoder_quantization"})
+"""Effects that act the more, the smaller their parameter is: a small one is nothing that is gone."""
+
+CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
+"""Facts that are taken from the sessions where these contradict the rig."""
+
+
+class DiagnosisRequest(NamedTuple):
+    """What is to be diagnosed.
+
+    baseline
+        Recordings beside which the others are diagnosed: what is common to both is no gap.
+    """
+
+    paths: Sequence[Path]
+    rig: Rig
+    withheld: frozenset[str]
+    jobs: int
+    cluster: str | None
+    progress: Callable[[str, int, int], None]
+    baseline: Sequence[Path] = ()
+
+
+class Simulated(NamedTuple):
+    """Everything that the sessions and the rig give to go on.
+
+    tried
+        Candidates of which the sessions can speak, and that are not withheld.
+    """
+
+    subjects: list[Subject]
+    tables: tuple[ResponseTable, ...]
+    tried: list[Candidate]
+    untestable: tuple[Untestable, ...]
+
+
+class Inferred(NamedTuple):
+    """What follows from that, and the surrogate with all that was simulated on the way."""
+
+    verdict: Verdict
+    causes: tuple[Cause, ...]
+    surrogate: Surrogate
+
+
+def simulated_of(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Sequence[Recording]) -> Simulated:
+    """Calibrate the rig to each session, and work out the responses of all candidates in each."""
+    subjects = [subject_of(recording, asked.rig) for recording in recordings]
+    hints = hints_of(subjects)
+    tried, untestable = testable_among(candidates(hints, asked.rig), recordings, asked.withheld)
+    return Simulated(subjects, tables_of(asked, paths, subjects, tried), tried, untestable)
+
+
+def tables_of(
+    asked: DiagnosisRequest, paths: Sequence[Path], subjects: Sequence[Subject], tried: Sequence[Candidate]
+) -> tuple[ResponseTable, ...]:
+    """The tables of some sessions."""
+    plan = SimulationPlan(tuple(paths), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried))
+    return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
+
+
+def inferred_of(simulated: Simulated, jobs: int) -> Inferred:
+    """Search for causes, see what else there is to each, and judge."""
+    evidence = evidence_of(simulated.tables, simulated.tried)
+    with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
+
+        def simulate(causes: Sequence[Cause]) -> Floats:
+            return sets.change_of([Sized(one.candidate, one.size, one.response.phases_deg) for one in causes])
+
+        result = search(evidence, simulate)
+        alternatives, surrogate = alternatives_of(result, simulate)
+    return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
+
+
+def recordings_of(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], list[str]]:
+    """Those that passed the recording checks, with their paths, and what is to be said of all."""
+    paths: list[Path] = []
+    recordings: list[Recording] = []
+    remarks: list[str] = []
+    for path in asked:
+        one = checked_recording(path)
+        remarks += one.remarks
+        if one.recording is not None:
+            paths.append(path)
+            recordings.append(one.recording)
+    if not recordings:
+        raise DataError("; ".join(remarks))
+    together_s(recordings)
+    if len(recordings) == 1:
+        remarks.append("one session only: nothing could be held out from the fit, so that all of this is its own judge")
+    return paths, recordings, remarks
+
+
+def testable_among(
+    every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str]
+) -> tuple[list[Candidate], tuple[Untestable, ...]]:
+    """Candidates that the recordings can speak of; those they cannot, with why."""
+    lacking = {
+        "motion": ("no motion", not any(recording.moves for recording in recordings)),
+        "host": ("no host times", any(recording.host_s is None for recording in recordings)),
+        "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
+        "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
+    }
+    why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
+    tried = [c for c in every if c.name not in why and c.name not in withheld]
+    return tried, tuple(Untestable(name, reason) for name, reason in why.items())
+
+
+def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:
+    """The rig with the causes in it: what it had at another size is replaced, or left out where nothing is left."""
+    names = {cause.effect.name for cause in causes}
+    kept = tuple(effect for effect in rig.effects if effect.name not in names)
+    found = tuple(cause.effect for cause in causes if not _is_gone(cause))
+    return rig.model_copy(update={"effects": (*kept, *found)})
+
+
+def _is_gone(cause: NamedCause) -> bool:
+    if cause.in_rig is None or cause.effect.name in LESS_IS_MORE:
+        return False
+    name = cause.cause.candidate.parameter
+    return abs(float(getattr(cause.effect, name))) < GONE_SHARE * abs(float(getattr(cause.in_rig, name)))
+
+
+def with_facts(rig: Rig, against: Sequence[Contradiction]) -> Rig:
+    """The rig with what the sessions show, where they contradict it: else every feature would be off."""
+    shown = {one.fact: one.sessions for one in against if one.sessions and one.fact in CORRECTED}
+    update = {name: CORRECTED[name](value) for name, value in shown.items()}
+    return rig.model_copy(update={"base": rig.base.model_copy(update=update)})

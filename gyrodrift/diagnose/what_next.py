@@ -1,0 +1,129 @@
+"""What to do next: a motion that tells apart what is open, or a sentence where no motion would."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.effects.effect import Effect
+from firmware_sim.rig import Rig
+from gyrodrift.diagnose.inference.detectable import detectable
+from gyrodrift.diagnose.inference.fit import best_of, without
+from gyrodrift.diagnose.inference.surrogate import Surrogate
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
+from gyrodrift.diagnose.next_recording.choose import next_recording_of
+from gyrodrift.diagnose.next_recording.profiles import profile_yaml
+from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
+from gyrodrift.diagnose.next_recording.sentence import sentence
+from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion
+from gyrodrift.diagnose.result import Untestable
+from gyrodrift.diagnose.simulate.twin import Subject
+
+FILE = "report/next-profile.yaml"
+"""Beside `rig.yaml`, by the name under which a person finds it."""
+
+SEED = 0
+MINUTES = (1.0, 4.0)
+"""A proposed recording is as long as those so far, within these bounds."""
+
+MOST_HYPOTHESES = 3
+DOUBT = 0.1
+"""Probability that is given to an effect of typical size that these sessions would not have shown."""
+
+SMALL_SHARE = 0.5
+"""Of its typical size, below which an effect that would have been seen is no open question."""
+
+ENOUGH_SESSIONS = 3
+"""With two, sizes are fitted on one alone."""
+
+
+class Next(NamedTuple):
+    """A sentence, and the file of a profile where a motion is proposed."""
+
+    sentence: str
+    profile_yaml: str | None
+
+
+def what_next(
+    verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], untestable: Sequence[Untestable], rig: Rig
+) -> Next:
+    """The experiment that decides, or else what there is to say."""
+    open_ones = _open(verdict, surrogate, subjects, rig)
+    if len(open_ones) < 2:
+        return Next(_without_experiment(verdict, untestable, len(subjects)), None)
+    minutes = round(float(np.clip(np.median([one.seen.recording.seconds / 60.0 for one in subjects]), *MINUTES)), 1)
+    recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
+    found = next_recording_of(open_ones, minutes, SEED, recorded)
+    return Next(sentence(found, FILE), profile_yaml(found.profile))
+
+
+def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], rig: Rig) -> tuple[RigHypothesis, ...]:
+    """What the sessions leave open: causes that are tied, or effects that they could not have shown."""
+    base = subjects[0].rig.base
+    calibrated = rig.model_copy(update={"base": base})
+    tied = next((cause for cause in verdict.causes if cause.tied_with), None)
+    if tied is not None:
+        rivals = [_rival(surrogate, verdict, tied, name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
+        others = [cause.effect for cause in verdict.causes if cause is not tied]
+        return tuple(
+            RigHypothesis(effect.name, _with(calibrated, (*others, effect)), 1.0) for effect in (tied.effect, *rivals)
+        )
+    if verdict.kind is not Kind.NONE:
+        return ()
+    unseen = _unseen(surrogate, rig)
+    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - DOUBT * len(unseen))
+    return (nothing, *(RigHypothesis(effect.name, _with(calibrated, (effect,)), DOUBT) for effect in unseen))
+
+
+def _rival(surrogate: Surrogate, verdict: Verdict, tied: NamedCause, name: str) -> Effect:
+    """What could stand in the place of a cause, at the size that fits best there."""
+    others = without([cause.cause for cause in verdict.causes], tied.cause)
+    best = best_of(surrogate, others, surrogate.evidence.variants(name))
+    return best.candidate.make(best.size)
+
+
+def _unseen(surrogate: Surrogate, rig: Rig) -> list[Effect]:
+    """Effects that would have gone unseen at their typical size, the worst seen first."""
+    in_rig = {effect.name for effect in rig.effects}
+    ratios: list[tuple[float, Effect]] = []
+    for one in detectable(surrogate.evidence):
+        typical = CATALOGUE[one.effect].typical
+        if one.effect in in_rig or one.effect in READ_OFF:
+            continue
+        least = np.inf if one.value is None else one.value / typical[one.parameter]
+        if one.value is not None and one.effect in FALLING:
+            least = 1.0 / least
+        if least > 1.0 / SMALL_SHARE:
+            effect = CATALOGUE[one.effect].model_validate({"name": one.effect, **typical})
+            ratios.append((least, effect))
+    ratios.sort(key=lambda pair: -pair[0])
+    return [effect for _, effect in ratios[: MOST_HYPOTHESES - 1]]
+
+
+READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_quantization", "spikes", "encoder_slip"})
+"""Effects whose size, or height, is read off the recordings: at typical size they would show in any of them."""
+
+FALLING = frozenset({"bandwidth"})
+"""Effects that are larger the smaller their parameter is."""
+
+
+def _with(rig: Rig, effects: Sequence[Effect]) -> Rig:
+    names = {effect.name for effect in effects}
+    kept = tuple(effect for effect in rig.effects if effect.name not in names)
+    return rig.model_copy(update={"effects": (*kept, *effects)})
+
+
+def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:
+    if sessions < ENOUGH_SESSIONS:
+        return "Record more sessions: with three and more the fit can be checked on what it has not seen."
+    if untestable:
+        lacking = untestable[0]
+        return (
+            f"Record with a device that sends more: {lacking.why} in these sessions, so that {lacking.effect} cannot "
+            "be tested."
+        )
+    if verdict.unexplained:
+        worst = verdict.unexplained[0]
+        return f"Record more of what is left over ({worst.regime}: {worst.says}), at several speeds and temperatures."
+    return "These sessions separate what they show; record again after the next change of the rig."

@@ -1,0 +1,146 @@
+"""The head of a report: what is wrong with the rig's facts, sizes of effects in the rig, and what costs nothing."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from diagnosis_support import SCALED, diagnosis
+from page_support import parsed, row, words
+
+from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.sensor_curve import ScaleFactor
+from gyrodrift.diagnose.inference.parameters import Parameter
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Negligible
+from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.diagnose.report.files import headline, said, summary
+from gyrodrift.diagnose.report.head import verdict
+from gyrodrift.diagnose.report.method import calibration
+from gyrodrift.diagnose.report.negligible import negligible
+from gyrodrift.diagnose.report.next_steps import next_steps
+from gyrodrift.diagnose.report.page import report_html
+from gyrodrift.diagnose.result import BaseValue, Diagnosis
+from gyrodrift.html.html import page
+
+COUNTS = Contradiction("encoder_cpr", 1000.0, 4096.0, "counts per turn", "the rig has 1000, the angles 4096")
+
+
+@pytest.fixture(scope="module")
+def scaled() -> Diagnosis:
+    """Of two sessions of a gyro that reads too much."""
+    return diagnosis(SCALED)
+
+
+def seen(*parts: str) -> str:
+    return words(page("", parts))
+
+
+def cause_of(scaled: Diagnosis, in_rig: Effect | None = None, phases_deg: Sequence[float] | None = None) -> NamedCause:
+    """Its cause at 0.4 %, which the rig has otherwise, or with a phase of its own in each session."""
+    (named,) = scaled.verdict.causes
+    phases = None if phases_deg is None else np.array(phases_deg)
+    candidate = replace(named.cause.candidate, in_rig=in_rig)
+    response = replace(named.cause.response, candidate=candidate, phases_deg=phases)
+    size = Parameter("error_percent", 0.4, 0.38, 0.42, "%")
+    others = () if phases is None else (Parameter("phase_deg", 30.0, -180.0, 180.0, "deg"),)
+    return replace(
+        named,
+        cause=replace(named.cause, response=response),
+        effect=ScaleFactor(error_percent=0.4),
+        parameters=(size, *others),
+    )
+
+
+def with_causes(scaled: Diagnosis, *causes: NamedCause, kind: Kind = Kind.EFFECT) -> Diagnosis:
+    return replace(scaled, verdict=replace(scaled.verdict, kind=kind, causes=causes, unexplained=()))
+
+
+def with_negligible(scaled: Diagnosis) -> Diagnosis:
+    """Where the only thing that differs costs 0.022 degrees."""
+    small = (Negligible(cause_of(scaled), 0.022),)
+    return replace(scaled, verdict=replace(scaled.verdict, kind=Kind.NONE, causes=(), unexplained=(), negligible=small))
+
+
+def test_contradicted_facts_come_before_the_verdict(scaled: Diagnosis) -> None:
+    """Both numbers are the headline; the verdict is what there is apart from that."""
+    found = replace(scaled, contradictions=(COUNTS,))
+    html = page("", [verdict(found)])
+    (head,) = parsed(html).iter("h1")
+    assert "".join(head.itertext()) == "The rig states an encoder of 1000 counts per turn, the recordings show 4096"
+    shown = words(html)
+    order = [COUNTS.says, "Apart from that: scale_factor explains some of the difference", "What differs:"]
+    assert sorted(order, key=shown.index) == order
+    assert summary(found)[0] == f"contradiction of facts: {COUNTS.says}"
+    assert summary(found)[1] == headline(found)
+
+
+def test_a_fact_without_a_number_in_the_recordings_is_told_too(scaled: Diagnosis) -> None:
+    """Rates that come in no steps."""
+    none = Contradiction("dps_per_lsb", 0.00763, None, "deg/s", "the rates come in none")
+    assert "The rig states rates in steps of 0.00763 deg/s, the recordings show none such" in seen(
+        verdict(replace(scaled, contradictions=(none,)))
+    )
+
+
+def test_a_wrong_size_in_the_rig_is_told_with_both_sizes(scaled: Diagnosis) -> None:
+    """In the headline, in words, in its tile, in the summary, and of the rig that is written."""
+    found = with_causes(scaled, cause_of(scaled, ScaleFactor(error_percent=1.2)))
+    shown = seen(verdict(found))
+    assert "The sessions differ from the simulator by another size of scale_factor" in shown
+    assert "It is in the rig with 1.2 %; the recordings say error_percent 0.4 % (0.38 to 0.42)" in shown
+    assert "in the rig 1.2 %" in shown
+    assert said(found.verdict.causes[0]).startswith(
+        "scale_factor: error_percent in the rig with 1.2 %, the sessions say 0.4 % (0.38 to 0.42), probability"
+    )
+    assert "with the fitted size of scale_factor instead of its own" in seen(next_steps(found, Path("out")))
+
+
+def test_a_free_phase_is_no_number(scaled: Diagnosis) -> None:
+    """It is another one in each session."""
+    found = with_causes(scaled, cause_of(scaled, phases_deg=[30.0, 200.0]))
+    shown = seen(verdict(found))
+    assert "a phase that is another one in each session" in shown
+    assert "phase_deg" not in shown
+    assert "a phase of its own in each session" in said(found.verdict.causes[0])
+
+
+def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
+    """With its size and its cost in yaw; it is not said that nothing explains the deviations."""
+    found = with_negligible(scaled)
+    assert headline(found) == "none: the simulator explains these sessions, but for scale_factor, negligible in yaw"
+    shown = seen(verdict(found))
+    assert "Seen, and negligible: scale_factor costs 0.022° of yaw" in shown
+    assert "none is named" not in shown
+    listed = row(page("", [negligible(found)]), "scale_factor error_percent")
+    assert listed[1:] == ["0.4 %", "0.38 to 0.42", f"{found.verdict.negligible[0].cause.probability:.2f}", "0.022°",
+                          "not in it"]  # fmt: skip
+    assert "there is nothing to switch on" in words(report_html(found, Path("out")))
+    assert negligible(scaled) == ""
+
+
+def test_a_baseline_is_told_in_the_head_and_is_no_doubt(scaled: Diagnosis) -> None:
+    """Other remarks stay in the box."""
+    remarks = ("baseline: the rig lacks warmup already there; only what is new since is told", "session-01: short")
+    shown = seen(verdict(replace(scaled, remarks=remarks)))
+    assert "Beside a baseline." in shown
+    assert "Of the baseline: the rig lacks warmup already there" in shown
+    assert "Before believing it session-01: short" in shown
+    assert "Beside a baseline." not in seen(verdict(scaled))
+
+
+def test_calibration_is_told_in_units_and_digits_for_a_person(scaled: Diagnosis) -> None:
+    """Milliseconds of the host, hundredths of a degree of the encoder, three digits of the noise."""
+    values = (
+        BaseValue("host_delay_s", 0.002, 0.00199999999, 0.0018, 0.0021),
+        BaseValue("host_jitter_s", 0.0, None, None, None),
+        BaseValue("encoder_phase_deg", 0.0, -0.0009, -0.0012, 0.0012),
+        BaseValue("noise_dps_rthz", 0.0035, 0.00344391, 0.00325033, 0.00374847),
+        BaseValue("sample_rate_hz", 100.0, 99.98765, 99.9, 100.1),
+    )
+    html = page("", [calibration(replace(scaled, calibration=values))])
+    assert row(html, "host_delay_s ms")[1:] == ["2.00", "2.00", "1.80", "2.10"]
+    assert row(html, "host_jitter_s ms")[1:] == ["0", "none seen", "none seen", "none seen"]
+    assert row(html, "encoder_phase_deg deg")[1:] == ["0", "0", "0", "0"]
+    assert row(html, "noise_dps_rthz deg/s/√Hz")[1:] == ["0.00350", "0.00344", "0.00325", "0.00375"]
+    assert row(html, "sample_rate_hz Hz")[1:] == ["100", "100", "100", "100"]

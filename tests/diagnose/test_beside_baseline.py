@@ -1,0 +1,105 @@
+"""Which features a baseline and recordings beside it can both speak of, and what is said of the others."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from simulate_support import BASE, MOTION
+
+from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.rig import Rig, parse_effect
+from gyrodrift.diagnose.beside_baseline import (
+    NO_STEPS_CPR,
+    NO_STEPS_DPS,
+    beside,
+    compared_of,
+    explained_baseline,
+    rig_shown_by,
+)
+from gyrodrift.diagnose.features.vector import NUMBER
+from gyrodrift.diagnose.inference.baseline import NOT_COMPARED, slow_features
+from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.diagnose.stages import DiagnosisRequest, inferred_of, recordings_of, simulated_of
+from gyrodrift.simulation.sessions import Simulation, write_simulation
+
+
+@cache
+def seen(rate_hz: float = 100.0, lsb_dps: float = 0.00763, cpr: int = 4096) -> Recording:
+    base = BASE.model_copy(update={"sample_rate_hz": rate_hz, "dps_per_lsb": lsb_dps, "encoder_cpr": cpr})
+    return recording_of(Simulation(Rig(base=base), MOTION, seed=1, minutes=1.5).whole())
+
+
+def test_the_same_device_is_compared_in_everything() -> None:
+    """A PLL that is off by one percent is the same sample rate."""
+    compared, said = compared_of([seen(), seen()], [seen(101.0)])
+    assert compared.all()
+    assert said == []
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (seen(200.0), ["100", "200", "samples a second"]),
+        (seen(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),
+    ],
+    ids=["rate", "step"],
+)
+def test_of_another_rate_or_step_what_is_slow_is_compared(other: Recording, words: list[str]) -> None:
+    """It is said with both numbers, and what is left out."""
+    compared, said = compared_of([seen()], [other])
+    assert np.array_equal(compared, slow_features())
+    (sentence,) = said
+    assert all(word in sentence for word in (*words, "not compared"))
+
+
+def test_a_rig_is_shown_by_the_steps_of_recordings() -> None:
+    """Those that they were simulated with, whatever the noise."""
+    base = rig_shown_by([seen(cpr=4096), seen(lsb_dps=0.0305, cpr=4096), seen(lsb_dps=0.0305, cpr=4096)]).base
+    assert base.dps_per_lsb == pytest.approx(0.0305, rel=1e-3)
+    assert base.encoder_cpr == 4096
+
+
+def test_without_steps_a_rig_is_as_fine_as_can_be() -> None:
+    """An optical reference and a rate that was filtered."""
+    dice, one = np.random.default_rng(1), seen()
+    fine = Recording(
+        **{
+            **{name: getattr(one, name) for name in one.__slots__},
+            "rate_dps": one.rate_dps + dice.normal(0.0, 0.01, len(one.rate_dps)),
+            "encoder_deg": one.encoder_deg + dice.normal(0.0, 0.01, len(one.rate_dps)),
+        }
+    )
+    assert rig_shown_by([fine]).base.encoder_cpr == NO_STEPS_CPR
+    assert rig_shown_by([fine]).base.dps_per_lsb == NO_STEPS_DPS
+
+
+@pytest.mark.long
+def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_path: Path) -> None:
+    """3 % at 200 Hz, of a device whose baseline came at 100 Hz, and what single samples say is left out."""
+    rigs = {
+        "before": Rig(base=BASE),
+        "today": Rig(
+            base=BASE.model_copy(update={"sample_rate_hz": 200.0}),
+            effects=(parse_effect("scale_factor:error_percent=3"),),
+        ),
+    }
+    paths: dict[str, list[Path]] = {name: [tmp_path / f"{name}-{number}.csv" for number in (1, 2)] for name in rigs}
+    for name, rig in rigs.items():
+        for number, path in enumerate(paths[name]):
+            write_simulation(path, Simulation(rig, MOTION, 5, number, minutes=1.0))
+    withheld = frozenset(CATALOGUE) - {"scale_factor", "latency", "timestamp_jitter"}
+    asked = DiagnosisRequest(
+        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
+    )
+    kept, recordings, _ = recordings_of(asked.paths)
+    explained = explained_baseline(asked, recordings)
+    assert any("100 samples a second" in remark and "200" in remark for remark in explained.remarks)
+    compared = explained.baseline.scatter < NOT_COMPARED
+    assert slow_features()[compared].all()
+    assert compared[NUMBER["rate"]]
+    simulated = simulated_of(asked, kept, recordings)
+    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
+    verdict = inferred_of(simulated._replace(tables=tables), 1).verdict
+    assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
+    assert verdict.causes[0].parameters[0].value == pytest.approx(3.0, rel=0.1)
