@@ -26,10 +26,12 @@ tests: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
 
-# The whole blind check of diagnose: hours. BLIND_SEED draws other cases.
+# The whole blind check of diagnose: hours; what is interrupted goes on. BLIND_SEED draws other cases.
 blind: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.blind run --set final --out .blind/final $(if $(BLIND_SEED),--seed $(BLIND_SEED))
 	$(BIN)/python -m tests.blind score .blind/final
+	$(BIN)/python -m tests.blind run --set bench --out .blind/bench $(if $(BLIND_SEED),--seed $(BLIND_SEED))
+	$(BIN)/python -m tests.blind score .blind/bench
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg

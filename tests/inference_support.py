@@ -26,6 +26,7 @@ PARAMETERS = {
     "backlash": "play_deg",
     "timestamp_jitter": "sigma_ms",
     "rate_random_walk": "density_dps_rts",
+    "g_sensitivity": "amplitude_dps",
 }
 SIZES = np.arange(1.0, 9.0)
 
@@ -81,7 +82,7 @@ def random_response(name: str, spread_per_size: Amounts, sizes: Floats = SIZES) 
 def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
     """With a sigma of 1 everywhere, and nulls that are as large as that."""
     away = rows(difference) if isinstance(difference, Mapping) else difference
-    nulls = np.where(np.arange(6)[:, None] % 2 == 0, 1.0, -1.0) * np.ones(len(FEATURES))
+    nulls = np.where(np.arange(6)[:, None] % 2 == 0, 1.0, -1.0) * np.ones((len(away), 1, len(FEATURES)))
     names = tuple(f"session-{number}" for number in range(len(away)))
     return Evidence(names, away, np.ones_like(away), nulls, responses)
 

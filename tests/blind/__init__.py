@@ -2,19 +2,24 @@
 
     python -m tests.blind run --set final --out .blind/final      seal the labels, generate, diagnose; goes on
     python -m tests.blind score .blind/final                      open the seals, print the table, list the misses
+    python -m tests.blind run --set bench --out .blind/bench --seed 5 --rows none_own,loop --count 20
     python -m tests.blind show CASE --out .blind/final            open one seal; the opening is logged like any other
 
 The parts, in the order in which a case meets them:
 
     catalogue.py   names, stages and groups of the effects, as the face of `diagnose` has them
     generator/     sessions and a rig file from a recipe; knows nothing of gyrodrift or of its simulator
+    rows/          cases over devices as people own them, from the generator, `gyrodrift simulate` and real recordings
+    sets.py        all sets: smoke, development and final by recipes, bench by rows
     seals.py       labels with a salt, in files of their own; their hashes are published before any run
     run.py         the command line of gyrodrift, handed nothing but sessions, a rig and what is withheld
     gap.py         what it said
     judge.py       whether that was right
-    score.py, chance.py, table.py   shares with Wilson intervals, the calibration of probabilities, the table
+    score.py, bench_rows.py   shares of what came out right
+    chance.py, table.py       Wilson intervals, the calibration of probabilities, the table
 
 A set's folder holds `plan.json` (public: which runs there are), `hashes.json`, `seals/`, `results/` and `openings.log`.
 The plan says what is withheld from a run. Runs on data without any gap have something withheld too, so that it tells
 nothing. The runs in which only the true effect may be fitted, the oracle of the shrink, come last, after an opening.
+A folder of the set bench grows: more rows and cases are sealed beside those that are there.
 """

@@ -25,6 +25,7 @@ EFFECTS_OF_STAGE = {
     "link": ("usb_batching", "sample_drop", "stale_hold"),
 }
 EFFECTS = tuple(effect for effects in EFFECTS_OF_STAGE.values() for effect in effects)
+STAGE = {effect: stage for stage, effects in EFFECTS_OF_STAGE.items() for effect in effects}
 
 _ALIKE = {
     "slow bias": ("temp_bias", "warmup"),

@@ -5,13 +5,15 @@ import json
 import sys
 from pathlib import Path
 
+from blind.bench_rows import bench_rows
 from blind.folder import SetFolder, write_json
-from blind.generator.recipes import SEEDS, recipes
-from blind.generator.write import write_case
 from blind.prepare import OtherSetError, prepare
+from blind.rows.recordings import DATA
+from blind.rows.table import ROWS, impossible_rows
 from blind.run import Options, run_set
-from blind.score import score
+from blind.score import recipe_rows, score
 from blind.seals import BrokenSealError, open_seal
+from blind.sets import BENCH, SEEDS, case_of
 from blind.table import as_json, markdown, terminal_text
 from blind.tried import open_all
 
@@ -41,6 +43,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--no-oracle", action="store_true", help="leave out the runs that may fit the true effect only")
     run.add_argument("--keep", action="store_true", help="keep the sessions under kept/")
     run.add_argument("--only", action="append", default=[], help="part of a title, as single/latency; not in a final")
+    run.add_argument("--rows", type=_rows, default=[], help=f"of the set bench, by comma: {', '.join(ROWS)}")
+    run.add_argument("--count", type=int, help="cases of each row (what each row has)")
     run.set_defaults(act=_run)
     scored = commands.add_parser("score", help="open the seals and judge")
     scored.add_argument("out", type=Path, help="folder of the set")
@@ -51,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     show.set_defaults(act=_show)
     generate = commands.add_parser("generate", help="write the sessions and the rig of one case")
     _add_set(generate)
-    generate.add_argument("--case", required=True)
+    generate.add_argument("--case", required=True, help="its name; in the set bench also row and number: none_own/12")
     generate.add_argument("--out", type=Path, required=True, help="folder that is made")
     generate.set_defaults(act=_generate)
     return parser
@@ -62,6 +66,14 @@ def _add_set(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, help="another one than the set's own")
 
 
+def _rows(text: str) -> list[str]:
+    rows = text.split(",")
+    for row in rows:
+        if row not in ROWS:
+            raise argparse.ArgumentTypeError(f"there is no row {row}; there are {', '.join(ROWS)}")
+    return rows
+
+
 def _seed(arguments: argparse.Namespace) -> int:
     given: int | None = arguments.seed
     return SEEDS[arguments.set_name] if given is None else given
@@ -70,8 +82,12 @@ def _seed(arguments: argparse.Namespace) -> int:
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.only and arguments.set_name == "final":
         raise OtherSetError("a final set runs as a whole; --only is for development")
+    if arguments.set_name != BENCH and (arguments.rows or arguments.count is not None):
+        raise OtherSetError("--rows and --count choose cases of the set bench")
+    if arguments.set_name == BENCH and (impossible := impossible_rows(arguments.rows)):
+        print(f"blind: {', '.join(impossible)}: left out, there are no recordings in {DATA}", file=sys.stderr)
     folder = SetFolder(arguments.out)
-    prepare(folder, arguments.set_name, _seed(arguments), arguments.only)
+    prepare(folder, arguments.set_name, _seed(arguments), arguments.only, arguments.rows, arguments.count)
     options = Options(
         workers=arguments.workers,
         timeout_s=arguments.timeout,
@@ -83,7 +99,7 @@ def _run(arguments: argparse.Namespace) -> None:
 
 def _score(arguments: argparse.Namespace) -> None:
     folder = SetFolder(arguments.out)
-    found = score(open_all(folder))
+    found = score(open_all(folder), bench_rows if folder.plan().set_name == BENCH else recipe_rows)
     write_json(folder.root / "score.json", as_json(found))
     (folder.root / "table.md").write_text(markdown(found))
     print(terminal_text(found), end="")
@@ -94,7 +110,7 @@ def _show(arguments: argparse.Namespace) -> None:
 
 
 def _generate(arguments: argparse.Namespace) -> None:
-    known = {recipe.name: recipe for recipe in recipes(arguments.set_name, _seed(arguments))}
-    if arguments.case not in known:
+    case = case_of(arguments.set_name, _seed(arguments), arguments.case)
+    if case is None:
         raise OtherSetError(f"{arguments.case}: is no case of the set {arguments.set_name}")
-    write_case(known[arguments.case], arguments.out)
+    case.write(arguments.out)

@@ -8,10 +8,11 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class PlannedCase:
-    """What is public of a case: its name, and what a second run is to withhold (empty: there is none)."""
+    """What is public of a case: its name, and what a second run is to withhold or is of (empty: there is none)."""
 
     name: str
     withhold: str
+    then: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,9 @@ class SetFolder:
         return self.root / "kept" / case
 
     def hashes(self) -> dict[str, str]:
-        """Hash of salt and label by case."""
-        read: dict[str, str] = json.loads((self.root / "hashes.json").read_text())
+        """Hash of salt and label by case; none before anything is sealed."""
+        path = self.root / "hashes.json"
+        read: dict[str, str] = json.loads(path.read_text()) if path.is_file() else {}
         return read
 
     def is_planned(self) -> bool:
@@ -58,12 +60,12 @@ class SetFolder:
     def plan(self) -> Plan:
         """Read it."""
         read = json.loads((self.root / "plan.json").read_text())
-        cases = tuple(PlannedCase(case["case"], case["withhold"]) for case in read["cases"])
+        cases = tuple(PlannedCase(case["case"], case["withhold"], case["then"]) for case in read["cases"])
         return Plan(read["set"], read["seed"], cases)
 
     def write_plan(self, plan: Plan) -> None:
         """Write it."""
-        cases = [{"case": case.name, "withhold": case.withhold} for case in plan.cases]
+        cases = [{"case": case.name, "withhold": case.withhold, "then": case.then} for case in plan.cases]
         self.write("plan.json", {"set": plan.set_name, "seed": plan.seed, "cases": cases})
 
     def write(self, name: str, value: Any) -> None:

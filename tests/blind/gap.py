@@ -10,12 +10,13 @@ VERDICTS = ("none", "effect", "partly", "unknown")
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """An effect that was named; parameters by name, values alone."""
+    """An effect that was named; parameters by name, values alone; `in_rig`: those that the rig states otherwise."""
 
     effect: str
     probability: float
     tied_with: tuple[str, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
+    in_rig: dict[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> set[str]:
@@ -31,6 +32,8 @@ class Said:
         Stages, worst first.
     after, shrink
         Of the gap; None where it says nothing.
+    detectable
+        Smallest size that would have been seen, by effect and parameter.
     """
 
     verdict: str
@@ -39,6 +42,7 @@ class Said:
     leftover: tuple[str, ...] = ()
     after: float | None = None
     shrink: float | None = None
+    detectable: dict[str, dict[str, float]] = field(default_factory=dict)
 
     @property
     def named(self) -> tuple[Cause, ...]:
@@ -55,6 +59,11 @@ class Outcome:
     seconds: float
 
     @property
+    def names_causes(self) -> bool:
+        """Whether there is a verdict that stands for a cause."""
+        return self.said is not None and bool(self.said.named)
+
+    @property
     def text(self) -> str:
         """For a list of misses."""
         if self.said is None:
@@ -69,7 +78,8 @@ class Outcome:
 
 def _cause_text(cause: Cause) -> str:
     ties = f" (or {', '.join(cause.tied_with)})" if cause.tied_with else ""
-    return f"{cause.effect}{ties} {cause.probability:.2f}"
+    wrong = f" (in the rig with {', '.join(f'{value:g}' for value in cause.in_rig.values())})" if cause.in_rig else ""
+    return f"{cause.effect}{wrong}{ties} {cause.probability:.2f}"
 
 
 def load_json(path: Path) -> Any:
@@ -106,6 +116,7 @@ def read_gap(gap: Any) -> Said:
         leftover=tuple(str(signature["stage"]) for signature in gap["leftover"]),
         after=_number_or_none(gap["gap"].get("after")),
         shrink=_number_or_none(gap["gap"].get("shrink")),
+        detectable={str(effect): _numbers(least) for effect, least in gap.get("detectable", {}).items()},
     )
 
 
@@ -114,7 +125,13 @@ def _cause(cause: Any) -> Cause:
     if not 0.0 <= probability <= 1.0:
         raise ValueError(f"probability is {probability}")
     parameters = {str(name): float(stated["value"]) for name, stated in cause["parameters"].items()}
-    return Cause(str(cause["effect"]), probability, tuple(map(str, cause["tied_with"])), parameters)
+    in_rig = _numbers(cause.get("in_rig", {}))
+    return Cause(str(cause["effect"]), probability, tuple(map(str, cause["tied_with"])), parameters, in_rig)
+
+
+def _numbers(stated: Any) -> dict[str, float]:
+    """Values by parameter, without units."""
+    return {str(name): float(value) for name, value in stated.items() if isinstance(value, int | float)}
 
 
 def _number_or_none(value: Any) -> float | None:

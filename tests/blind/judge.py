@@ -1,6 +1,6 @@
 """The rules: whether what was said of a case is right. A run that failed is never right."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import permutations
 
 from blind.catalogue import GROUP
@@ -77,6 +77,32 @@ def names_both(outcome: Outcome, truths: Sequence[str], *, alone: bool) -> bool:
         if fits and not (alone and any(map(_is_confident, others))):
             return True
     return False
+
+
+def invents(outcome: Outcome, truths: Collection[str]) -> bool:
+    """A confident cause is not there; a failure counts as one."""
+    return outcome.said is None or any(
+        _is_confident(cause) and cause.effect not in truths for cause in outcome.said.named
+    )
+
+
+def names_wrong_size(outcome: Outcome, truth: str) -> bool:
+    """The effect is named as one that the rig has at another size."""
+    cause = cause_of(outcome.said, truth)
+    return cause is not None and bool(cause.in_rig)
+
+
+def would_be_seen(without: Outcome, effect: str, parameter: str, size: float, *, falls: bool) -> bool:
+    """By what a run on data without the effect said beforehand; `falls`: a larger effect has a smaller number.
+
+    Where that run failed or said nothing of any effect, nothing is excused.
+    """
+    if without.said is None or not without.said.detectable:
+        return True
+    least = without.said.detectable.get(effect, {}).get(parameter)
+    if least is None:
+        return False
+    return abs(size) <= least if falls else abs(size) >= least
 
 
 def fit_is_near(cause: Cause, parameter: str, truth: float) -> bool:

@@ -19,14 +19,27 @@ from time import monotonic
 from typing import IO, Any
 
 from blind.catalogue import EFFECTS
-from blind.folder import Plan, SetFolder, write_json
-from blind.gap import load_json
+from blind.folder import Plan, PlannedCase, SetFolder, write_json
+from blind.gap import load_json, read_outcome
 from blind.seals import open_seal
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STDERR_KEPT = 4000
+THIS_TREE = {"PYTHONPATH": str(ROOT)}
+"""What is judged is the program beside these tests, wherever another one is installed."""
+
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """As many cases at a time as there are workers, none with threads of its own in linear algebra."""
+
+ADOPTING = "again"
+NOTHING_TO_ADOPT = {
+    "exit_status": 0,
+    "timed_out": False,
+    "seconds": 0.0,
+    "stderr": "the blind run names no cause, so that there is nothing to adopt",
+    "gap": None,
+    "rig": None,
+}
 
 Say = Callable[[str], None]
 
@@ -55,23 +68,45 @@ class Options:
 
 
 @dataclass(frozen=True, slots=True)
+class _Look:
+    """One run of `diagnose` on a case.
+
+    withheld
+        Effects that it must do without.
+    sessions
+        Folder of the case that it is of; what is of `again` takes the rig that the blind run wrote.
+    """
+
+    run: str
+    withheld: tuple[str, ...] = ()
+    sessions: str = "sessions"
+
+    @property
+    def adopts(self) -> bool:
+        """Whether the rig is what an earlier run made of it."""
+        return self.sessions == ADOPTING
+
+
+@dataclass(frozen=True, slots=True)
 class _Job:
-    """A case and its runs: name, and effects that are withheld."""
+    """A case and its runs."""
 
     case: str
-    runs: tuple[tuple[str, tuple[str, ...]], ...]
+    looks: tuple[_Look, ...]
 
 
 def run_set(folder: SetFolder, options: Options, say: Say) -> None:
     """All blind runs, then the oracle's."""
     plan = folder.plan()
-    _run_jobs(folder, plan, [_blind_job(case.name, case.withhold) for case in plan.cases], options, say)
+    _run_jobs(folder, plan, [_blind_job(case) for case in plan.cases], options, say)
     if options.oracle:
         _run_jobs(folder, plan, _oracle_jobs(folder, plan), options, say)
 
 
-def _blind_job(case: str, withhold: str) -> _Job:
-    return _Job(case, (("blind", ()), *((("withheld", (withhold,)),) if withhold else ())))
+def _blind_job(case: PlannedCase) -> _Job:
+    withheld = (_Look("withheld", (case.withhold,)),) if case.withhold else ()
+    then = (_Look(case.then, sessions=case.then),) if case.then else ()
+    return _Job(case.name, (_Look("blind"), *withheld, *then))
 
 
 def _oracle_jobs(folder: SetFolder, plan: Plan) -> list[_Job]:
@@ -81,7 +116,7 @@ def _oracle_jobs(folder: SetFolder, plan: Plan) -> list[_Job]:
         label = open_seal(folder, case.name, "oracle")
         if label["kind"] == "single":
             true = label["effects"][0]["name"]
-            jobs.append(_Job(case.name, (("oracle", tuple(effect for effect in EFFECTS if effect != true)),)))
+            jobs.append(_Job(case.name, (_Look("oracle", tuple(effect for effect in EFFECTS if effect != true)),)))
     return jobs
 
 
@@ -96,8 +131,8 @@ def _run_jobs(folder: SetFolder, plan: Plan, jobs: list[_Job], options: Options,
         executor.shutdown(cancel_futures=True)
 
 
-def _missing(folder: SetFolder, job: _Job) -> list[tuple[str, tuple[str, ...]]]:
-    return [run for run in job.runs if not folder.result(job.case, run[0]).is_file()]
+def _missing(folder: SetFolder, job: _Job) -> list[_Look]:
+    return [look for look in job.looks if not folder.result(job.case, look.run).is_file()]
 
 
 def _run_job(folder: SetFolder, plan: Plan, job: _Job, options: Options) -> str:
@@ -107,19 +142,32 @@ def _run_job(folder: SetFolder, plan: Plan, job: _Job, options: Options) -> str:
         case = Path(temporary) / "case"
         _generate(plan, job.case, case)
         print_of_data = _hash_of_files(case)
-        for run, withheld in _missing(folder, job):
-            outcome = _diagnose(case, Path(temporary) / run, withheld, options)
-            outcome |= {"case": job.case, "run": run, "withheld": list(withheld), "data_sha256": print_of_data}
-            write_json(folder.result(job.case, run), outcome)
-            verdict = (
-                outcome["gap"]["verdict"]
-                if isinstance(outcome["gap"], dict) and "verdict" in outcome["gap"]
-                else "failed"
-            )
-            said.append(f"{run} {verdict} {outcome['seconds']:.1f} s")
+        for look in _missing(folder, job):
+            rig = _adopted(folder, job.case) if look.adopts else (case / "rig.yaml").read_text()
+            outcome = _diagnose(case, Path(temporary) / look.run, look, rig, options) if rig else NOTHING_TO_ADOPT
+            outcome = {
+                **outcome,
+                "case": job.case,
+                "run": look.run,
+                "withheld": list(look.withheld),
+                "data_sha256": print_of_data,
+            }
+            write_json(folder.result(job.case, look.run), outcome)
+            said.append(f"{look.run} {_verdict(outcome)} {outcome['seconds']:.1f} s")
         if options.keep and not folder.kept(job.case).exists():
             shutil.copytree(case, folder.kept(job.case))
     return ", ".join(said)
+
+
+def _verdict(outcome: dict[str, Any]) -> str:
+    gap = outcome["gap"]
+    return str(gap["verdict"]) if isinstance(gap, dict) and "verdict" in gap else "failed"
+
+
+def _adopted(folder: SetFolder, case: str) -> str:
+    """The rig that the blind run wrote, where it names a cause; else empty."""
+    blind = load_json(folder.result(case, "blind"))
+    return str(blind["rig"] or "") if read_outcome(blind).names_causes else ""
 
 
 def _generate(plan: Plan, case: str, into: Path) -> None:
@@ -139,12 +187,17 @@ def _hash_of_files(case: Path) -> str:
     return total.hexdigest()
 
 
-def _diagnose(case: Path, out: Path, withheld: tuple[str, ...], options: Options) -> dict[str, Any]:
+def _diagnose(case: Path, out: Path, look: _Look, rig: str, options: Options) -> dict[str, Any]:
     """Call the command line; its result, its last words and how long it took."""
     out.mkdir()
-    words = [*options.command, "diagnose", str(case / "sessions"), "--rig", str(case / "rig.yaml")]
+    stated = case / "rig.yaml"
+    if look.adopts:
+        stated = out / "rig.yaml"
+        stated.write_text(rig)
+    words = [*options.command, "diagnose", str(case / look.sessions), "--rig", str(stated)]
     words += ["--out", str(out / "report"), "--jobs", "1"]
-    words += [word for effect in withheld for word in ("--withhold", effect)]
+    words += ["--baseline", str(case / "baseline")] if (case / "baseline").is_dir() else []
+    words += [word for effect in look.withheld for word in ("--withhold", effect)]
     started_s = monotonic()
     with (out / "stderr").open("w+") as stderr:
         status, is_late = _wait(words, out, stderr, options.timeout_s)
@@ -157,7 +210,12 @@ def _diagnose(case: Path, out: Path, withheld: tuple[str, ...], options: Options
         "seconds": round(seconds, 2),
         "stderr": last_words,
         "gap": load_json(out / "report" / "gap.json") if status == 0 else None,
+        "rig": _text_of(out / "report" / "rig.yaml"),
     }
+
+
+def _text_of(path: Path) -> str | None:
+    return path.read_text() if path.is_file() else None
 
 
 def _wait(words: list[str], folder: Path, stderr: IO[str], timeout_s: float) -> tuple[int, bool]:
@@ -165,7 +223,7 @@ def _wait(words: list[str], folder: Path, stderr: IO[str], timeout_s: float) -> 
     process = subprocess.Popen(
         words,
         cwd=folder,
-        env=os.environ | ONE_THREAD,
+        env=os.environ | ONE_THREAD | THIS_TREE,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=stderr,

@@ -47,13 +47,13 @@ class Score:
     failures: int
 
 
-def score(tried: list[Tried]) -> Score:
-    """Judge every case."""
+def score(tried: list[Tried], rows_of: Callable[[list[Tried]], list[Share]]) -> Score:
+    """Judge every case; `rows_of` says what the rows of the table are."""
     stated = _stated(tried)
     seconds = [case.blind.seconds for case in tried] or [0.0]
-    ratios = _shrink_ratios(_of(tried, "single"))
+    ratios = _shrink_ratios(of_kind(tried, "single"))
     return Score(
-        shares=[*_single_rows(tried), *_other_rows(tried), *_left_out_rows(tried), _parameter_row(tried)],
+        shares=rows_of(tried),
         shrink_ratio=median(ratios) if ratios else None,
         shrink_ratio_cases=len(ratios),
         brier=brier(stated),
@@ -62,6 +62,12 @@ def score(tried: list[Tried]) -> Score:
         longest_s=max(seconds),
         failures=sum(case.blind.said is None for case in tried),
     )
+
+
+def recipe_rows(tried: list[Tried]) -> list[Share]:
+    """The rows of the sets that are made by recipes."""
+    singles = [*single_rows(tried), false_alarms(tried)]
+    return [*singles, *outside_rows(tried), *pair_rows(tried), *left_out_rows(tried), parameter_row(tried)]
 
 
 def is_right(case: Tried) -> bool:
@@ -79,7 +85,7 @@ def is_right(case: Tried) -> bool:
 Rule = Callable[[Tried], bool]
 
 
-def _row(
+def row(
     what: str,
     cases: Iterable[Tried],
     rule: Rule,
@@ -87,27 +93,30 @@ def _row(
     run: str = "blind",
     *,
     is_most: bool = False,
+    is_listed: bool = False,
 ) -> Share:
-    """A share; its misses are listed where a goal is set, and where fewer is better the hits are the misses."""
+    """A share; misses are listed where there is a goal or it is asked for; where fewer is better they are the hits."""
     judged = [(case, rule(case)) for case in cases]
     misses = [_miss(case, run) for case, is_hit in judged if is_hit == is_most]
     hits = sum(is_hit for _, is_hit in judged)
-    return Share(what, hits, len(judged), goal, is_most, tuple(misses) if goal is not None else ())
+    return Share(what, hits, len(judged), goal, is_most, tuple(misses) if goal is not None or is_listed else ())
 
 
 def _miss(case: Tried, run: str) -> str:
     size = f"{case.size} " if case.size else ""
-    of = f", {case.about}" if case.kind == "outside" else ""
+    of = f", {case.about}" if case.kind == "outside" or case.row else ""
     without = f", without {case.withhold}" if run == "withheld" else ""
-    return f"{case.name}: {size}{case.put_in}{of}{without} → {case.outcomes[run].text}"
+    return f"{case.id}: {size}{case.put_in}{of}{without} → {case.outcomes[run].text}"
 
 
-def _of(tried: list[Tried], kind: str, *sizes: str) -> list[Tried]:
+def of_kind(tried: list[Tried], kind: str, *sizes: str) -> list[Tried]:
+    """Cases of a kind, and of some sizes."""
     return [case for case in tried if case.kind == kind and (not sizes or case.size in sizes)]
 
 
-def _single_rows(tried: list[Tried]) -> list[Share]:
-    clear, small = _of(tried, "single", *CLEAR), _of(tried, "single", "small")
+def single_rows(tried: list[Tried]) -> list[Share]:
+    """One effect of the catalogue at a time."""
+    clear, small = of_kind(tried, "single", *CLEAR), of_kind(tried, "single", "small")
 
     def group(case: Tried) -> bool:
         return judge.names_group_first(case.blind, case.truth)
@@ -116,28 +125,39 @@ def _single_rows(tried: list[Tried]) -> list[Share]:
         return judge.names_first_or_tied(case.blind, case.truth)
 
     return [
-        _row("group named first, typical and large", clear, group, 0.95),
-        _row("effect named first or tied first, typical and large", clear, effect, 0.9),
-        _row("effect named first, alone, typical and large", clear, lambda c: judge.names_first(c.blind, c.truth)),
-        _row("effect among the first two, typical and large", clear, lambda c: judge.names_among_two(c.blind, c.truth)),
-        _row("group named first, small", small, group, 0.7),
-        _row("effect named first or tied first, small", small, effect, 0.7),
+        row("group named first, typical and large", clear, group, 0.95),
+        row("effect named first or tied first, typical and large", clear, effect, 0.9),
+        row("effect named first, alone, typical and large", clear, lambda c: judge.names_first(c.blind, c.truth)),
+        row("effect among the first two, typical and large", clear, lambda c: judge.names_among_two(c.blind, c.truth)),
+        row("group named first, small", small, group, 0.7),
+        row("effect named first or tied first, small", small, effect, 0.7),
     ]
 
 
-def _other_rows(tried: list[Tried]) -> list[Share]:
-    pairs = _of(tried, "pair")
+def false_alarms(tried: list[Tried]) -> Share:
+    """Of the cases without a gap."""
+    return row("false alarms where there is no gap", of_kind(tried, "none"), _alarm, 0.05, is_most=True)
+
+
+def outside_rows(tried: list[Tried]) -> list[Share]:
+    """What no catalogue has."""
     return [
-        _row("false alarms where there is no gap", _of(tried, "none"), _alarm, 0.05, is_most=True),
-        _row(
+        row(
             "outside the catalogue: unknown or partly, at the right stage",
-            _of(tried, "outside"),
+            of_kind(tried, "outside"),
             lambda c: judge.abstains_at(c.blind, c.stages),
             0.8,
         ),
-        _row("outside the catalogue: unknown or partly, at any stage", _of(tried, "outside"), _abstains),
-        _row("pairs: both named, nothing else confident", pairs, lambda c: _both(c, alone=True), 0.75),
-        _row("pairs: both named", pairs, lambda c: _both(c, alone=False)),
+        row("outside the catalogue: unknown or partly, at any stage", of_kind(tried, "outside"), _abstains),
+    ]
+
+
+def pair_rows(tried: list[Tried]) -> list[Share]:
+    """Two effects at a time."""
+    pairs = of_kind(tried, "pair")
+    return [
+        row("pairs: both named, nothing else confident", pairs, lambda c: _both(c, alone=True), 0.75),
+        row("pairs: both named", pairs, lambda c: _both(c, alone=False)),
     ]
 
 
@@ -153,33 +173,34 @@ def _both(case: Tried, *, alone: bool) -> bool:
     return judge.names_both(case.blind, tuple(case.truths), alone=alone)
 
 
-def _left_out_rows(tried: list[Tried]) -> list[Share]:
-    left_out = _of(tried, "left_out")
-    decoys = [case for case in _of(tried, "none") if case.withhold]
+def left_out_rows(tried: list[Tried]) -> list[Share]:
+    """The true effect is withheld."""
+    left_out = of_kind(tried, "left_out")
+    decoys = [case for case in of_kind(tried, "none") if case.withhold]
     return [
-        _row(
+        row(
             "left out: no confident wrong cause without a leftover",
             left_out,
             lambda c: judge.is_not_fooled(c.outcomes["withheld"]),
             0.95,
             "withheld",
         ),
-        _row(
+        row(
             "left out: unknown, or partly with nothing confident but of its group",
             left_out,
             lambda c: judge.admits_what_is_missing(c.outcomes["withheld"], c.truth),
         ),
-        _row(
+        row(
             "left out: with the effect back less is left of the gap",
             left_out,
             lambda c: judge.shrinks_further(c.blind, c.outcomes["withheld"]),
         ),
-        _row(
+        row(
             "left out: with the effect back it is named first or tied first",
             left_out,
             lambda c: judge.names_first_or_tied(c.blind, c.truth),
         ),
-        _row(
+        row(
             "no gap, something left out: false alarms",
             decoys,
             lambda c: judge.raises_alarm(c.outcomes["withheld"]),
@@ -188,10 +209,10 @@ def _left_out_rows(tried: list[Tried]) -> list[Share]:
     ]
 
 
-def _parameter_row(tried: list[Tried]) -> Share:
+def parameter_row(tried: list[Tried]) -> Share:
     """Of cases in which the effect was named, where its form here is that of the simulator."""
-    cases = [case for case in _of(tried, "single") if case.truth in JUDGED and _cause(case)]
-    return _row("fitted parameter within 20 %, where named and of the same form", cases, _is_near, 0.85)
+    cases = [case for case in of_kind(tried, "single") if case.truth in JUDGED and _cause(case)]
+    return row("fitted parameter within 20 %, where named and of the same form", cases, _is_near, 0.85)
 
 
 def _cause(case: Tried) -> Cause | None:

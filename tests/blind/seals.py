@@ -23,8 +23,8 @@ def hash_of(salt: str, label: dict[str, Any]) -> str:
 
 
 def seal(folder: SetFolder, labels: Iterable[dict[str, Any]]) -> None:
-    """Put every label under a seal and publish the hashes."""
-    hashes = {}
+    """Put every label under a seal and publish the hashes, beside those that are published already."""
+    hashes = folder.hashes()
     for label in labels:
         salt = secrets.token_hex(SALT_BYTES)
         plain = json.loads(json.dumps(label))  # as it will be read again

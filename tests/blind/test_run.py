@@ -10,6 +10,7 @@ import pytest
 from blind.catalogue import EFFECTS
 from blind.folder import SetFolder
 from blind.prepare import prepare
+from blind.rows.recordings import devices
 from blind.run import Options, run_set
 from blind.tried import open_all
 
@@ -18,7 +19,8 @@ import json, os, sys, time
 from pathlib import Path
 words = sys.argv[1:]
 sessions, rig, out = (Path(words[at]) for at in (1, 3, 5))
-seen = {{"words": words, "files": sorted(str(p.relative_to(rig.parent)) for p in rig.parent.rglob("*"))}}
+files = sorted(str(p.relative_to(rig.parent)) for p in rig.parent.rglob("*"))
+seen = {{"words": words, "rig": rig.read_text(), "files": files}}
 Path({log!r}).open("a").write(json.dumps(seen) + "\\n")
 {act}
 out.mkdir()
@@ -26,14 +28,27 @@ out.mkdir()
 """
 
 
+NAMES_A_CAUSE = """
+out.mkdir()
+(out / "rig.yaml").write_text(rig.read_text() + "# adopted")
+cause = {"effect": "latency", "group": "lag", "probability": 0.9, "parameters": {}, "tied_with": []}
+said = {"verdict": "effect", "causes": [cause], "where": [], "leftover": [], "gap": {}}
+(out / "gap.json").write_text(json.dumps(said))
+sys.exit(0)
+"""
+
+
 class Set:
     """A small set and a stand-in that does something before it answers."""
 
-    def __init__(self, tmp_path: Path, *titles: str) -> None:
+    def __init__(self, tmp_path: Path, *titles: str, row: str = "") -> None:
         self.folder = SetFolder(tmp_path / "set")
         self.log = tmp_path / "log"
         self._script = tmp_path / "stand_in.py"
-        prepare(self.folder, "smoke", 3, list(titles))
+        if row:
+            prepare(self.folder, "bench", 9, rows=[row], count=1)
+        else:
+            prepare(self.folder, "smoke", 3, titles)
 
     def run(self, act: str = "", timeout_s: float = 60.0, *, oracle: bool = False, keep: bool = False) -> None:
         self._script.write_text(STAND_IN.format(log=str(self.log), act=act))
@@ -88,6 +103,53 @@ def test_the_oracle_may_name_the_true_effect_only(tmp_path: Path) -> None:
     withheld = set(one.calls()[1]["words"][8:]) - {"--withhold"}
     assert withheld == set(EFFECTS) - {"latency"}
     assert one.folder.openings.read_text().endswith("oracle\n")
+
+
+def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path) -> None:
+    """And that rig is kept with the blind result, so that an interrupted run goes on with it."""
+    one = Set(tmp_path, row="loop")
+    one.run(NAMES_A_CAUSE)
+    first, again = one.calls()
+    assert again["rig"] == first["rig"] + "# adopted"
+    assert [Path(call["words"][1]).name for call in (first, again)] == ["sessions", "again"]
+    again_path = one.folder.result(one.folder.plan().cases[0].name, "again")
+    again_path.unlink()
+    one.run(NAMES_A_CAUSE)
+    assert len(one.calls()) == 3
+    assert one.calls()[2]["rig"] == again["rig"]
+
+
+def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
+    """The second run is not made, and not tried again."""
+    one = Set(tmp_path, row="loop")
+    one.run()
+    one.run()
+    assert len(one.calls()) == 1
+    (tried,) = open_all(one.folder)
+    assert tried.blind.said is not None
+    assert tried.outcomes["again"].said is None
+
+
+def test_the_device_without_the_effect_is_looked_at_with_the_same_rig(tmp_path: Path) -> None:
+    """As it would be before anything happened to it."""
+    one = Set(tmp_path, row="small")
+    one.run()
+    first, without = one.calls()
+    assert first["rig"] == without["rig"]
+    assert Path(without["words"][1]).name == "without"
+
+
+def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
+    """Beside the recordings of today, as the command line takes it."""
+    if not devices():
+        pytest.skip("the folder of recordings is not there")
+    one = Set(tmp_path, row="baseline")
+    one.run()
+    (call,) = one.calls()
+    words = call["words"]
+    assert words[8] == "--baseline"
+    assert [Path(words[at]).name for at in (1, 9)] == ["sessions", "baseline"]
+    assert {name.split("/")[0] for name in call["files"]} == {"rig.yaml", "sessions", "baseline"}
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from scipy.stats import binomtest
 from blind import judge
 from blind.chance import brier, reliability, wilson
 from blind.gap import read_outcome
-from blind.score import Share, is_right, score
+from blind.score import Score, Share, is_right, recipe_rows
+from blind.score import score as score_by
 from blind.table import as_json, markdown, terminal_text
 from blind.told import case, cause, gap, outcome
 from blind.tried import Tried
@@ -16,6 +17,10 @@ from blind.tried import Tried
 SCALE = {"scale_factor": {"error_percent": 1.0}}
 LAG = {"latency": {"delay_ms": 8.0}}
 TWO = {"scale_factor": {"error_percent": 1.0}, "latency": {"delay_ms": 8.0}}
+
+
+def score(tried: list[Tried]) -> Score:
+    return score_by(tried, recipe_rows)
 
 
 def share(tried: list[Tried], what: str) -> Share:

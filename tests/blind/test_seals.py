@@ -35,10 +35,10 @@ def test_salts_differ(folder: SetFolder) -> None:
 
 
 def test_the_plan_says_nothing_but_what_is_withheld(folder: SetFolder) -> None:
-    """No kind, no size, no effect."""
+    """And whether a second run follows; no kind, no size, no effect."""
     read = json.loads((folder.root / "plan.json").read_text())
     assert set(read) == {"set", "seed", "cases"}
-    assert all(set(case) == {"case", "withhold"} for case in read["cases"])
+    assert all(set(case) == {"case", "withhold", "then"} for case in read["cases"])
     assert [case["case"] for case in read["cases"]] == sorted(case["case"] for case in read["cases"])
 
 

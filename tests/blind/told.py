@@ -3,7 +3,7 @@
 from typing import Any
 
 from blind.gap import Outcome, read_outcome
-from blind.tried import Tried, tried_of
+from blind.tried import RUNS, Tried, tried_of
 
 
 def gap(verdict: str, *causes: dict[str, Any], where: str = "sensor", leftover: str = "", **numbers: float) -> Any:
@@ -37,6 +37,7 @@ def case(
     size: str = "typical",
     stages: tuple[str, ...] = ("sensor",),
     withhold: str = "",
+    row: str = "",
     **other_runs: Any,
 ) -> Tried:
     """A case and what was said of it; `other_runs` are those that are no blind ones."""
@@ -48,6 +49,7 @@ def case(
         "effects": [{"name": name, "parameters": parameters} for name, parameters in (effects or {}).items()],
         "stages": stages,
         "withhold": withhold,
+        **({"row": row, "seed": 9, "number": 2} if row else {}),
     }
-    outcomes = {run: outcome(other_runs.get(run)) for run in ("withheld", "oracle")}
+    outcomes = {run: outcome(other_runs.get(run)) for run in RUNS[1:]}
     return tried_of(label, {"blind": outcome(said), **outcomes})

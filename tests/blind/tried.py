@@ -8,7 +8,7 @@ from blind.folder import SetFolder
 from blind.gap import Outcome, load_json, read_outcome
 from blind.seals import open_seal
 
-RUNS = ("blind", "withheld", "oracle")
+RUNS = ("blind", "withheld", "without", "again", "oracle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +21,8 @@ class Tried:
         Where a right answer may say it is.
     outcomes
         By run; one that was never made is a failure.
+    row, number
+        Of a set that has rows, else empty.
     """
 
     name: str
@@ -32,6 +34,14 @@ class Tried:
     withhold: str
     put_in: str
     outcomes: dict[str, Outcome]
+    row: str = ""
+    seed: int = 0
+    number: int = 0
+
+    @property
+    def id(self) -> str:
+        """What to ask for it by, and in a set of rows where it comes from."""
+        return f"{self.name} (seed {self.seed}, {self.row}/{self.number})" if self.row else self.name
 
     @property
     def blind(self) -> Outcome:
@@ -66,6 +76,9 @@ def tried_of(label: dict[str, Any], outcomes: dict[str, Outcome]) -> Tried:
         withhold=label["withhold"],
         put_in=" and ".join(texts) or "no gap",
         outcomes=outcomes,
+        row=label.get("row", ""),
+        seed=label.get("seed", 0),
+        number=label.get("number", 0),
     )
 
 

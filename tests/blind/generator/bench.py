@@ -51,7 +51,7 @@ class _Acts:
 
 def measure(scene: Scene, device: Device, session: int, faults: tuple[Fault, ...], path: Path) -> Columns:
     """Measurements of session number `session`; `path` leads to its random numbers."""
-    acts = _Acts(faults, path)
+    acts = _Acts((*faults, *device.healthy_filters), path)
     stamp_s, arrival_s, first = _times(scene, device, acts, path)
     rows = acts.through(Place.ROWS, np.arange(len(scene.t_s), dtype=np.float64), scene).astype(np.intp)
     return Columns(
@@ -87,7 +87,9 @@ def _encoder(scene: Scene, device: Device, acts: _Acts) -> Floats:
     """As counted, degrees."""
     shaft_deg = acts.through(Place.ANGLE, scene.fine_deg, scene)[:: scene.fine]
     count_deg = 360.0 / device.encoder_cpr
-    return np.rint(acts.through(Place.COUNTED, shaft_deg, scene) / count_deg) * count_deg + 0.0  # no minus zero
+    counts = np.rint(acts.through(Place.COUNTED, shaft_deg, scene) / count_deg)
+    zeroed = counts if device.encoder_absolute else counts - counts[0]
+    return zeroed * count_deg + 0.0  # no minus zero
 
 
 def _times(scene: Scene, device: Device, acts: _Acts, path: Path) -> tuple[Floats, Floats, int]:

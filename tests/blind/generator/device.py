@@ -8,10 +8,16 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from blind.generator.dice import Rng
+from blind.generator.kinds import Fault
 from blind.generator.motion import Floats
+from blind.generator.rig_text import rig_text
+from blind.generator.scene import PHYSICS_HZ
 
 UNUSUAL_RATE = 0.1
 """So often the device samples at 50 or 200 Hz, whatever the rig says."""
+
+FILTERED_HZ = 3600.0
+"""Rate of the fine grid of a device that has a filter: some ten points to its time constant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +32,10 @@ class Device:
         From measurement to host: least, and mean of what comes on top, which scatters as much.
     stamp_scatter_s, clock_ppm
         Of a healthy device clock.
+    encoder_absolute
+        Whether the encoder tells the true angle; else it is zeroed where it stands at power-on.
+    low_pass_hz
+        The filter that it is sold with, which the rig states; 0 for none.
     """
 
     sample_hz: float
@@ -37,6 +47,18 @@ class Device:
     host_scatter_s: float
     stamp_scatter_s: float
     clock_ppm: float
+    encoder_absolute: bool = True
+    low_pass_hz: float = 0.0
+
+    @property
+    def healthy_filters(self) -> tuple[Fault, ...]:
+        """What acts like an effect and is none."""
+        return (Fault("one_pole", {"cutoff_hz": self.low_pass_hz}),) if self.low_pass_hz else ()
+
+    @property
+    def physics_hz(self) -> float:
+        """Least rate of the fine grid."""
+        return FILTERED_HZ if self.low_pass_hz else PHYSICS_HZ
 
     def facts(self) -> dict[str, float | int | tuple[float, ...]]:
         """For the label."""
@@ -45,23 +67,34 @@ class Device:
 
 @dataclass(frozen=True, slots=True)
 class RigFile:
-    """What the rig says; no effects."""
+    """What the rig says.
+
+    encoder_absolute
+        None where it does not say.
+    effects
+        Which the rig has already.
+    """
 
     noise_dps_rthz: float
     bias_dps: float
     host_delay_s: float
+    sample_rate_hz: int = 100
+    encoder_absolute: bool | None = None
+    effects: tuple[Fault, ...] = ()
 
     def text(self, device: Device) -> str:
         """The file."""
-        return (
-            "base:\n  sample_rate_hz: 100\n"
-            f"  dps_per_lsb: {device.dps_per_lsb}\n"
-            f"  noise_dps_rthz: {self.noise_dps_rthz}\n"
-            f"  bias_dps: {self.bias_dps}\n"
-            f"  encoder_cpr: {device.encoder_cpr}\n"
-            f"  host_delay_s: {self.host_delay_s}\n"
-            "effects: []\n"
-        )
+        base = {
+            "sample_rate_hz": self.sample_rate_hz,
+            "dps_per_lsb": device.dps_per_lsb,
+            "noise_dps_rthz": self.noise_dps_rthz,
+            "bias_dps": self.bias_dps,
+            "encoder_cpr": device.encoder_cpr,
+            "host_delay_s": self.host_delay_s,
+        }
+        if self.encoder_absolute is not None:
+            base["encoder_absolute"] = self.encoder_absolute
+        return rig_text(base, self.effects)
 
 
 def draw_device(rng: Rng, sessions: int, *, usual_rate: bool) -> tuple[Device, RigFile]:

@@ -43,6 +43,7 @@ Act = Callable[..., Floats]
 KINDS: dict[str, tuple[Place, Act]] = {
     "latency": (Place.SEEN, time.latency),
     "vibration": (Place.SEEN, time.vibration),
+    "one_pole": (Place.PASSED, time.one_pole),
     "bandwidth": (Place.PASSED, time.bandwidth),
     "scale_factor": (Place.GAIN, curve.scale_factor),
     "scale_asymmetry": (Place.GAIN, curve.scale_asymmetry),

@@ -29,10 +29,10 @@ class Motion:
     motor_on: Mask
 
 
-def session_motion(rng: Rng, step_s: float, seconds: float) -> Motion:
+def session_motion(rng: Rng, step_s: float, seconds: float, still_factor: float = 1.0) -> Motion:
     """Still from power-on; steps both ways in both orders, turns at two speeds, reversals, shaking, a slow ramp."""
-    first = _still(step_s, rng.uniform(40.0, 55.0))
-    last_s, gaps_s = rng.uniform(18.0, 28.0), rng.uniform(3.0, 7.0, 7)
+    first = _still(step_s, still_factor * rng.uniform(40.0, 55.0))
+    last_s, gaps_s = still_factor * rng.uniform(18.0, 28.0), rng.uniform(3.0, 7.0, 7)
     pieces = [
         _turns(step_s, sign(rng) * rng.uniform(75.0, 110.0), rng.uniform(4.0, 6.0)),
         _turns(step_s, sign(rng) * rng.uniform(32.0, 48.0), rng.uniform(3.0, 4.0)),

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from hashlib import blake2b
 from typing import Any, Literal
 
-from blind.catalogue import EFFECTS, EFFECTS_OF_STAGE
+from blind.catalogue import EFFECTS, STAGE
 from blind.generator.device import Device, RigFile, draw_device
 from blind.generator.dice import Path, Rng, plan_dice
 from blind.generator.kinds import Fault
@@ -156,13 +156,9 @@ def _content(rng: Rng, entry: _Entry, part: str) -> tuple[tuple[Fault, ...], tup
         faults = tuple(_pair_faults(rng, pair, part))
     else:
         faults = (draw_fault(rng, entry.name, entry.size, part),)
-    return faults, tuple(_stage_of(fault.name) for fault in faults), " and ".join(fault.name for fault in faults)
+    return faults, tuple(STAGE[fault.name] for fault in faults), " and ".join(fault.name for fault in faults)
 
 
 def _pair_faults(rng: Rng, pair: Pair, part: str) -> Iterator[Fault]:
     for name, size, way in zip((pair.first, pair.second), pair.sizes, pair.ways, strict=True):
         yield draw_fault(rng, name, size, part, way)
-
-
-def _stage_of(effect: str) -> str:
-    return next(stage for stage, effects in EFFECTS_OF_STAGE.items() if effect in effects)

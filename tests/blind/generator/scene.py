@@ -45,13 +45,13 @@ class Scene:
         return np.arange(len(self.fine_dps)) / self.fine_hz
 
 
-def scene_of(plan: SessionPlan, sample_hz: float, path: Path) -> Scene:
+def scene_of(plan: SessionPlan, sample_hz: float, path: Path, physics_hz: float = PHYSICS_HZ) -> Scene:
     """Play a session's motion in its surroundings."""
-    fine = ceil(PHYSICS_HZ / sample_hz)
+    fine = ceil(physics_hz / sample_hz)
     step_s = 1.0 / (sample_hz * fine)
     samples = floor(plan.seconds * sample_hz)
-    motion = session_motion(plan_dice((*path, "motion")), step_s, samples / sample_hz)
-    fine_deg = _integral(motion.rate_dps, step_s)
+    motion = session_motion(plan_dice((*path, "motion")), step_s, samples / sample_hz, plan.still_factor)
+    fine_deg = plan.start_deg + _integral(motion.rate_dps, step_s)
     t_s = np.arange(samples) / sample_hz
     return Scene(
         sample_hz=sample_hz,

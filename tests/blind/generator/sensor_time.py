@@ -1,7 +1,7 @@
-"""Sensor: what takes time. A delay, a low-pass of the second order, a tone of the motor or the fan."""
+"""Sensor: what takes time. A delay, low-passes of the second and the first order, a tone of the motor or the fan."""
 
 import numpy as np
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, lfilter, sosfilt, sosfilt_zi
 
 from blind.generator.dice import Rng
 from blind.generator.motion import Floats
@@ -18,6 +18,15 @@ def bandwidth(values: Floats, scene: Scene, rng: Rng, *, cutoff_hz: float) -> Fl
     sections = butter(2, cutoff_hz, fs=scene.fine_hz, output="sos")
     settled = sosfilt_zi(sections) * values[0]
     passed: Floats = sosfilt(sections, values, zi=settled)[0]
+    return passed
+
+
+def one_pole(values: Floats, scene: Scene, rng: Rng, *, cutoff_hz: float) -> Floats:
+    """What a rig file means by a bandwidth: an RC filter, exact where its input is straight between two points."""
+    steps = 2.0 * np.pi * cutoff_hz / scene.fine_hz
+    pole = np.exp(-steps)
+    mean = (1.0 - pole) / steps
+    passed: Floats = lfilter([1.0 - mean, mean - pole], [1.0, -pole], values, zi=[mean * values[0]])[0]
     return passed
 
 

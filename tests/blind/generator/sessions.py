@@ -7,6 +7,9 @@ import numpy as np
 from blind.generator.dice import Rng
 from blind.generator.motion import Floats
 
+WHOLE_S = 300.0
+"""A session of this length has the whole motion."""
+
 
 @dataclass(frozen=True, slots=True)
 class SessionPlan:
@@ -18,6 +21,10 @@ class SessionPlan:
         Air in the room, how far it wanders, what the device adds to it when it is settled, and how soon that is.
     heated_c, heat_from_s, heat_s
         By how much the air is heated and cooled again, when that begins, and how long either takes; 0 where it is not.
+    start_deg
+        Where the table stands when it begins, true angle.
+    still_factor
+        How long the stills at both ends are, against those of a session of five minutes.
     """
 
     seconds: float
@@ -29,6 +36,8 @@ class SessionPlan:
     heated_c: float = 0.0
     heat_from_s: float = 0.0
     heat_s: float = 60.0
+    start_deg: float = 0.0
+    still_factor: float = 1.0
 
     def facts(self) -> dict[str, float]:
         """For the label."""
@@ -72,3 +81,11 @@ def plan_sessions(rng: Rng, count: int, minutes: tuple[float, float]) -> list[Se
         heat_s=rng.uniform(70.0, 100.0),
     )
     return plans
+
+
+def place_sessions(rng: Rng, plans: list[SessionPlan]) -> list[SessionPlan]:
+    """The same, but nobody turns the table back before a session, and a short one has short stills."""
+    return [
+        replace(plan, start_deg=rng.uniform(0.0, 360.0), still_factor=min(1.0, plan.seconds / WHOLE_S))
+        for plan in plans
+    ]

@@ -12,8 +12,9 @@ from blind.generator.kinds import Fault
 
 SIZES = ("small", "typical", "large")
 
-PARTS = {"development": ((0.9, 1.0), (1.1, 1.2)), "final": ((0.8, 0.9), (1.0, 1.1))}
-"""Parts of 0.8 to 1.2 from which a set draws what it varies a size by; those of the final one are lower."""
+PARTS = {"development": ((0.9, 1.0), (1.1, 1.2)), "final": ((0.8, 0.9), (1.0, 1.1)), "bench": ((0.8, 1.2),)}
+"""Parts of 0.8 to 1.2 from which a set draws what it varies a size by; those of the final one are lower,
+and any bench draws from all of it."""
 
 
 @dataclass(frozen=True, slots=True)

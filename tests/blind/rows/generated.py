@@ -1,0 +1,154 @@
+"""Cases from the generator, over devices as people own them: three sessions of one and a half to three minutes."""
+
+from dataclasses import asdict
+from typing import Any
+
+from blind.catalogue import EFFECTS, STAGE
+from blind.generator.device import Device, RigFile
+from blind.generator.dice import Path as DicePath
+from blind.generator.dice import Rng
+from blind.generator.kinds import Fault
+from blind.generator.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
+from blind.generator.pairs import PAIRS
+from blind.generator.sessions import SessionPlan, place_sessions, plan_sessions
+from blind.generator.spread import Facts, draw_facts, draw_fault_for, draw_spread
+from blind.generator.write import Batch
+from blind.rows.case import Draft
+from blind.rows.simulated import describe
+
+SESSIONS = 3
+MINUTES = (1.5, 3.0)
+SHORT_MINUTES = (25.0 / 60.0, 50.0 / 60.0)
+SHORT = 0.2
+"""So many of the cases without a gap have short sessions."""
+
+CLEAR = ("typical", "large")
+
+
+class Stand:
+    """A device with its rig and the plans of its sessions, drawn together."""
+
+    def __init__(self, rng: Rng, minutes: tuple[float, float] = MINUTES, sessions: int = SESSIONS) -> None:
+        self.facts: Facts = draw_facts(rng)
+        self.plans: tuple[SessionPlan, ...] = draw_plans(rng, minutes, sessions)
+        self.device: Device
+        self.rig: RigFile
+        self.device, self.rig = draw_spread(rng, self.facts, sessions)
+
+    @property
+    def rig_text(self) -> str:
+        """The rig file."""
+        return self.rig.text(self.device)
+
+    @property
+    def about(self) -> str:
+        """For a list of misses."""
+        low_pass = f", low-pass {self.device.low_pass_hz:g} Hz" if self.device.low_pass_hz else ""
+        return describe(self.facts) + low_pass
+
+    @property
+    def label(self) -> dict[str, Any]:
+        """For the label."""
+        return {
+            "facts": asdict(self.facts),
+            "device": self.device.facts(),
+            "sessions": [plan.facts() for plan in self.plans],
+        }
+
+    def batch(self, faults: tuple[Fault, ...], path: DicePath) -> Batch:
+        """Its sessions."""
+        return Batch(self.device, self.plans, faults, path)
+
+
+def draw_plans(rng: Rng, minutes: tuple[float, float], sessions: int) -> tuple[SessionPlan, ...]:
+    """Begun wherever the table stands."""
+    return tuple(place_sessions(rng, plan_sessions(rng, sessions, minutes)))
+
+
+def no_gap(rng: Rng, number: int, path: DicePath) -> Draft:
+    """The device that the rig states; some with short sessions."""
+    stand = Stand(rng, SHORT_MINUTES if rng.random() < SHORT else MINUTES)
+    return _draft("none", stand, (), path, about=stand.about)
+
+
+def clear(rng: Rng, number: int, path: DicePath) -> Draft:
+    """One effect after the other, typical and then large."""
+    return _single(rng, EFFECTS[number % len(EFFECTS)], CLEAR[number // len(EFFECTS) % len(CLEAR)], path)
+
+
+def small(rng: Rng, number: int, path: DicePath) -> Draft:
+    """One effect after the other."""
+    return _single(rng, EFFECTS[number % len(EFFECTS)], "small", path)
+
+
+def _single(rng: Rng, effect: str, size: str, path: DicePath) -> Draft:
+    """And the same device without it, which says whether it could have been seen."""
+    stand = Stand(rng)
+    faults = (draw_fault_for(rng, stand.facts, effect, size),)
+    without = {"without": stand.batch((), (*path, "without"))}
+    return _draft("single", stand, faults, path, size=size, then="without", more=without)
+
+
+def outside(rng: Rng, number: int, path: DicePath) -> Draft:
+    """What no catalogue has."""
+    stand, names = Stand(rng), list(OUTSIDE)
+    name, size = names[number % len(names)], OUTSIDE_SIZES[number // len(names) % len(OUTSIDE_SIZES)]
+    draft = OUTSIDE[name]
+    return _draft(
+        "outside",
+        stand,
+        (draw_outside(rng, name, size, "bench"),),
+        path,
+        size=size,
+        stages=draft.stages,
+        about=draft.about,
+    )
+
+
+def pair(rng: Rng, number: int, path: DicePath) -> Draft:
+    """Two effects at a time."""
+    stand, both = Stand(rng), PAIRS[number % len(PAIRS)]
+    names = zip((both.first, both.second), both.sizes, both.ways, strict=True)
+    return _draft("pair", stand, tuple(draw_fault_for(rng, stand.facts, *each) for each in names), path)
+
+
+def left_out(rng: Rng, number: int, path: DicePath) -> Draft:
+    """The true effect is withheld in a second run."""
+    stand, name = Stand(rng), EFFECTS[number % len(EFFECTS)]
+    faults = (draw_fault_for(rng, stand.facts, name, "typical"),)
+    return _draft("left_out", stand, faults, path, size="typical", withhold=name)
+
+
+def loop(rng: Rng, number: int, path: DicePath) -> Draft:
+    """New sessions of the same device with the same fault, for the rig that the diagnosis writes."""
+    stand, size = Stand(rng), str(rng.choice(CLEAR))
+    faults = (draw_fault_for(rng, stand.facts, str(rng.choice(EFFECTS)), size),)
+    new = Batch(stand.device, draw_plans(rng, MINUTES, SESSIONS), faults, (*path, "again"))
+    return _draft("loop", stand, faults, path, size=size, then="again", more={"again": new})
+
+
+def _draft(
+    kind: str,
+    stand: Stand,
+    faults: tuple[Fault, ...],
+    path: DicePath,
+    *,
+    size: str = "",
+    stages: tuple[str, ...] | None = None,
+    about: str = "",
+    withhold: str = "",
+    then: str = "",
+    more: dict[str, Batch] | None = None,
+) -> Draft:
+    return Draft(
+        kind=kind,
+        rig=stand.rig_text,
+        parts={"sessions": stand.batch(faults, path), **(more or {})},
+        faults=faults,
+        size=size,
+        stages=tuple(STAGE[fault.name] for fault in faults) if stages is None else stages,
+        about=f"{about}; {stand.about}" if about and faults else stand.about,
+        withhold=withhold,
+        then=then,
+        facts=stand.label,
+    )
