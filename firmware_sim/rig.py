@@ -107,3 +107,10 @@ def parse_effect(text: str) -> Effect:
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
     """The rig with more effects."""
     return rig.model_copy(update={"effects": (*rig.effects, *effects)})
+
+
+def with_replaced(rig: Rig, effects: Sequence[Effect]) -> Rig:
+    """The rig with effects in the place of those of the same names, behind all others."""
+    names = {effect.name for effect in effects}
+    kept = tuple(effect for effect in rig.effects if effect.name not in names)
+    return rig.model_copy(update={"effects": (*kept, *effects)})

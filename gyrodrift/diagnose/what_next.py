@@ -7,7 +7,7 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from firmware_sim.rig import Rig
+from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.fit import best_of, without
 from gyrodrift.diagnose.inference.surrogate import Surrogate
@@ -67,13 +67,14 @@ def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], r
         rivals = [_rival(surrogate, verdict, tied, name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
         others = [cause.effect for cause in verdict.causes if cause is not tied]
         return tuple(
-            RigHypothesis(effect.name, _with(calibrated, (*others, effect)), 1.0) for effect in (tied.effect, *rivals)
+            RigHypothesis(effect.name, with_replaced(calibrated, (*others, effect)), 1.0)
+            for effect in (tied.effect, *rivals)
         )
     if verdict.kind is not Kind.NONE:
         return ()
     unseen = _unseen(surrogate, rig)
     nothing = RigHypothesis(NOTHING, calibrated, 1.0 - DOUBT * len(unseen))
-    return (nothing, *(RigHypothesis(effect.name, _with(calibrated, (effect,)), DOUBT) for effect in unseen))
+    return (nothing, *(RigHypothesis(effect.name, with_replaced(calibrated, (effect,)), DOUBT) for effect in unseen))
 
 
 def _rival(surrogate: Surrogate, verdict: Verdict, tied: NamedCause, name: str) -> Effect:
@@ -106,12 +107,6 @@ READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_quantiz
 
 FALLING = frozenset({"bandwidth"})
 """Effects that are larger the smaller their parameter is."""
-
-
-def _with(rig: Rig, effects: Sequence[Effect]) -> Rig:
-    names = {effect.name for effect in effects}
-    kept = tuple(effect for effect in rig.effects if effect.name not in names)
-    return rig.model_copy(update={"effects": (*kept, *effects)})
 
 
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:

@@ -12,7 +12,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 from gyrodrift.diagnose.simulate.twin import Subject
-from gyrodrift.diagnose.simulate.whole_set import Sized, change_in
+from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of
 
 
 class _Held(NamedTuple):
@@ -49,11 +49,9 @@ class ForkedSets:
 
     def change_of(self, effects: Sequence[Sized]) -> Floats:
         """(sessions, F) what a whole set of candidates does to the features."""
-        numbers = range(len(self._own.subjects))
         if self._pool is None:
-            return np.array(
-                [change_in(effects, number, self._own.subjects[number], self._own.tables[number]) for number in numbers]
-            )
+            return change_of(effects, self._own.subjects, self._own.tables)
+        numbers = range(len(self._own.subjects))
         sent = [(key(one.candidate), one.size, one.phases_deg) for one in effects]
         return np.array(list(self._pool.map(_change_of_sent, [sent] * len(numbers), numbers)))
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect, Moments
 from firmware_sim.measure import measure as play
-from firmware_sim.rig import Rig
+from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import residuals, timing
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
@@ -155,11 +155,9 @@ class Subject:
 
         An effect that stands in the rig already is replaced.
         """
-        names = {effect.name for effect in effects}
-        kept = tuple(effect for effect in self.rig.effects if effect.name not in names)
         later_s = ARRIVAL_PHASE_S * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
-        rig = self.rig.model_copy(update={"base": base, "effects": (*kept, *effects)})
+        rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
         block = next(play(rig, self.motion(seed), self._stream(seed), block_samples=self.design.samples))
         return as_recorded(block, rig.base, self.seen.recording.name)
 
