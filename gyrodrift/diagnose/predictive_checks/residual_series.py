@@ -89,12 +89,6 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
 
 
 def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
-    noise, jitter = (
-        float(np.prod(shares))
-        for shares in (
-            [cause.cause.candidate.noise_share for cause in causes],
-            [cause.cause.candidate.jitter_share for cause in causes],
-        )
-    )
+    share = float(np.prod([cause.cause.candidate.noise_share for cause in causes]))
     effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
-    return subject.with_noise(noise).with_jitter(jitter).replayed(effects, seed)
+    return subject.with_noise(share).replayed(effects, seed)

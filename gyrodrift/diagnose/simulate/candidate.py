@@ -93,24 +93,20 @@ class Variant:
         Other parameters of the effect.
     phase_deg
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
-    noise_share, jitter_share
-        What share of the scatter of rates, or of arrivals, that the recording shows was there before this effect
-        changed it.
+    noise_share
+        What share of the scatter that the recording shows was there before this effect changed it.
     """
 
     grid: SizeGrid
     fixed: Mapping[str, float] = field(default_factory=dict)
     phase_deg: float | None = None
     noise_share: float = 1.0
-    jitter_share: float = 1.0
 
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
         if self.noise_share != 1.0:
             return f"noise times {self.noise_share:g}"
-        if self.jitter_share != 1.0:
-            return f"host jitter times {self.jitter_share:g}"
         return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
 
 
@@ -132,7 +128,7 @@ class Candidate:
         Effects of one group are easily taken for each other.
     realisations
         How many draws a size takes: one where chance plays no part.
-    phase_deg, noise_share, jitter_share
+    phase_deg, noise_share
         As in `Variant`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
@@ -155,7 +151,6 @@ class Candidate:
     realisations: int = 1
     phase_deg: float | None = None
     noise_share: float = 1.0
-    jitter_share: float = 1.0
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
@@ -259,7 +254,6 @@ class CandidateKind:
             realisations=self.realisations,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
-            jitter_share=variant.jitter_share,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 

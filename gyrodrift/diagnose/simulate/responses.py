@@ -71,7 +71,7 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             with_it = subject.with_rate((candidate.added(size, stands),), base)
             return _first(subject.residual_features(with_it, base), base.values)
         case Touches.TIMES:
-            times = subject.with_jitter(candidate.jitter_share).time_features(effects, base.seed)
+            times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
         case Touches.VALUES:
             calibrated = subject.with_noise(candidate.noise_share)

@@ -72,11 +72,6 @@ class Subject:
         base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
-    def with_jitter(self, share: float) -> "Subject":
-        """The same with the jitter of the host multiplied."""
-        base = self.rig.base.model_copy(update={"host_jitter_s": self.rig.base.host_jitter_s * share})
-        return replace(self, rig=self.rig.model_copy(update={"base": base}))
-
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""
         if seed not in self.drawn:

@@ -37,12 +37,9 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
 
 
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int) -> Floats:
-    noise, jitter = (
-        float(np.prod(shares))
-        for shares in zip(*((one.candidate.noise_share, one.candidate.jitter_share) for one in effects), strict=True)
-    )
+    share = float(np.prod([one.candidate.noise_share for one in effects]))
     of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
-    seen = subject.with_noise(noise).with_jitter(jitter).replayed(of_catalogue, seed)
+    seen = subject.with_noise(share).replayed(of_catalogue, seed)
     for one in effects:
         if one.candidate.shape is not None:
             seen = subject.with_shape(one.candidate.shape, one.size, seed, seen)

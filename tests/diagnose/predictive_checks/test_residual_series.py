@@ -25,7 +25,7 @@ def subject() -> Subject:
 
 @cache
 def series(*, is_named: bool) -> ResidualSeries:
-    cause = SimpleNamespace(is_random=False, candidate=SimpleNamespace(noise_share=1.0, jitter_share=1.0))
+    cause = SimpleNamespace(is_random=False, candidate=SimpleNamespace(noise_share=1.0))
     named = cast("NamedCause", SimpleNamespace(cause=cause, in_session=lambda *_: HIGH))
     return residual_series_of(subject(), (named,) if is_named else (), 1)
 
