@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import structlog
 from hypothesis import settings
 from support import Recordings
 
@@ -46,6 +47,12 @@ def nothing_left_behind() -> Iterator[None]:
     assert not _children() - children, "child processes left behind"
     left = {fd: to for fd, to in _descriptors().items() if descriptors.get(fd) != to and not _may_stay(to)}
     assert not left, f"descriptors left behind: {left}"
+
+
+@pytest.fixture(autouse=True)
+def log_as_it_is_at_first() -> None:
+    """What a command that ran in this process made of the log, its level above all, is not for the next test."""
+    structlog.reset_defaults()
 
 
 @pytest.fixture

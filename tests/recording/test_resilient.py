@@ -67,7 +67,7 @@ def test_after_a_failure_it_begins_a_new_file(
     assert beside.stats() == {"recorded": None}
     beside.tick(beside._failed_s + 0.9 * recording.RETRY_S)
     assert beside.recorder is None
-    beside.tick(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + 2 * recording.RETRY_S)
     assert logged[-1]["event"] == "recording_resumed"
     beside.take(samples(200))
     beside.close()
@@ -83,9 +83,9 @@ def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logge
     out.touch()
     beside.take(samples(0))
     assert logged[-1]["event"] == "recording_failed"
-    beside.tick(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + 2 * recording.RETRY_S)
     assert "cannot be written to: File exists" in logged[-1]["reason"]
     out.unlink()
-    beside.tick(beside._failed_s + recording.RETRY_S)
+    beside.tick(beside._failed_s + 2 * recording.RETRY_S)
     assert logged[-1]["event"] == "recording_resumed"
     beside.close()

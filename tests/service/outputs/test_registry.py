@@ -62,7 +62,6 @@ def test_stdout_takes_json_lines() -> None:
 def test_an_output_that_is_added_hears_the_samples_of_a_link(toy: str, tmp_path: Path) -> None:
     """One second at 10 deg/s is 10 degrees, and its fields are in the log."""
     lines = b"".join(b"%d,10.0\n" % (i * 10_000) for i in range(101))
-    structlog.reset_defaults()  # a service that ran in this process before set a level
     log, port = structlog.get_logger(), tmp_path / "gyro"
     with (
         structlog.testing.capture_logs() as logged,
