@@ -12,9 +12,9 @@ import numpy as np
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Mask
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of, slow_features
+from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of, features_of_no_steps, slow_features
 from gyrodrift.diagnose.recording.facts import contradictions
-from gyrodrift.diagnose.recording.levels import levels_of
+from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -31,6 +31,13 @@ from gyrodrift.diagnose.stages import (
 SAME_RATE = 0.1
 """Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
 radio that loses some samples is not."""
+
+OF_AN_OCTAVE = 0.03
+"""Two steps are of ranges of one gyro, where they are so near a power of two: ranges double."""
+
+SLOW_ONLY = "what single samples show is not compared; rate errors second by second are"
+
+ALL = np.ones(len(FEATURES), bool)
 
 NO_STEPS_CPR = 3_600_000
 """Counts that stand for a reference without any: a ten-thousandth of a degree."""
@@ -93,15 +100,42 @@ def beside(
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     """Which features both can speak of, and what is to be said of the others."""
+    compared, said = _of_rates(first, second)
+    by_steps, of_steps = _of_steps(first, second)
+    return compared & by_steps, [*said, *of_steps]
+
+
+def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     rates_hz = [1.0 / float(np.median([one.period_s for one in each])) for each in (first, second)]
-    lsb_dps = [rig_shown_by(each).base.dps_per_lsb for each in (first, second)]
-    differ = []
-    if abs(rates_hz[0] / rates_hz[1] - 1.0) > SAME_RATE:
-        differ.append(f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}")
-    if abs(lsb_dps[0] / lsb_dps[1] - 1.0) > SAME_RATE:
-        steps = f"{lsb_dps[0]:.4g} deg/s, in these recordings in steps of {lsb_dps[1]:.4g}: is it the same device"
-        differ.append(f"rates come in steps of {steps}, with the same range?")
-    if not differ:
-        return np.ones(len(FEATURES), bool), []
-    said = "what single samples show is not compared; rate errors second by second are"
-    return slow_features(), [f"{words}: {said}" for words in differ]
+    if abs(rates_hz[0] / rates_hz[1] - 1.0) <= SAME_RATE:
+        return ALL, []
+    return slow_features(), [
+        f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}: {SLOW_ONLY}"
+    ]
+
+
+def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    """Coarser steps may be an effect, but for a power of two: that is a range."""
+    before, now = (_steps_dps(each) for each in (first, second))
+    if before is None or now is None or before == now:
+        return ALL, []
+    if not before or not now:
+        have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
+        words = f"the rates of {have} come in steps of {before or now:.4g} deg/s, those of {have_not} in none"
+        return features_of_no_steps(), [f"{words}: what depends on steps is not compared"]
+    octaves = float(np.log2(now / before))
+    if abs(octaves) <= np.log2(1.0 + SAME_RATE):
+        return ALL, []
+    if octaves > 0.0 and abs(octaves - round(octaves)) > OF_AN_OCTAVE:
+        return ALL, []
+    words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
+    return slow_features(), [f"{words}: is it the same device, with the same range?: {SLOW_ONLY}"]
+
+
+def _steps_dps(recordings: Sequence[Recording]) -> float | None:
+    """Median of the steps in which rates come, 0 where they come in none; None where there are too few to tell."""
+    told = [levels for levels in (levels_of(one.rate_dps) for one in recordings) if len(levels.values) > LEAST_GAPS]
+    known = [levels.step for levels in told if levels.step is not None]
+    if not told:
+        return None
+    return float(np.median(known)) if 2 * len(known) > len(told) else 0.0

@@ -18,7 +18,7 @@ from gyrodrift.diagnose.beside_baseline import (
     rig_shown_by,
 )
 from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.baseline import NOT_COMPARED, slow_features
+from gyrodrift.diagnose.inference.baseline import features_of_no_steps, slow_features
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.stages import DiagnosisRequest, inferred_of, recordings_of, simulated_of
 from gyrodrift.simulation.sessions import Simulation, write_simulation
@@ -53,6 +53,34 @@ def test_of_another_rate_or_step_what_is_slow_is_compared(other: Recording, word
     assert all(word in sentence for word in (*words, "not compared"))
 
 
+def fine(one: Recording) -> Recording:
+    """The same, filtered: neither rate nor angle come in steps."""
+    dice, count = np.random.default_rng(1), len(one.rate_dps)
+    fields = {name: getattr(one, name) for name in one.__slots__}
+    fields["rate_dps"] = one.rate_dps + dice.normal(0.0, 0.01, count)
+    fields["encoder_deg"] = one.encoder_deg + dice.normal(0.0, 0.01, count)
+    return Recording(**fields)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_where_one_of_both_has_no_steps_all_else_is_compared(order: int) -> None:
+    """A rate that was filtered or converted on its way is still that of the same device."""
+    first, second = [[fine(seen())], [seen()]][::order]
+    compared, (sentence,) = compared_of(first, second)
+    assert np.array_equal(compared, features_of_no_steps())
+    assert "0.00763" in sentence
+
+
+def test_coarser_steps_may_be_an_effect() -> None:
+    """But for a power of two, which is another range; finer ones are one too, and a device of one level tells none."""
+    assert compared_of([seen()], [seen(lsb_dps=0.0231)])[0].all()
+    assert not compared_of([seen(lsb_dps=0.0231)], [seen()])[0].all()
+    rests = Recording(
+        **{**{name: getattr(seen(), name) for name in seen().__slots__}, "rate_dps": 0.0 * seen().rate_dps}
+    )
+    assert compared_of([seen()], [rests])[0].all()
+
+
 def test_a_rig_is_shown_by_the_steps_of_recordings() -> None:
     """Those that they were simulated with, whatever the noise."""
     base = rig_shown_by([seen(cpr=4096), seen(lsb_dps=0.0305, cpr=4096), seen(lsb_dps=0.0305, cpr=4096)]).base
@@ -62,16 +90,9 @@ def test_a_rig_is_shown_by_the_steps_of_recordings() -> None:
 
 def test_without_steps_a_rig_is_as_fine_as_can_be() -> None:
     """An optical reference and a rate that was filtered."""
-    dice, one = np.random.default_rng(1), seen()
-    fine = Recording(
-        **{
-            **{name: getattr(one, name) for name in one.__slots__},
-            "rate_dps": one.rate_dps + dice.normal(0.0, 0.01, len(one.rate_dps)),
-            "encoder_deg": one.encoder_deg + dice.normal(0.0, 0.01, len(one.rate_dps)),
-        }
-    )
-    assert rig_shown_by([fine]).base.encoder_cpr == NO_STEPS_CPR
-    assert rig_shown_by([fine]).base.dps_per_lsb == NO_STEPS_DPS
+    base = rig_shown_by([fine(seen())]).base
+    assert base.encoder_cpr == NO_STEPS_CPR
+    assert base.dps_per_lsb == NO_STEPS_DPS
 
 
 @pytest.mark.long
@@ -95,7 +116,7 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
     kept, recordings, _ = recordings_of(asked.paths)
     explained = explained_baseline(asked, recordings)
     assert any("100 samples a second" in remark and "200" in remark for remark in explained.remarks)
-    compared = explained.baseline.scatter < NOT_COMPARED
+    compared = explained.baseline.compared
     assert slow_features()[compared].all()
     assert compared[NUMBER["rate"]]
     simulated = simulated_of(asked, kept, recordings)

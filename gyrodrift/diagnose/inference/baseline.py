@@ -2,8 +2,8 @@
 
 Differences of features between recordings and simulator are compared as RMS over a session, so that longer recordings
 do not differ by their length. How much a device differs from the simulator by itself, from one of its recordings to the
-next, is known from a few baseline recordings only: the variance is shrunk towards a share of the common difference
-(as in G. K. Smyth, Linear models and empirical Bayes methods, 2004).
+next, is known from a few recordings only: the variance within both sets is shrunk towards a share of the common
+difference (as in G. K. Smyth, Linear models and empirical Bayes methods, 2004).
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ PRIOR_SHARE = 0.7
 """Of the common difference, that the next recording may differ by: another motion shows another part of it."""
 
 PRIOR_RUNS = 3.0
-"""So many recordings is the prior worth."""
+"""So many degrees of freedom is the prior worth."""
 
 TAIL = 1e-4
 """Probability at which a scatter known from a few recordings is widened to what Student's quantile says."""
@@ -35,35 +35,67 @@ NOT_COMPARED = 1e6
 class Baseline:
     """What a device differs from the simulator by, as RMS over a session, shape (F,) each.
 
-    common, scatter
-        Mean over the baseline recordings, and the standard deviation of that of another recording about it.
+    common
+        Mean over the baseline recordings; 0 of features that are not compared.
+    squares
+        Of what single ones differ from it by, summed.
+    prior
+        Variance from one recording to the next that is expected beforehand.
+    compared
+        Features that both sets of recordings can speak of.
+    count
+        Recordings of the baseline.
     """
 
     common: Floats
-    scatter: Floats
+    squares: Floats
+    prior: Floats
+    compared: Mask
+    count: int
+
+    def scatter(self, differences: Floats) -> Floats:
+        """(F,) standard deviation to reckon with, in each of some recordings of the device, of what is left of it.
+
+        Their mean is compared with that of the baseline; what this one is off by is the same in all of them.
+
+        differences
+            (sessions, F) of the recordings that are compared with the baseline, as RMS. How they differ from one
+            another is chance too, but for coefficients: a scale error of one size differs as much as motions do.
+        """
+        count = len(differences)
+        own = np.where(LINEAR, 0.0, np.square(differences - differences.mean(axis=0)).sum(axis=0))
+        degrees = np.where(LINEAR, self.count - 1.0, self.count + count - 2.0) + PRIOR_RUNS
+        variance = (self.squares + own + PRIOR_RUNS * self.prior) / degrees * (1.0 + count / self.count)
+        found: Floats = np.where(self.compared, _coverage(degrees) * np.sqrt(variance), NOT_COMPARED)
+        return found
 
 
 def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix], compared: Mask) -> Baseline:
     """Of the recordings of a baseline; `compared`, (F,), are features that both sets of recordings can speak of."""
-    differences = np.array(
-        [table.difference / rms_scale(design) for table, design in zip(tables, designs, strict=True)]
-    )
+    differences = differences_of(tables, designs)
     centre = np.concatenate([table.nulls / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
     common = differences.mean(axis=0) - centre.mean(axis=0)
-    count = len(differences)
-    own = np.square(differences - differences.mean(axis=0)).sum(axis=0)
     shown = np.square(common)
     shown[:STATIC] += shown[:STATIC].mean()  # another motion shares the same error out differently among regressors
-    prior = PRIOR_RUNS * PRIOR_SHARE**2 * shown
-    variance = (own + prior) / (count - 1.0 + PRIOR_RUNS) * (1.0 + 1.0 / count)
-    scatter = _coverage(count) * np.sqrt(variance)
     says = compared & (np.any(centre != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
-    return Baseline(np.where(says, common, 0.0), np.where(says, scatter, NOT_COMPARED))
+    return Baseline(
+        common=np.where(says, common, 0.0),
+        squares=np.square(differences - differences.mean(axis=0)).sum(axis=0),
+        prior=PRIOR_SHARE**2 * shown,
+        compared=says,
+        count=len(tables),
+    )
 
 
-def _coverage(count: int) -> float:
-    """How much further than a normal number one goes whose variance is known from so many recordings."""
-    return float(student.isf(TAIL, count - 1.0 + PRIOR_RUNS) / normal.isf(TAIL))
+def differences_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]) -> Floats:
+    """(sessions, F) differences of recordings and simulator, as RMS over each session."""
+    return np.array([table.difference / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
+
+
+def _coverage(degrees: Floats) -> Floats:
+    """How much further than a normal number one goes whose variance is known with so few degrees of freedom."""
+    found: Floats = student.isf(TAIL, degrees) / normal.isf(TAIL)
+    return found
 
 
 def against(
@@ -71,13 +103,14 @@ def against(
 ) -> list[ResponseTable]:
     """The tables of recordings, with what is common to the baseline taken from their differences.
 
-    Its scatter joins the relevance thresholds: below it nothing is told.
+    The scatter joins the relevance thresholds: below it nothing is told.
     """
+    scatter = baseline.scatter(differences_of(tables, designs))
     return [
         ResponseTable(
             name=table.name,
             difference=table.difference - baseline.common * rms_scale(design),
-            thresholds=np.hypot(table.thresholds, baseline.scatter * rms_scale(design)),
+            thresholds=np.hypot(table.thresholds, scatter * rms_scale(design)),
             runs=table.runs,
             nulls=table.nulls,
             responses=table.responses,
@@ -97,3 +130,11 @@ SLOW = frozenset(
     if feature.name.startswith(("wander", "walk", "step", "two_levels", "swing", "scatter_"))
 )
 """Those of the bias second by second; the coefficients of regressors are all linear."""
+
+
+def features_of_no_steps() -> Mask:
+    """Features that do not speak of the steps in which rates come."""
+    return np.array([feature.name not in OF_STEPS for feature in FEATURES])
+
+
+OF_STEPS = frozenset({"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"})

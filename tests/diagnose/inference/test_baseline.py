@@ -16,6 +16,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 ALL = np.ones(len(FEATURES), bool)
 NONE = np.zeros((2, len(FEATURES)))
+ONE = NONE[:1]
 RATE, WANDER = NUMBER["rate"], NUMBER["wander_20s"]
 
 
@@ -66,10 +67,10 @@ def test_a_device_that_scatters_has_to_differ_by_more() -> None:
     steady = [table({"rate": 3.0})] * 4
     wide, narrow = (baseline_of(each, [SHORT] * 4, ALL) for each in (scattered, steady))
     assert wide.common[RATE] == pytest.approx(narrow.common[RATE])
-    assert wide.scatter[RATE] > 1.3 * narrow.scatter[RATE]
-    assert narrow.scatter[WANDER] == NOT_COMPARED
+    assert wide.scatter(ONE)[RATE] > 1.3 * narrow.scatter(ONE)[RATE]
+    assert narrow.scatter(ONE)[WANDER] == NOT_COMPARED
     (today,) = against([table({"rate": 8.0})], [SHORT], wide)
-    assert today.thresholds[RATE] == pytest.approx(np.hypot(0.1, 10.0 * wide.scatter[RATE]))
+    assert today.thresholds[RATE] == pytest.approx(np.hypot(0.1, 10.0 * wide.scatter(ONE)[RATE]))
     assert today.thresholds[WANDER] == pytest.approx(NOT_COMPARED)
 
 
@@ -78,14 +79,30 @@ def test_a_scatter_of_many_recordings_is_that_of_the_next_one() -> None:
     values = np.random.default_rng(7).normal(0.0, 1.0, 40)
     baseline = baseline_of([table({"rate": float(value)}) for value in values], [SHORT] * 40, ALL)
     own = 0.1 * float(np.std(values, ddof=1))
-    assert 0.95 * own < baseline.scatter[RATE] < 1.5 * own
+    assert 0.95 * own < baseline.scatter(ONE)[RATE] < 1.5 * own
+
+
+def test_recordings_that_differ_among_themselves_differ_from_the_baseline_by_chance() -> None:
+    """A scatter that only the later ones have widens it too; that of coefficients is that of their motions."""
+    steady = baseline_of([table({"rate": 3.0, "wander_20s": 3.0})] * 3, [SHORT] * 3, ALL)
+    alike, unlike = (np.array([row({"rate": v, "wander_20s": v}) for v in each]) for each in ((3, 3, 3), (1, 3, 5)))
+    assert steady.scatter(unlike)[WANDER] > 1.2 * steady.scatter(alike)[WANDER]
+    assert steady.scatter(unlike)[RATE] == pytest.approx(steady.scatter(alike)[RATE])
+
+
+def test_what_the_baseline_is_off_by_does_not_average_out() -> None:
+    """A mean of nine recordings scatters by as much as that of the three that it is compared with, and more."""
+    values = np.random.default_rng(7).normal(0.0, 1.0, 3)
+    baseline = baseline_of([table({"rate": float(value)}) for value in values], [SHORT] * 3, ALL)
+    of_mean = [baseline.scatter(np.repeat(ONE, count, axis=0))[RATE] / np.sqrt(count) for count in (1, 9)]
+    assert of_mean[1] == pytest.approx(of_mean[0] * np.sqrt((1 / 9 + 1 / 3) / (1 + 1 / 3)))
 
 
 def test_one_recording_is_a_baseline_too() -> None:
     """Its scatter is a share of what it shows, widened since that is all that is known of it."""
     baseline = baseline_of([table({"rate": 4.0})], [SHORT], ALL)
     assert baseline.common[RATE] == pytest.approx(0.4)
-    assert 0.28 < baseline.scatter[RATE] < 10.0 * 0.28
+    assert 0.28 < baseline.scatter(ONE)[RATE] < 15.0 * 0.28
 
 
 def test_what_cannot_be_compared_never_deviates() -> None:
@@ -94,7 +111,7 @@ def test_what_cannot_be_compared_never_deviates() -> None:
     tables = against([table({"rate": 1e4, "wander_20s": 1e4})], [SHORT], baseline)
     assert tables[0].difference[RATE] == 1e4
     assert np.abs(evidence_of(tables, []).z).max() < 0.1
-    assert baseline.scatter[RATE] == NOT_COMPARED
+    assert baseline.scatter(ONE)[RATE] == NOT_COMPARED
 
 
 def test_slow_features_say_nothing_of_single_samples() -> None:
