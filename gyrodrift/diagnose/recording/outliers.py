@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
@@ -24,10 +25,19 @@ SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
 this share of what it is beside the angle."""
 
+END_SAMPLES = 2
+"""Neighbours on one side only do not tell a wild value from a motion that is under way."""
+
 SLIP_SIGMAS = 7.0
 COUNTS_OF_A_SLIP = 2.5
 """What stands out of the median of the nine samples about it by so much is no noise; a jump is more than the steps of a
 coarse encoder."""
+
+CORNER_PERIODS = 0.5
+"""Of a sample: where the rate bends within it, or comes so much late, the angle is off by this part of the bend."""
+
+BEND_SAMPLES = 3
+"""The interval before a sample touches the bends at both its ends."""
 
 MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
 """Nine tenths of normal numbers lie within so many standard deviations; a tenth may be outliers, or quick motion."""
@@ -125,6 +135,7 @@ def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tu
     is_spike: Mask = np.abs(out_dps) > np.maximum(SPIKE_SIGMAS * _sigma(out_dps, recording), least_dps)
     is_spike &= np.abs(rate_dps - running_median_5(rate_dps)) > SPIKE_OWN * np.abs(out_dps)
     is_spike &= np.isfinite(recording.rate_dps)
+    is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike, out_dps
 
 
@@ -133,7 +144,8 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
     out_deg = np.concatenate([[0.0], over_deg - running_median_9(over_deg)])
-    least_deg = COUNTS_OF_A_SLIP * step_deg
+    bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
+    least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
     is_slip: Mask = np.abs(out_deg) > np.maximum(SLIP_SIGMAS * _sigma(out_deg, recording), least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg

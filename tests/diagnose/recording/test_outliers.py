@@ -6,6 +6,8 @@ from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded,
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, step_of
+from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.session.session import Session
 
 SIGMA = 0.05
 
@@ -101,3 +103,21 @@ def test_one_value_has_no_step(values: Floats) -> None:
 def test_times_are_those_of_the_recording() -> None:
     """Cleaning changes no length."""
     assert len(seen().rate_dps) == len(seen().encoder_deg) == len(T_S)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_corners_of_a_quick_motion_are_no_jumps(seed: int) -> None:
+    """A motor that is at its rate within 80 ms, read 50 times a second beside an encoder of 65 536 counts."""
+    dice = np.random.default_rng(seed)
+    fine_s, period_s = 1e-4, 0.02
+    levels_dps = np.repeat(dice.uniform(-200.0, 200.0, 80), 5000)
+    ramp = np.ones(800) / 800.0
+    rate_dps = np.convolve(np.convolve(levels_dps, ramp, "same"), np.ones(100) / 100.0, "same")
+    angle_deg = np.cumsum(rate_dps) * fine_s
+    every = round(period_s / fine_s)
+    count_deg, count = 360.0 / 65_536, len(rate_dps) // every
+    t_s = np.arange(count) * period_s
+    seen_dps = rate_dps[::every] + dice.normal(0.0, SIGMA, count)
+    angles_deg = np.rint(angle_deg[::every] / count_deg) * count_deg
+    found = cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
+    assert len(found.slips_deg) == 0
