@@ -9,8 +9,9 @@ from gyrodrift.diagnose.inference.likelihood import log_likelihood
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 GAIN = 6.0
-STANDARD_ERRORS = 1.0
-"""A cause has to raise the log-likelihood of held-out sessions by GAIN and by so many standard errors of the gain."""
+STANDARD_ERRORS = 0.5
+"""A cause has to raise the log-likelihood of held-out sessions by GAIN and by so many standard errors of the gain: one
+that a single session shows, since only its motion can, gains twice as much."""
 
 
 def passes_acceptance(surrogate: Surrogate, longer: CauseSet, shorter: CauseSet) -> bool:

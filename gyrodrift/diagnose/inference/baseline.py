@@ -31,6 +31,10 @@ NOT_COMPARED = 1e6
 """Standard deviation, in units of the features, of what a baseline cannot say anything of."""
 
 
+ALWAYS = np.array([feature.regime == "always" and not linear for feature, linear in zip(FEATURES, LINEAR, strict=True)])
+"""Features that need no motion: where a baseline shows nothing, there was nothing."""
+
+
 @dataclass(frozen=True, slots=True)
 class Baseline:
     """What a device differs from the simulator by, as RMS over a session, shape (F,) each.
@@ -77,7 +81,7 @@ def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]
     common = differences.mean(axis=0) - centre.mean(axis=0)
     shown = np.square(common)
     shown[:STATIC] += shown[:STATIC].mean()  # another motion shares the same error out differently among regressors
-    says = compared & (np.any(centre != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
+    says = compared & (ALWAYS | np.any(centre != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
     return Baseline(
         common=np.where(says, common, 0.0),
         squares=np.square(differences - differences.mean(axis=0)).sum(axis=0),

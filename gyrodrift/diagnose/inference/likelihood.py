@@ -59,6 +59,6 @@ def _static(change: Floats) -> Floats:
 def log_likelihood(residual: Floats, variance: Floats, discrepancy: Floats) -> Floats:
     """Sum over features of the logarithm of a Student density; model discrepancy is no spread, and costs nothing."""
     squares = np.square(residual) / (DEGREES_OF_FREEDOM * (variance + discrepancy))
-    densities = -0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares) - 0.5 * np.log(variance)
-    total: Floats = densities.sum(axis=-1)
+    away, wide = np.log1p(squares).sum(axis=-1), np.log(variance).sum(axis=-1)
+    total: Floats = -0.5 * (DEGREES_OF_FREEDOM + 1.0) * away - 0.5 * wide
     return total

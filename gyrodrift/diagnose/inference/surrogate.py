@@ -124,7 +124,9 @@ class Surrogate:
         if not others or self._knows(both):
             change = change + self._correction(both) - self._correction(both - {response})
         residual = self.evidence.difference - combined(change, response.mean[::step])
-        widened = self.evidence.sigma**2 + variance + np.square(response.spread[::step])[:, None]
+        is_random = response.candidate.realisations > 1
+        spread = response.spread[::step] if is_random else response.spread[:1]  # else 0 at all sizes
+        widened = self.evidence.sigma**2 + variance + np.square(spread)[:, None]
         likelihood = log_likelihood(residual, widened, discrepancy + self.evidence.discrepancies[response][::step])
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted

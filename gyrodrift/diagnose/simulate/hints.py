@@ -17,6 +17,10 @@ from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
 
+LEAST_RANGE_DPS = 1.0
+"""No gyro ends at less."""
+
+
 @dataclass(frozen=True, slots=True)
 class Shown:
     """A session with what several estimators look at.
@@ -70,23 +74,23 @@ def slip_deg(shown: Sequence[Shown]) -> float:
 
 
 def rate_step_dps(shown: Sequence[Shown]) -> float:
-    """The step that rates come in."""
-    return _median([step_of(one.slow_dps) for one in shown])
+    """The step that rates come in; of a single one, itself."""
+    return _median([step_of(one.slow_dps) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
 
 
 def angle_step_deg(shown: Sequence[Shown]) -> float:
-    """The step that angles come in."""
-    return _median([step_of(one.subject.seen.recording.encoder_deg) for one in shown])
+    """The step that angles come in; of a single one, a count."""
+    return _median([step_of(one.subject.seen.recording.encoder_deg) or _count_deg(one.subject) for one in shown])
 
 
 def least_dps(shown: Sequence[Shown]) -> float:
-    """The smallest rate other than zero."""
-    return _median([smallest(rates[rates > 0.0]) for rates in (np.abs(one.slow_dps) for one in shown)])
+    """The smallest rate other than zero; where there is none, one count."""
+    return _median([_least(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
 
 
 def largest_dps(shown: Sequence[Shown]) -> float:
-    """The largest rate of all sessions."""
-    return max(float(np.abs(one.subject.seen.rate_dps).max()) for one in shown)
+    """The largest rate of all sessions, LEAST_RANGE_DPS at least."""
+    return max(LEAST_RANGE_DPS, *(_most(one.subject.seen.rate_dps) for one in shown))
 
 
 def period_s(shown: Sequence[Shown]) -> float:
@@ -117,6 +121,20 @@ SOURCES = {
     "angle_turn_order": HintSource(angle_turn_order),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""
+
+
+def _most(values: Floats) -> float:
+    return float(np.abs(values).max(initial=0.0))
+
+
+def _least(values: Floats) -> float:
+    """Other than zero; 0 where there is none."""
+    sizes: Floats = np.abs(values[values != 0.0])
+    return smallest(sizes) if len(sizes) else 0.0
+
+
+def _count_deg(subject: Subject) -> float:
+    return 360.0 / max(1, subject.rig.base.encoder_cpr)
 
 
 def _median(values: Sequence[float] | Floats) -> float:

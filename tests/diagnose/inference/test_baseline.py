@@ -114,6 +114,15 @@ def test_what_cannot_be_compared_never_deviates() -> None:
     assert baseline.scatter(ONE)[RATE] == NOT_COMPARED
 
 
+def test_a_baseline_without_damage_says_that_there_was_none() -> None:
+    """Missing samples need no motion to be seen; where a coefficient is 0, its motion may have been missing."""
+    baseline = baseline_of([table({})] * 3, [SHORT] * 3, ALL)
+    (today,) = against([table({"drop_share": 0.3, "rate": 3.0})], [SHORT], baseline)
+    z = evidence_of([today], []).z[0]
+    assert z[NUMBER["drop_share"]] == pytest.approx(3.0)
+    assert abs(z[RATE]) < 0.1
+
+
 def test_slow_features_say_nothing_of_single_samples() -> None:
     """Regressors and the bias second by second; no noise, no values, no stamps."""
     names = {FEATURES[number].name for number in np.flatnonzero(slow_features())}

@@ -116,7 +116,7 @@ def test_corners_of_a_quick_motion_are_no_jumps(seed: int) -> None:
     angle_deg = np.cumsum(rate_dps) * fine_s
     every = round(period_s / fine_s)
     count_deg, count = 360.0 / 65_536, len(rate_dps) // every
-    t_s = np.arange(count) * period_s
+    t_s = np.linspace(0.0, (count - 1) * period_s, count)
     seen_dps = rate_dps[::every] + dice.normal(0.0, SIGMA, count)
     angles_deg = np.rint(angle_deg[::every] / count_deg) * count_deg
     found = cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))

@@ -4,10 +4,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from simulate_support import plain, session_of, subject_from
+from simulate_support import BASE, plain, session_of, subject_from
 
-from firmware_sim.rig import parse_effect
+from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.hints import SOURCES, hints_of
 
 
@@ -45,6 +46,20 @@ def test_steps_and_limits_are_read_off() -> None:
     assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
     assert hints.largest_dps == pytest.approx(60.0, rel=0.01)
     assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)
+
+
+@pytest.mark.parametrize("level_dps", [0.0, 1.334])
+def test_of_a_single_level_there_are_sizes_all_the_same(level_dps: float) -> None:
+    """A part that rests behind steps wider than its noise says one number, and all candidates can be simulated."""
+    session = session_of()
+    one = replace(
+        session, rate_dps=np.full(len(session.rate_dps), level_dps), encoder_deg=np.zeros(len(session.rate_dps))
+    )
+    hints = hints_of([subject_from(one)])
+    assert hints.rate_step_dps == pytest.approx(level_dps or 0.00763)
+    for candidate in candidates(hints, Rig(base=BASE)):
+        if not candidate.is_out_of_catalogue:
+            assert candidate.applied(float(candidate.sizes[0]), ()).name == candidate.name
 
 
 def test_outliers_are_found_with_their_height() -> None:

@@ -108,7 +108,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "sample_drop",
         "share_percent",
-        simulated(0.01, 0.1, 1.0, 5.0),
+        simulated(0.01, 0.1, 1.0, 4.0, 16.0),
         "samples never arrive",
         None,
         (Need.COUNTER,),
@@ -118,7 +118,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "stale_hold",
         "share_percent",
-        simulated(0.02, 0.2, 2.0, 10.0),
+        simulated(0.02, 0.2, 2.0, 8.0, 30.0),
         "a sample repeats the one before it",
         COARSE_VALUES,
         (Need.MOTION,),
