@@ -75,10 +75,19 @@ def _single_rows(tried: list[Tried]) -> list[Share]:
 
 
 def _would_be_seen(case: Tried) -> bool:
+    return _as_large_as(case, "without")
+
+
+def _as_large_as(case: Tried, run: str) -> bool:
+    """Whether the effect has at least the size that a run says is detectable."""
     sized = STRENGTHS[case.truth]
     falls = sized.sizes[0] > sized.sizes[-1]
     size = case.strength[sized.parameter]
-    return judge.would_be_seen(case.outcomes["without"], case.truth, sized.parameter, size, falls=falls)
+    return judge.would_be_seen(case.outcomes[run], case.truth, sized.parameter, size, falls=falls)
+
+
+def _stands_out_of_baseline(case: Tried) -> bool:
+    return _as_large_as(case, "blind")
 
 
 def _is_quiet(case: Tried) -> bool:
@@ -120,10 +129,15 @@ def _wrong_size_rows(tried: list[Tried]) -> list[Share]:
 
 
 def _baseline_rows(tried: list[Tried]) -> list[Share]:
+    """Those that the run itself says are too small to stand out of this baseline are listed apart."""
     cases = _in(tried, "baseline")
+    seen = [case for case in cases if _stands_out_of_baseline(case)]
+    apart = [case for case in cases if case not in seen]
     quiet = false_alarms(_in(tried, "baseline_none"))
+    what = "put into real recordings, against a baseline"
     return [
-        row("put into real recordings, against a baseline: group named first", cases, _group, 0.9),
-        row("put into real recordings, against a baseline: effect named first or tied first", cases, _effect),
+        row(f"{what}: group named first", seen, _group, 0.9),
+        row(f"{what}: effect named first or tied first", seen, _effect),
+        row(f"{what}, said to be too small to be seen: named first or tied first all the same", apart, _effect),
         replace(quiet, what="real recordings against a baseline: false alarms"),
     ]

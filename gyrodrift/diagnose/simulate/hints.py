@@ -16,7 +16,6 @@ from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
-
 LEAST_RANGE_DPS = 1.0
 """No gyro ends at less."""
 

@@ -88,7 +88,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "timestamp_jitter",
         "sigma_ms",
-        simulated(0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
+        simulated(0.02, 0.06, 0.2, 0.6, 2.0, 5.0, 20.0),
         "the device's time stamps scatter",
         TIMES,
         (),
