@@ -87,13 +87,12 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
     chosen = [best_of(surrogate, (), evidence.variants(name)).response for name in evidence.candidate_names()]
     tried: list[tuple[float, tuple[Cause, Cause]]] = []
     for number, first in enumerate(chosen):
-        for at in range(0, len(first.candidate.sizes), COARSE_STEP):
-            held = Cause(first, at)
-            rest = chosen[number + 1 :]
-            for second, scores in zip(rest, surrogate.curves((held,), rest, COARSE_STEP), strict=True):
-                totals = scores.sum(axis=1)
-                best = int(np.argmax(totals))
-                tried.append((float(totals[best]), (held, Cause(second, best * COARSE_STEP))))
+        rest = chosen[number + 1 :]
+        for second, scores in zip(rest, surrogate.planes(first, rest, COARSE_STEP), strict=True):
+            totals = scores.sum(axis=-1)
+            for at, best in enumerate(totals.argmax(axis=1)):
+                pair = Cause(first, at * COARSE_STEP), Cause(second, int(best) * COARSE_STEP)
+                tried.append((float(totals[at, best]), pair))
     tried.sort(key=lambda one: -one[0])
     short_list: dict[frozenset[str], tuple[Cause, ...]] = {}
     for _, pair in tried:

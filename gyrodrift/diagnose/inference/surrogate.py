@@ -112,15 +112,23 @@ class Surrogate:
         """(sizes, sessions) scores when each of the candidates joins others, at all of its sizes or every `step`th."""
         beside = self.prediction(others)
         for response in responses:
-            yield self._curve(beside, others, response, step)
+            yield self._curve(beside, _responses(others), response, step)
 
     def curve(self, others: Sequence[Cause], response: Response, step: int = 1) -> Floats:
         """The same for one candidate."""
         return next(self.curves(others, (response,), step))
 
-    def _curve(self, beside: Prediction, others: Sequence[Cause], response: Response, step: int) -> Floats:
+    def planes(self, first: Response, responses: Iterable[Response], step: int) -> Iterator[Floats]:
+        """(sizes of the first, sizes, sessions) scores when each of the candidates joins a first one."""
+        single = [self.prediction((Cause(first, at),)) for at in range(0, len(first.candidate.sizes), step)]
+        beside = Prediction(*(np.array(each)[:, None] for each in zip(*single, strict=True)))
+        for response in responses:
+            yield self._curve(beside, frozenset({first}), response, step)
+
+    def _curve(self, beside: Prediction, others: frozenset[Response], response: Response, step: int) -> Floats:
+        """(…, sizes, sessions) beside a prediction of shape (…, 1, sessions, F), or (sessions, F) for none."""
         change, variance, discrepancy = beside
-        both = _responses(others) | {response}
+        both = others | {response}
         if not others or self._knows(both):
             change = change + self._correction(both) - self._correction(both - {response})
         residual = self.evidence.difference - combined(change, response.mean[::step])

@@ -100,3 +100,13 @@ def test_a_phase_that_was_fitted_has_its_price_in_every_session() -> None:
     surrogate = Surrogate(evidence({"rate": 6.0, "clock_ratio": 6.0}, RATE, DRIFT, turning, two))
     both = surrogate.scores((Cause(turning, 1), Cause(two, 0)))
     assert both == pytest.approx(surrogate.scores((TWO, ONE_DRIFT)) - 2.0 * FREE_PHASE_COST)
+
+
+def test_a_plane_is_the_curves_beside_each_size_of_the_first() -> None:
+    """Of one that is fixed by its size and of one that is random."""
+    surrogate = SURROGATE.refined((THREE,), 1.1 * SURROGATE.prediction((THREE,)).change)
+    responses = [one for one in surrogate.evidence.responses if one is not RATE]
+    for plane, response in zip(surrogate.planes(RATE, responses, 2), responses, strict=True):
+        sizes = range(0, len(RATE.candidate.sizes), 2)
+        beside = [surrogate.curve((Cause(RATE, at),), response, 2) for at in sizes]
+        assert plane == pytest.approx(np.array(beside), rel=1e-12)
