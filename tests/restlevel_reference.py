@@ -107,7 +107,7 @@ def first_kalman_update(
     typical = norm.logpdf(mean_dps, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.97)
     wide = norm.logpdf(mean_dps, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.03)
     far = max(1.0, mean_dps**2 / (9.0 * h.cov[1, 1]))
-    cov = h.cov * np.array([[1.0, far], [far, far]])
+    cov = h.cov + (far - 1.0) * np.outer(h.cov[:, 1], h.cov[:, 1]) / h.cov[1, 1]
     found, _ = kalman_update(replace(h, cov=cov), mean_dps, var, 0.0)
     return replace(found, knows_bias=True), float(np.logaddexp(typical, wide))
 
@@ -138,7 +138,9 @@ class ReferenceFilter:
     segment: list[float] = field(default_factory=list)
     mean: float = 0.0
     last: float = 0.0
-    at_start: bool = False
+    has_steps: bool = False
+    number: int = 0
+    means: list[float] = field(default_factory=list)
     blocks_ago: int = 10**9
     ended_mean: float = 0.0
     ended_gently: bool = False
@@ -146,7 +148,10 @@ class ReferenceFilter:
 
     def is_stationary(self, b: ReferenceBlock) -> bool:
         """Whether the block shows no more than the noise, which is followed."""
-        variance = max(b.variance, 0.25 * b.resolution_dps**2, 1e-12)
+        if b.resolution_dps > 0.0 and not self.has_steps:
+            self.noise_var, self.before, self.stationary_blocks = -1.0, -1.0, 0
+            self.has_steps, self.is_walk_measured = True, False
+        variance = max(b.variance, self.rounding(b), 1e-12)
         error = np.sqrt(2.0 / b.samples)
         if self.noise_var < 0.0:
             self.noise_var = variance
@@ -166,15 +171,21 @@ class ReferenceFilter:
             self.walk = 2.0 * self.noise_var * b.seconds / b.samples
         return bool(variance < self.noise_var * limit)
 
-    def follow(self, b: ReferenceBlock, mean_dps: float, *, is_first: bool) -> None:
+    def rounding(self, b: ReferenceBlock) -> float:
+        """Variance that steps may hide."""
+        return 0.25 * b.resolution_dps**2 if self.has_steps else 0.0009
+
+    def follow(self, b: ReferenceBlock, mean_dps: float) -> None:
         """The segment grows, begins or ends."""
+        self.number += 1
+        self.means = [*self.means, mean_dps] if self.number > 2 else [mean_dps]
         was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b)
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds
         spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + ramp**2 + self.flicker)
         if not is_stationary:
             self.segment = []
         elif not self.segment or abs(mean_dps - self.mean) >= 4.0 * spread:
-            self.segment, self.mean, self.at_start = [mean_dps], mean_dps, is_first
+            self.segment, self.mean = [mean_dps], mean_dps
         else:
             self.segment.append(mean_dps)
             a = self.segment
@@ -225,6 +236,7 @@ class ReferenceFilter:
         self.is_walk_measured = self.is_walk_measured or resting > 0.5
         found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.walk)
         self.walk += 0.05 * resting * (found - self.walk)
+        self.walk = max(self.walk, self.rounding(b) / b.samples * b.seconds)
 
     def confirm(self, b: ReferenceBlock) -> None:
         """The segment is one: it is the one before, or every hypothesis branches."""
@@ -247,8 +259,10 @@ class ReferenceFilter:
                 h.weight /= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
             self.normalise()
             return
-        share = self.p.still_start if self.at_start else self.p.rest_share
-        odds = share / (1.0 - share) / 0.03
+        is_still = max(self.means) - min(self.means) < 6.0 * np.sqrt(self.walk / b.seconds)
+        share = self.p.still_start if self.number < 15 and is_still else self.p.rest_share
+        louder = max(0.0, np.log(np.sqrt(self.noise_var) / 0.06))
+        odds = share / (1.0 - share) / 0.03 * min(1.0, 0.4 * np.exp(-(louder**2) / 2.0) / 0.11)
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
             back = replace(gone_back(h), was_at_rest=False)
@@ -264,9 +278,9 @@ def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Fl
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
     one = ReferenceFilter(p, [ReferenceHypothesis(0, 1.0, np.zeros(2), np.diag([0.0, p.turn_on_dps**2]))])
     rows = []
-    for number, b in enumerate(blocks_of(t_s, rate_dps, p.window_s)):
+    for b in blocks_of(t_s, rate_dps, p.window_s):
         mean_dps = b.turned_deg / b.seconds
-        one.follow(b, mean_dps, is_first=number < 10)
+        one.follow(b, mean_dps)
         one.predict(b)
         if len(one.segment) > 5:
             one.zero_velocity_update(b, mean_dps)

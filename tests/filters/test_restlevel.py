@@ -238,6 +238,46 @@ def test_a_rest_at_the_start_is_found_whatever_chance_does_to_its_first_blocks(s
     assert np.abs(yaw_deg - true_deg)[1000:].max() < 2.0
 
 
+@pytest.mark.parametrize("lsb_dps", [0.004, 0.0305, 0.061])
+@pytest.mark.parametrize("first_dps", [0.0, None])
+@pytest.mark.parametrize("bias_dps", [0.03, 0.6, -1.5])
+def test_samples_that_repeat_at_first_do_not_end_its_learning(
+    bias_dps: float, first_dps: float | None, lsb_dps: float
+) -> None:
+    """Zeros while a device starts, or a part that stands between two of its steps for a while."""
+    t_s, rate_dps, true_deg = measured(held(*TURNS * 6), bias_dps)
+    rate_dps = np.round(rate_dps / lsb_dps) * lsb_dps
+    rate_dps[:35] = rate_dps[0] if first_dps is None else first_dps
+    yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert found_dps[-1] == pytest.approx(bias_dps, abs=0.01)
+    assert np.abs(yaw_deg - true_deg)[-3000:].max() < 2.0
+
+
+def test_a_part_that_is_quieter_than_its_steps_loses_nothing_but_a_share_of_one() -> None:
+    """Half an hour of turns and rests of a part with steps of 0.061 and a noise of 0.009 deg/s."""
+    dice = np.random.default_rng(4)
+    true_dps = held(*TURNS * 60)
+    rate_dps = np.round((true_dps + 0.6 + dice.normal(0.0, 0.009, len(true_dps))) / 0.061) * 0.061
+    t_s = np.arange(len(true_dps)) / RATE_HZ
+    yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert found_dps[-1] == pytest.approx(0.6, abs=0.5 * 0.061)
+    assert abs(yaw_deg[-1] - true_dps.sum() / RATE_HZ) < 0.5 * 0.061 * t_s[-1]
+
+
+@given(bias_dps=st.floats(-60.0, 60.0), moves_s=st.floats(1.0, 60.0), seed=st.integers(0, 99))
+def test_sigma_holds_a_bias_that_is_far_out(bias_dps: float, moves_s: float, seed: int) -> None:
+    """A device that moves first, and rests after: what its bias has made of yaw is no surprise."""
+    t_s, rate_dps, _ = measured(held((40.0, moves_s), (0.0, 10.0), (-40.0, 5.0), (0.0, 5.0)), bias_dps, seed)
+    c, s = coefficients(RestlevelParams()), RestlevelState()
+    for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
+        step(c, s, each_s, each_dps)
+        assert s.yaw_sigma_deg >= 0.0
+        for h in s.hypotheses:
+            if h.weight > 0.0:
+                assert min(h.yaw_var, h.bias_var) >= 0.0
+                assert h.covariance**2 <= h.yaw_var * h.bias_var * (1.0 + 1e-6) + 1e-9
+
+
 def test_what_is_left_gently_after_a_second_or_two_was_a_curve() -> None:
     """A vehicle that is under way when the device is switched on: the ends of its curves are no rests."""
     t_s = np.arange(12_000) / RATE_HZ

@@ -11,8 +11,8 @@ from math import exp
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
-from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest
-from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, MAX_GAP_BLOCKS
+from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.state import EndedSegment, Hypothesis
 
 CURVE_PENALTY = 0.002
@@ -71,8 +71,8 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the segment began; what was turned since is taken back.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    is_from_start = s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS  # it began within the first MAX_GAP_BLOCKS
-    odds_dps = c.start_odds_dps if is_from_start else c.rest_odds_dps
+    odds_dps = c.start_odds_dps if is_from_start(s, seconds) else c.rest_odds_dps
+    odds_dps *= noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
@@ -123,7 +123,7 @@ def zero_velocity_update(
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
         h.moving_s = 0.0
-    learn_at_rest(noise, rest_weight, excess_var, step_dps, seconds)
+    learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
 
 
 def may_be_curve(h: Hypothesis, ended: EndedSegment) -> bool:

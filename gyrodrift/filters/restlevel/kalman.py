@@ -115,7 +115,8 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
     else:
         log_likelihood = _turn_on_logpdf(c.turn_on_var, mean_dps, mean_var)
         widened = mean_dps * mean_dps / (UNEXPECTED_VAR * h.bias_var)
-        if widened > 1.0:
+        if widened > 1.0:  # what the bias has added to yaw widens with it
+            h.yaw_var += (widened - 1.0) * h.covariance * h.covariance / h.bias_var
             h.bias_var *= widened
             h.covariance *= widened
         kalman_update(h, mean_dps, mean_var, 0.0)

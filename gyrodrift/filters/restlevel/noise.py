@@ -1,12 +1,15 @@
 """The sensor's own noise: whether a block shows no more than that, and how large it is."""
 
-from math import exp, sqrt
+from math import exp, log, sqrt
 
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
 
 MIN_VAR = 1e-12
-"""Of samples, (deg/s)²: what keeps a sensor that repeats itself from having no noise at all."""
+"""Of samples, (deg/s)²: what keeps a sensor of the finest steps from having no noise at all."""
+
+UNSEEN_VAR = 0.03**2
+"""The same while a sensor repeats itself, and its steps are not known: half a step of coarse parts."""
 
 NOISE_BLOCKS = 20
 """Up to so many stationary blocks the noise is their mean, and itself uncertain; later it follows."""
@@ -18,6 +21,13 @@ motor that was switched on."""
 
 DROP_SIGMAS = 4.5
 """Two blocks in a row whose variance is below the noise by so many sigmas are the noise."""
+
+USUAL_NOISE_DPS, NOISE_SPREAD = 0.06, 1.0
+"""Standard deviation of a sample at rest, and the spread of its logarithm over parts: densities of 0.003 to 0.03
+deg/s/√Hz of data sheets in bandwidths of 5 to 200 Hz."""
+
+MOTION_DENSITY = 0.11
+"""Of the logarithm of that in motion: even from 0.01 to 100 deg/s."""
 
 WALK_GAIN = 0.05
 INNOVATION_CLIP = 9.0
@@ -33,6 +43,10 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
 
     Nothing is compared with a fixed threshold: noise is what the quietest blocks of this very sensor show.
     """
+    if noise.resolution_dps > 0.0 and not noise.has_steps:  # what was learned of one value over and over is no noise
+        noise.sample_var = noise.last_block_var = -1.0
+        noise.stationary_blocks = 0
+        noise.has_steps, noise.is_walk_measured = True, False
     variance = _variance(block, noise)
     error = sqrt(2.0 / block.samples)  # of a variance, relative
     if noise.sample_var < 0.0:
@@ -54,7 +68,16 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     return variance < noise.sample_var * limit
 
 
-def learn_at_rest(noise: NoiseModel, rest_weight: float, excess_var: float, step_dps: float, seconds: float) -> None:
+def noise_odds(noise: NoiseModel) -> float:
+    """How much likelier the noise of a sensor at rest is so large than the scatter of a motion."""
+    away = (0.5 * log(noise.sample_var) - log(USUAL_NOISE_DPS)) / NOISE_SPREAD
+    away = max(away, 0.0)  # no sensor is too quiet
+    return min(1.0, 0.4 / NOISE_SPREAD * exp(-0.5 * away * away) / MOTION_DENSITY)
+
+
+def learn_at_rest(
+    noise: NoiseModel, rest_weight: float, excess_var: float, step_dps: float, block: BlockStats, seconds: float
+) -> None:
     """Follow flicker and angle random walk by a block at rest.
 
     Parameters
@@ -67,17 +90,22 @@ def learn_at_rest(noise: NoiseModel, rest_weight: float, excess_var: float, step
         By how much the innovation exceeded what was expected, weighted by probability, (deg/s)².
     step_dps
         Step from the block mean before to this one.
-    seconds
-        Length of the block.
+    block, seconds
+        The block, and its length.
     """
     noise.flicker_var = max(0.0, noise.flicker_var + FLICKER_GAIN * excess_var)
     noise.is_walk_measured = noise.is_walk_measured or rest_weight > 0.5
     seen_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
-    noise.angle_walk_var += WALK_GAIN * rest_weight * (seen_var - noise.angle_walk_var)
+    walk_var = noise.angle_walk_var + WALK_GAIN * rest_weight * (seen_var - noise.angle_walk_var)
+    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / block.samples * seconds)
 
 
 def _variance(block: BlockStats, noise: NoiseModel) -> float:
     """Of the samples of a block, (deg/s)²; no less than rounding to the resolution can hide."""
     mean_dps = block.sum_dps / block.samples
-    resolution_var = 0.25 * noise.resolution_dps * noise.resolution_dps if noise.resolution_dps > 0.0 else 0.0
-    return max(block.sum_squares / block.samples - mean_dps * mean_dps, resolution_var, MIN_VAR)
+    return max(block.sum_squares / block.samples - mean_dps * mean_dps, _rounding_var(noise), MIN_VAR)
+
+
+def _rounding_var(noise: NoiseModel) -> float:
+    """What steps of the resolution may hide, (deg/s)²."""
+    return 0.25 * noise.resolution_dps * noise.resolution_dps if noise.has_steps else UNSEEN_VAR

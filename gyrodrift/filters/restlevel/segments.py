@@ -21,6 +21,9 @@ GENTLE_DPS_S = 0.4
 MAX_GAP_BLOCKS = 10
 """A segment may continue the one before within so many blocks; one that begins by then began at the start."""
 
+START_SIGMAS = 6.0
+"""Of a block mean, that all of them up to a rest from the start may be apart: fourteen normal numbers seldom are."""
+
 LONG_SEGMENT_S = 15.0
 LONG_GATE_SIGMAS = 6.0
 """After a segment of this length the mean may be as far off as this: a bias that jumped, rather than a spin."""
@@ -47,6 +50,10 @@ def track_segment(
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
     is_now_stationary = is_stationary(c, s.block, s.noise)
     s.blocks += 1
+    if s.blocks <= 2:  # switching on may disturb the first block
+        segment.least_dps = segment.most_dps = mean_dps
+    segment.least_dps = min(segment.least_dps, mean_dps)
+    segment.most_dps = max(segment.most_dps, mean_dps)
     if is_now_stationary:
         _take_block(segment, s.noise, mean_dps, c.rate_ramp_dps_s * seconds, seconds)
     else:
@@ -57,6 +64,14 @@ def track_segment(
         ended.was_long = blocks_before * seconds >= LONG_SEGMENT_S
         ended.ended_gently = is_now_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
     ended.blocks_ago += 1
+
+
+def is_from_start(s: RestlevelState, seconds: float) -> bool:
+    """Whether a segment that is being confirmed began soon after the start, and nothing has moved before it."""
+    segment = s.segment
+    mean_var = s.noise.angle_walk_var / seconds
+    range_dps = segment.most_dps - segment.least_dps
+    return s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and range_dps < START_SIGMAS * sqrt(mean_var)
 
 
 def update_mean(segment: RateSegment, mean_dps: float) -> None:

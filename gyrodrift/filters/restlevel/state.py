@@ -41,6 +41,8 @@ class NoiseModel:
         Blocks that `sample_var` is known from; it stops counting at `noise.NOISE_BLOCKS`.
     resolution_dps
         Smallest step ever seen between two samples, deg/s.
+    has_steps
+        A step has been seen before the present block, so that the noise is one.
     angle_walk_var
         N² of the angle random walk (IEEE Std 952), deg²/s: the variance of a block mean times the block's length.
     is_walk_measured
@@ -53,6 +55,7 @@ class NoiseModel:
     last_block_var: float = -1.0
     stationary_blocks: int = 0
     resolution_dps: float = -1.0
+    has_steps: bool = False
     angle_walk_var: float = -1.0
     is_walk_measured: bool = False
     flicker_var: float = 0.0
@@ -70,12 +73,16 @@ class RateSegment:
         Sum of its first two block means.
     last_mean_dps
         Mean of the block before, whether that belonged to a segment or not.
+    least_dps, most_dps
+        Range of all block means since the start, but for that of the first block.
     """
 
     blocks: int = 0
     mean_dps: float = 0.0
     head_sum_dps: float = 0.0
     last_mean_dps: float = 0.0
+    least_dps: float = 0.0
+    most_dps: float = 0.0
 
 
 @dataclass(slots=True)

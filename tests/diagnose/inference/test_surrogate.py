@@ -106,7 +106,7 @@ def test_a_plane_is_the_curves_beside_each_size_of_the_first() -> None:
     """Of one that is fixed by its size and of one that is random."""
     surrogate = SURROGATE.refined((THREE,), 1.1 * SURROGATE.prediction((THREE,)).change)
     responses = [one for one in surrogate.evidence.responses if one is not RATE]
-    for plane, response in zip(surrogate.planes(RATE, responses, 2), responses, strict=True):
+    for plane, other in zip(surrogate.planes(RATE, responses, 2), responses, strict=True):
         sizes = range(0, len(RATE.candidate.sizes), 2)
-        beside = [surrogate.curve((Cause(RATE, at),), response, 2) for at in sizes]
+        beside = [surrogate.curve((Cause(RATE, at),), other, 2) for at in sizes]
         assert plane == pytest.approx(np.array(beside), rel=1e-12)

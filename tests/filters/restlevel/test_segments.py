@@ -3,8 +3,8 @@
 import pytest
 
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest
-from gyrodrift.filters.restlevel.segments import continues, track_segment, update_mean
+from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.segments import continues, is_from_start, track_segment, update_mean
 from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
 from gyrodrift.filters.restlevel.step import coefficients
 
@@ -59,14 +59,49 @@ def test_a_sensor_that_repeats_itself_has_the_noise_of_its_resolution() -> None:
     assert noise.sample_var == pytest.approx(0.01)
 
 
+def test_a_sensor_that_said_one_thing_so_far_has_its_noise_to_come() -> None:
+    """While it repeats itself it is at rest; with its first step all that was learned of its noise is forgotten."""
+    noise = NoiseModel()
+    for _ in range(30):
+        assert is_stationary(C, block(0.0), noise)
+    noise.resolution_dps = 0.01
+    is_stationary(C, block(0.25), noise)
+    assert noise.sample_var == pytest.approx(0.25)
+    assert is_stationary(C, block(0.25), noise)
+
+
+def test_means_of_coarse_steps_are_no_better_known_than_steps_allow() -> None:
+    """However often one is like the other."""
+    noise, full = NoiseModel(angle_walk_var=0.01, resolution_dps=0.2, has_steps=True), block(0.0)
+    for _ in range(1000):
+        learn_at_rest(noise, 1.0, 0.0, 0.0, full, 0.3)
+    assert noise.angle_walk_var == pytest.approx(0.25 * 0.2**2 / full.samples * 0.3)
+
+
+@pytest.mark.parametrize(("sigma_dps", "odds"), [(0.01, 1.0), (0.06, 1.0), (0.3, 1.0), (1.4, 0.025), (20.0, 1.7e-7)])
+def test_what_is_louder_than_sensors_are_is_a_motion(sigma_dps: float, odds: float) -> None:
+    """Hovering, or a ride: no part has a noise of a degree a second."""
+    assert noise_odds(NoiseModel(sample_var=sigma_dps**2)) == pytest.approx(odds, rel=0.1)
+
+
+def test_a_rest_is_from_the_start_where_nothing_has_moved_before() -> None:
+    """But for the first block, which switching on may disturb."""
+    for means, expected in (([1.0] * 5, True), ([9.0, *[1.0] * 5], True), ([1.0, 9.0, *[1.0] * 5], False)):
+        s = RestlevelState()
+        track(s, *means)
+        assert is_from_start(s, 0.3) is expected
+    track(s := RestlevelState(), *[1.0] * 15)
+    assert not is_from_start(s, 0.3)
+
+
 def test_angle_random_walk_is_measured_at_rests() -> None:
     """Half the squared step, clipped at nine times what is expected, with a weight of 0.05."""
     noise = NoiseModel(angle_walk_var=0.01)
-    learn_at_rest(noise, 0.4, 0.0, 0.2, 1.0)
+    learn_at_rest(noise, 0.4, 0.0, 0.2, block(0.0), 1.0)
     assert noise.angle_walk_var == pytest.approx(0.01 + 0.02 * (0.02 - 0.01))
     assert not noise.is_walk_measured
     noise.angle_walk_var = 0.01
-    learn_at_rest(noise, 1.0, 0.5, 10.0, 1.0)
+    learn_at_rest(noise, 1.0, 0.5, 10.0, block(0.0), 1.0)
     assert noise.angle_walk_var == pytest.approx(0.01 + 0.05 * (0.09 - 0.01))
     assert noise.is_walk_measured
     assert noise.flicker_var == pytest.approx(0.001)
