@@ -1,4 +1,4 @@
-"""Whether restlevel, at its defaults, makes yaw worse than next to nothing would: recordings that mostly begin moving."""
+"""Whether restlevel, at its defaults, makes yaw worse than next to nothing would: most of these begin moving."""
 
 from collections.abc import Sequence
 from pathlib import Path
