@@ -8,6 +8,12 @@ from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
 
+SESSION_COLUMN, LONGEST_HEADER = b"t_device_s", 4096
+"""What the first line of a CSV session names, and how much of that line is looked at."""
+
+NAMED = 3
+"""Of many files that a message is about."""
+
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
@@ -46,6 +52,44 @@ def write_whole(path: Path, pieces: Iterable[str]) -> None:
     """
     with whole_file(path) as file:
         file.writelines(piece.encode() for piece in pieces)
+
+
+def check_kept(targets: Iterable[Path], inputs: Iterable[Path], *, force: bool) -> None:
+    """See that nothing recorded is lost: what is read is never written over, other sessions with force only.
+
+    Raises
+    ------
+    UsageError
+        With the names of what would be lost.
+    """
+    sources, there = list(inputs), []
+    for target in targets:
+        for source in sources:
+            if _is_same(target, source):
+                what = "the input itself" if target == source else f"the input {source} itself"
+                raise UsageError(f"{target}: is {what}, which is never written over: choose another name")
+        if _is_session(target):
+            there.append(str(target))
+    if there and not force:
+        more = f" and {len(there) - NAMED} more" if len(there) > NAMED else ""
+        raise UsageError(f"{', '.join(there[:NAMED])}{more}: already recorded; --force replaces what is there")
+
+
+def _is_same(target: Path, source: Path) -> bool:
+    """Also through links and other spellings."""
+    try:
+        return target.samefile(source)
+    except OSError:
+        return target.resolve() == source.resolve()
+
+
+def _is_session(path: Path) -> bool:
+    if not path.is_file() or path.stat().st_size == 0:
+        return False
+    if path.suffix != ".csv":
+        return path.suffix == ".mcap"
+    with path.open("rb") as file:
+        return SESSION_COLUMN in file.readline(LONGEST_HEADER)
 
 
 def check_writable(folder: Path) -> None:

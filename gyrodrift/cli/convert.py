@@ -9,7 +9,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
+from gyrodrift.files import check_kept
 
 if TYPE_CHECKING:
     from gyrodrift.session.session import Session
@@ -32,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=FORMS,
         help="messages in an .mcap OUT: sample (default; this program's own), imu (sensor_msgs/msg/Imu, rad/s), json",
     )
+    options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -41,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
     if topic is not None and source.suffix != ".mcap":
         raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
+    check_kept([target], [source], force=arguments.force)
     _write(target, form, _loaded(source, topic))
     return 0
 
@@ -60,9 +64,12 @@ def _write(target: Path, form: str | None, session: "Session") -> None:
     from gyrodrift.session.foreign.export import write_imu, write_json
 
     if form == "imu":
+        columns = {"encoder angle": session.encoder_deg, "temperature": session.temp_c, "counter": session.seq}
+        left_out = [name for name, column in columns.items() if column is not None]
+        words = ", ".join(left_out[:-1]) + " and " * (len(left_out) > 1) + "".join(left_out[-1:])
+        lost = f"; {words} {'do' if len(left_out) > 1 else 'does'} not go along" if left_out else ""
+        print(f"gyrodrift: {target}: sensor_msgs/msg/Imu has its rate in rad/s{lost}", file=sys.stderr)
         write_imu(target, [session])
-        left_out = "encoder angle, temperature and counter do not go along"
-        print(f"gyrodrift: {target}: sensor_msgs/msg/Imu has its rate in rad/s; {left_out}", file=sys.stderr)
     elif form == "json":
         write_json(target, [session])
     else:

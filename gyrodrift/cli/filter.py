@@ -11,6 +11,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.cli import options
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
@@ -25,14 +26,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
+    options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when it is written."""
     from gyrodrift.config.model import Config, load_config
-    from gyrodrift.files import write_whole
+    from gyrodrift.files import check_kept, write_whole
     from gyrodrift.session.files import load_session
 
+    if arguments.out is not None:
+        inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
+        check_kept([arguments.out], inputs, force=arguments.force)
     config = load_config(arguments.config) if arguments.config else Config()
     session = load_session(arguments.session)
     state: FilterState = config.chosen.state()

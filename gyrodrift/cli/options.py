@@ -48,6 +48,11 @@ def add_recording_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--raw", action="store_true", help="keep the bytes of the link too, each read with its time")
 
 
+def add_force_option(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that could write over a session."""
+    parser.add_argument("--force", action="store_true", help="replace sessions that are there already")
+
+
 def check_seed(seed: int) -> None:
     """Refuse a seed that no generator takes."""
     if seed < 0:

@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="of the sessions (default mcap)")
     parser.add_argument("--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched")
     parser.add_argument("--hard-cases", action="store_true", help="the standard set; rigs and motions are its own")
+    options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,6 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
         )
+    _check_kept(arguments)
     options.hold_product_threads()
     from firmware_sim.motion.profile import load_profile
     from firmware_sim.rig import load_rig, parse_effect, with_effects
@@ -70,6 +72,19 @@ def run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
     return 0
+
+
+def _check_kept(arguments: argparse.Namespace) -> None:
+    """Sessions of other rigs lie in folders of the set's own; those of one rig have numbers."""
+    from gyrodrift.files import check_kept
+
+    folder, ending = arguments.out, arguments.format
+    if arguments.hard_cases or arguments.twin:
+        sessions = sorted(folder.glob(f"*/*.{ending}"))
+    else:
+        sessions = [folder / f"session-{number + 1:02d}.{ending}" for number in range(arguments.sessions or 1)]
+    inputs = [path for path in (arguments.rig, arguments.twin) if path is not None]
+    check_kept([*sessions, folder / "rig.yaml", folder / "twin.csv"], inputs, force=arguments.force)
 
 
 def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
