@@ -15,6 +15,12 @@ from pydantic_core import ErrorDetails
 NUMBER = re.compile(r"[-+]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 
+LONGEST = 4 << 20
+"""Characters of a file."""
+
+WHOLE_DIGITS = 300
+"""Of a whole number; what is longer is beyond all floats."""
+
 Key = tuple[str | int, ...]
 Place = tuple[int, int]
 
@@ -109,8 +115,16 @@ def problems_of(error: ValidationError) -> list[str]:
 
 
 def _compose(path: Path) -> yaml.Node | None:
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise FileError(f"{path}: is no ordinary file")
     try:
-        node: yaml.Node | None = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+        with path.open(encoding="utf-8") as file:
+            text = file.read(LONGEST + 1)
+        if len(text) > LONGEST:
+            raise FileError(f"{path}: is longer than {LONGEST >> 20} million characters: this is no rig or profile")
+        node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
+    except RecursionError as error:
+        raise FileError(f"{path}: has too many blocks within blocks") from error
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
@@ -130,7 +144,7 @@ def _scalar(node: yaml.Node) -> Any:
     if text.lower() in WORDS:
         return WORDS[text.lower()]
     if NUMBER.fullmatch(text):
-        return int(text) if text.lstrip("+-").isdigit() else float(text)
+        return int(text) if text.lstrip("+-").isdigit() and len(text) <= WHOLE_DIGITS else float(text)
     return text
 
 

@@ -11,7 +11,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 from pydantic.fields import FieldInfo
 
-from gyrodrift.config.yaml import Key, YamlFile, read_yaml
+from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
@@ -115,9 +115,10 @@ def _check(read: YamlFile) -> _Strict | None:
     try:
         return model.model_validate(read.value)
     except ValidationError as error:
-        for problem in error.errors(include_url=False):
+        for number, problem in enumerate(error.errors(include_url=False)):
             key: Key = problem["loc"]
-            read.report(key, _explain(model, key, problem["type"], problem["input"]))
+            is_told = number < MOST_PROBLEMS
+            read.report(key, _explain(model, key, problem["type"], problem["input"]) if is_told else "is wrong too")
         return None
 
 

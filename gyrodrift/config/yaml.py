@@ -11,12 +11,24 @@ from typing import Any
 
 import yaml
 
-LONGEST_BYTES = 4 << 20
+LONGEST_BYTES = 128 << 10
+"""A config of a few hundred training sessions is a tenth of it."""
+
+DEEPEST = 32
+"""Blocks within blocks; the parser underneath calls itself for each, until the process dies."""
+
+MOST_PROBLEMS = 20
+"""That are told one by one; finding the key that was meant takes a while for each."""
+
+WHOLE_DIGITS = 18
+"""Of a whole number; longer ones are no exact counts of anything."""
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)")
 NOT_FINITE = re.compile(r"[-+]?\.(?:inf|nan)", re.IGNORECASE)
 WORDS = {"true": True, "True": True, "false": False, "False": False, "null": None, "~": None, "": None}
+
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 Key = tuple[str | int, ...]
 """The way from the top of the file to a value: ("hdr", "tau_s")."""
@@ -37,8 +49,14 @@ class YamlFile:
 
     @property
     def problems(self) -> list[str]:
-        """One line each, in the order of the file: `file:line:column key: what is wrong and what is expected`."""
-        return [f"{self.path}:{line}:{column} {text}" for line, column, text in sorted(self._problems)]
+        """One line each, in the order of the file: `file:line:column key: what is wrong and what is expected`.
+
+        The first MOST_PROBLEMS, and how many more there are.
+        """
+        told = sorted(self._problems)[:MOST_PROBLEMS]
+        lines = [f"{self.path}:{line}:{column} {shortened(text)}" for line, column, text in told]
+        more = len(self._problems) - len(told)
+        return [*lines, f"{self.path}: {more} mistakes more"] if more else lines
 
     def report(self, key: Key, message: str) -> None:
         """Note a problem where the key stands, or where the block stands that it is missing from."""
@@ -55,16 +73,24 @@ def read_yaml(path: Path) -> YamlFile:
     """Read a file; whatever is wrong with it is in `problems`, and `value` is None where nothing can be read."""
     read = YamlFile(path)
     try:
-        content = path.read_bytes()
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            read.report((), "is no ordinary file: this is no config file")
+            return read
+        with path.open("rb") as file:
+            content = file.read(LONGEST_BYTES + 1)
     except OSError as error:
         read.report((), f"cannot be read: {error.strerror}")
         return read
     if len(content) > LONGEST_BYTES:
-        read.report((), f"is larger than {LONGEST_BYTES >> 20} MiB: this is no config file")
+        read.report((), f"is larger than {LONGEST_BYTES >> 10} KiB: this is no config file")
         return read
     try:
         text = content.decode("utf-8-sig")
-        node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        too_deep = _too_deep(text)
+        if too_deep is not None:
+            read.report_at(*too_deep, f"is nested more than {DEEPEST} times")
+            return read
+        node = yaml.compose(text, Loader=LOADER)
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         read.report_at(line, 1, f"is not text: byte 0x{content[error.start]:02x} is not UTF-8")
@@ -78,6 +104,25 @@ def read_yaml(path: Path) -> YamlFile:
         if node is not None:
             read.value = _value(read, (), node)
     return read
+
+
+def shortened(text: str, most: int = 400) -> str:
+    """A message in no more than so many characters."""
+    return text if len(text) <= most else f"{text[: most // 2]} … {text[-most // 4 :]}"
+
+
+def _too_deep(text: str) -> tuple[int, int] | None:
+    """Line and column where blocks within blocks are more than DEEPEST; events are parsed without going into any."""
+    depth = 0
+    for event in yaml.parse(text, Loader=LOADER):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > DEEPEST:
+                mark = event.start_mark
+                return (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+    return None
 
 
 def _value(read: YamlFile, key: Key, node: yaml.Node) -> Any:
@@ -120,7 +165,7 @@ def _scalar(node: yaml.Node) -> Any:
         return text
     if text in WORDS:
         return WORDS[text]
-    if INTEGER.fullmatch(text):
+    if INTEGER.fullmatch(text) and len(text) <= WHOLE_DIGITS:
         return int(text)
     if NUMBER.fullmatch(text) and not re.match(r"[-+]?0\d", text):
         return float(text)

@@ -1,6 +1,7 @@
 """Configs: what is taken, and what is said of every mistake."""
 
 import json
+import os
 from dataclasses import asdict
 from pathlib import Path
 
@@ -125,6 +126,38 @@ def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
     assert "c.yaml:1:6 hdr.0: is an alias (*), which may never end; write it out" in problems(
         tmp_path, "hdr: &a [*a]\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[" * 100_000, "is nested more than 32 times"),
+        ("{a: " * 30_000, "is nested more than 32 times"),
+        ("- " * 60_000, "is nested more than 32 times"),
+        ("? " * 60_000, "is nested more than 32 times"),
+        ("\n".join(" " * i + "a:" for i in range(400)), "is nested more than 32 times"),
+        (GOOD.replace(".5", "1" * 5000), "hdr.tau_s: is inf"),
+        (f"sample_rate_hz: {'9' * 400}", "sample_rate_hz: is inf"),
+        (GOOD.replace(".5", f"'{'x' * 5000}'"), "hdr.tau_s: is 'xxx"),
+        ("\n".join(f"k{i}: 1" for i in range(9000)), "8981 mistakes more"),
+        ("a" * 200_000, "is larger than 128 KiB"),
+    ],
+)
+def test_a_file_that_was_made_to_hurt_is_refused_in_few_words(tmp_path: Path, text: str, said: str) -> None:
+    """A service that runs looks at whatever is saved under the name of its config."""
+    told = problems(tmp_path, text)
+    assert any(said in problem for problem in told)
+    assert len(told) <= 21
+    assert max(map(len, told)) < 450
+
+
+def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
+    """A pipe would wait for a writer, and a device may never end."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "endless").symlink_to("/dev/zero")
+    for name in ("pipe", "endless"):
+        with pytest.raises(ConfigError, match="is no ordinary file"):
+            load_config(tmp_path / name)
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Files read strictly: numbers are numbers, and every mistake is told with its place."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -187,3 +188,19 @@ def test_a_control_character_is_told_in_one_line(tmp_path: Path) -> None:
 def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
     """A list as a key is a mistake of the file's, told without the inside of the parser."""
     assert "ScalarNode" not in "".join(mistakes(tmp_path, "width_mm: 1\n? [a]\n: 1\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"), [("[" * 50_000, "blocks within blocks"), ("a" * 5_000_000, "is longer than")]
+)
+def test_a_file_that_was_made_to_hurt_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    """In a line, like any other mistake."""
+    (told,) = mistakes(tmp_path, text)
+    assert said in told
+
+
+def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
+    """A pipe would wait for a writer."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(FileError, match="is no ordinary file"):
+        load(tmp_path / "pipe", Desk)
