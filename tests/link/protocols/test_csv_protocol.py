@@ -3,6 +3,8 @@
 from math import inf, isnan
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gyrodrift.link.protocols.csv import CsvDecoder
 from gyrodrift.sample import Reading
@@ -88,3 +90,27 @@ def test_a_device_that_changes_its_columns_for_good_is_followed() -> None:
     assert decoder.push(b"30100,1,5\n40100,1,5\n") == []
     assert [reading.t_us for reading in decoder.push(b"50100,1,5\n")] == [30100, 40100, 50100]
     assert decoder.counters.damaged == 0
+
+
+def test_an_angle_without_end_is_none() -> None:
+    """What follows speaks JSON, which has no word for it."""
+    lines = b"".join(b"%d,0.5,%b,%b\n" % (i * 10_000, *words) for i, words in enumerate([(b"inf", b"1e999")] * 4))
+    readings = CsvDecoder().push(lines)
+    assert len(readings) == 4
+    assert all(isnan(one.encoder_deg) and isnan(one.temp_c) for one in readings)
+
+
+@pytest.mark.parametrize("tail", [b"x", b",", b"e", b"..", b" 1"])
+def test_digits_without_end_are_damage(tail: bytes) -> None:
+    """As long as a line may be."""
+    decoder = CsvDecoder()
+    assert decoder.push(b"1,0.5,%b%b\n" % (b"1" * 240, tail)) == []
+    assert decoder.counters.damaged == 1
+
+
+@given(st.floats(-1e4, 1e4), st.floats(allow_nan=False, allow_infinity=False))
+def test_whatever_a_float_is_printed_as_is_read(rate_dps: float, encoder_deg: float) -> None:
+    """In all its digits."""
+    lines = b"".join(f"{i}, {rate_dps!r} ,{encoder_deg:e}\n".encode() for i in range(3))
+    readings = CsvDecoder().push(lines)
+    assert [(one.rate_dps, one.encoder_deg) for one in readings] == [(rate_dps, float(f"{encoder_deg:e}"))] * 3
