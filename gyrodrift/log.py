@@ -7,9 +7,21 @@ from typing import Any, TextIO, cast
 import structlog
 
 from gyrodrift.errors import UsageError
+from gyrodrift.log_stream import UnwaitingStream
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 FORMATS = ("auto", "text", "json")
+
+
+def unwaiting_stderr(style: str) -> UnwaitingStream:
+    """Standard error that nothing waits for; `style` is that of the log, in which dropped lines are told."""
+
+    def told(lines: int) -> str:
+        if style == "json":
+            return f'{{"event": "log_lines_dropped", "lines": {lines}, "level": "warning"}}\n'
+        return f"level=warning event=log_lines_dropped lines={lines}\n"
+
+    return UnwaitingStream(sys.stderr, told)
 
 
 def open_log(
@@ -31,7 +43,7 @@ def open_log(
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
         renderer = structlog.dev.ConsoleRenderer()
-    log_to = sys.stderr if stream is None else cast("TextIO", stream)  # print() asks for no more than write and flush
+    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() asks for no more than write and flush
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,

@@ -8,7 +8,7 @@ first. The paths that were written go to stdout, the log to stderr.
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import options
 
@@ -39,14 +39,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link, LinkOptions
-    from gyrodrift.log import open_log
+    from gyrodrift.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.recording.recorder import Recorder, RecordOptions
     from gyrodrift.recording.resilient import repair_interrupted
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
 
-    log_to = AboveLine(sys.stderr) if sys.stderr.isatty() else None
+    stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
+    log_to = AboveLine(stderr) if sys.stderr.isatty() else None
     log = open_log(arguments.log_level, arguments.log_format, log_to)
     events = LinkEvents(log)
     with StopSignal() as stop:
@@ -56,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         repair_interrupted(arguments.out, log)
         events.listener = recorder.on_event
         try:
-            listeners = _listeners(link, recorder, stop, arguments.duration)
+            listeners = _listeners(link, recorder, stop, arguments.duration, stderr)
             Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S).run()
         finally:
             for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
@@ -65,12 +66,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _listeners(
-    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None
+    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None, stderr: TextIO
 ) -> "list[SampleListener]":
     from gyrodrift.recording.duration import Duration
     from gyrodrift.recording.live_line import LiveLine
 
     listeners: list[SampleListener] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
     if sys.stderr.isatty():
-        listeners.append(LiveLine(link, recorder))
+        listeners.append(LiveLine(link, recorder, stderr))
     return listeners

@@ -1,0 +1,127 @@
+"""Standard error that nobody reads: nothing waits for it, and what was dropped is told."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from support import are_recorded, never, speaking_on
+
+from gyrodrift.log_stream import LONGEST_KEPT, UnwaitingStream
+
+LINE = "timestamp=now level=info event=something number=1\n"
+
+
+@pytest.fixture
+def pipe() -> Iterator[tuple[int, int]]:
+    """Both ends."""
+    ends = os.pipe()
+    yield ends
+    for end in ends:
+        try:
+            os.close(end)
+        except OSError:
+            continue  # the test closed it
+
+
+def all_of(fd: int) -> bytes:
+    os.set_blocking(fd, False)
+    found = b""
+    while True:
+        try:
+            piece = os.read(fd, 1 << 16)
+        except BlockingIOError:
+            return found
+        if not piece:
+            return found
+        found += piece
+
+
+def fill(fd: int) -> None:
+    os.set_blocking(fd, False)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(fd, b"x" * 4096)
+    os.set_blocking(fd, True)
+
+
+def test_what_is_read_arrives_at_once(pipe: tuple[int, int]) -> None:
+    """In the order it was written."""
+    with os.fdopen(pipe[1], "w") as end:
+        stream = UnwaitingStream(end, str)
+        for number in range(3):
+            stream.write(f"{number}\n")
+        assert all_of(pipe[0]) == b"0\n1\n2\n"
+
+
+def test_a_pipe_that_nobody_empties_stops_nothing(pipe: tuple[int, int]) -> None:
+    """Whole lines are dropped, and their number comes with what is read later."""
+    with os.fdopen(pipe[1], "w") as end:
+        stream = UnwaitingStream(end, lambda lines: f"dropped {lines}\n")
+        written = 20_000
+        for _ in range(written):
+            stream.write(LINE)
+        found = all_of(pipe[0])
+        while found[-1:] != b"\n" or b"dropped" not in found:
+            stream.flush()
+            found += all_of(pipe[0])
+    lines = found.decode().splitlines(keepends=True)
+    told = [int(line.split()[1]) for line in lines if line.startswith("dropped")]
+    assert len(told) == 1
+    assert lines.count(LINE) + told[0] == written
+    assert set(lines) == {LINE, f"dropped {told[0]}\n"}
+    assert len(lines.count(LINE) * LINE) >= LONGEST_KEPT - len(LINE)
+
+
+def test_a_reader_that_is_gone_is_no_error(pipe: tuple[int, int]) -> None:
+    """Of a pipe, and of a socket."""
+    os.close(pipe[0])
+    with os.fdopen(pipe[1], "w") as end:
+        assert UnwaitingStream(end, str).write(LINE) == len(LINE)
+
+
+def test_a_stopped_terminal_stops_nothing() -> None:
+    """Ctrl-S, by the terminal's own switch; after Ctrl-Q the rest comes."""
+    import termios  # noqa: PLC0415
+
+    controller, terminal = os.openpty()
+    with os.fdopen(terminal, "w") as end:
+        stream = UnwaitingStream(end, str)
+        termios.tcflow(terminal, termios.TCOOFF)
+        for _ in range(5000):
+            stream.write(LINE)
+        termios.tcflow(terminal, termios.TCOON)
+        stream.flush()
+        assert LINE.strip() in all_of(controller).decode()
+    os.close(controller)
+
+
+@pytest.mark.parametrize("command", ["record", "serve"])
+def test_a_log_that_nobody_reads_costs_no_sample(command: str, tmp_path: Path, pipe: tuple[int, int]) -> None:
+    """The pipe is full before it begins; a signal still ends it, and all samples are there."""
+    fill(pipe[1])
+    port, out = tmp_path / "gyro", tmp_path / "out"
+    words = ["--port", str(port), *(["--out", str(out)] if command == "record" else ["--record", str(out)])]
+    with speaking_on(port) as device:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "gyrodrift", command, *words, "--log-level", "debug"],
+            stderr=pipe[1],
+            stdout=subprocess.DEVNULL,
+        )
+        try:
+            deadline_s, first = time.monotonic() + 60.0, 0
+            while not (out.is_dir() and are_recorded(1000, out)) and time.monotonic() < deadline_s:
+                device.send_all(b"".join(b"%d,0.5\n" % (i * 10_000) for i in range(first, first + 100)), never)
+                first += 100
+                time.sleep(0.1)
+            assert are_recorded(1000, out)
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(30.0) == 0
+        finally:
+            process.kill()
+            process.wait()
