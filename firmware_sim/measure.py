@@ -49,6 +49,10 @@ class Motion(Protocol):
         ...
 
 
+HALF_A_COUNT = 0.5 + 1e-6
+"""A table that stands or turns in exact half counts is read one way, and not as the last bit of a float falls."""
+
+
 @dataclass(frozen=True, slots=True)
 class Block:
     """Measurements in the order they were taken; every array has the shape (n,).
@@ -171,7 +175,7 @@ class _Bench:
             rate_raw=np.clip(counts, -COUNTS_MOST, COUNTS_MOST).astype(np.int16),
             is_clipped=np.abs(counts) > COUNTS_MOST,
             temp_centi_c=np.rint(truth.temp_c * 100.0).astype(np.int16),
-            encoder_counts=np.floor(angle_deg / 360.0 * self._base.encoder_cpr + 0.5).astype(np.int64),
+            encoder_counts=np.floor(angle_deg / 360.0 * self._base.encoder_cpr + HALF_A_COUNT).astype(np.int64),
         )
         return block if arrived.all() else block.only(arrived)
 

@@ -46,6 +46,7 @@ HINTS = Hints(
     period_s=60.0,
     turn_order=4,
     angle_turn_order=3,
+    sample_period_s=0.01,
 )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
@@ -15,13 +15,22 @@ PRIOR_RUNS = 2.0
 """Null runs that it is worth to begin with independent sessions."""
 
 
+ABSENT_SHARE = 0.1
+"""Of the replays: a regressor that so many of them have not is on the edge of being one."""
+
+NOT_COMPARED = 1e6
+"""Standard deviation of what cannot be compared, in units of the features."""
+
+
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and work out the responses at all sizes."""
     nulls = np.concatenate([table.nulls for table in tables])
     centre = nulls.mean(axis=0)
-    spread = np.sqrt(np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1))
+    variance = np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1)
     thresholds = np.array([table.thresholds for table in tables])
-    sigma = np.sqrt(spread**2 * common_share(np.array([table.nulls for table in tables]) - centre) + thresholds**2)
+    common = variance * common_share(np.array([table.nulls for table in tables]) - centre)
+    sigma = np.sqrt(common + thresholds**2 + len(tables) * rebuilding_variance(centre, variance, len(nulls)))
+    sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = np.array([table.difference for table in tables]) - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
@@ -32,6 +41,24 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         nulls=(np.array([table.nulls for table in tables]) - centre) / sigma[:, None],
         responses=tuple(_response(tables, candidate, difference / sigma**2) for candidate in one_each),
     )
+
+
+def rebuilding_variance(centre: Floats, variance: Floats, runs: int) -> Floats:
+    """(F,) variance of what all sessions share for not being rebuilt exactly.
+
+    What the null is off by on average is the step from the first rebuilding to the second: the step from the recording
+    to the first is taken to be as large, of either sign.
+    """
+    found: Floats = np.maximum(np.square(centre) - variance / runs, 0.0)
+    return found
+
+
+def absent_of(tables: Sequence[ResponseTable]) -> Mask:
+    """(sessions, F) regressors that some replays of a session have and others have not."""
+    shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
+    differs = np.array([table.difference != 0.0 for table in tables])
+    found: Mask = LINEAR & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
+    return found
 
 
 def common_share(nulls: Floats) -> Floats:

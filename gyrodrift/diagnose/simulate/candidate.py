@@ -63,6 +63,8 @@ class Hints:
         Rates other than zero that the device put out.
     period_s, turn_order, angle_turn_order
         Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
+    sample_period_s
+        Distance of two samples.
     """
 
     line_hz: float
@@ -75,6 +77,7 @@ class Hints:
     period_s: float
     turn_order: int
     angle_turn_order: int
+    sample_period_s: float
 
 
 @dataclass(frozen=True, slots=True)

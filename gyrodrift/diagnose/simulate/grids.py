@@ -50,6 +50,16 @@ def simulated(*points: float) -> Variants:
     return lambda _: [Variant(simulated_grid(*points))]
 
 
+def simulated_within(periods: float, points_ms: Sequence[float], more_ms: float) -> Variants:
+    """Simulated at these times, and one more where that is no more than so many sample periods."""
+
+    def variants(hints: Hints) -> Sequence[Variant]:
+        has_room = more_ms <= periods * hints.sample_period_s * 1e3
+        return [Variant(simulated_grid(*points_ms, *([more_ms] if has_room else [])))]
+
+    return variants
+
+
 def turned(least: float, most: float) -> Variants:
     """Linear, once per turn: the simulations at 0 and 90 degrees are turned to every other phase."""
     grid = SizeGrid(np.array([most / INNER]), between(least, most))

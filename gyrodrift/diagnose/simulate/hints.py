@@ -107,6 +107,11 @@ def angle_turn_order(shown: Sequence[Shown]) -> int:
     return _order([angle_shares(one.left_dps, one.subject.design.turn_rate_basis) for one in shown])
 
 
+def sample_period_s(shown: Sequence[Shown]) -> float:
+    """The shortest of all sessions."""
+    return min(one.subject.seen.recording.period_s for one in shown)
+
+
 SOURCES = {
     "line_hz": HintSource(line_hz, default=20.0),
     "spike_dps": HintSource(spike_dps, default=20.0),
@@ -118,6 +123,7 @@ SOURCES = {
     "period_s": HintSource(period_s, default=100.0),
     "turn_order": HintSource(turn_order),
     "angle_turn_order": HintSource(angle_turn_order),
+    "sample_period_s": HintSource(sample_period_s),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""
 

@@ -8,7 +8,7 @@ from inference_support import candidate, row
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
-from gyrodrift.diagnose.inference.pooling import common_share, evidence_of, interpolated, scaled
+from gyrodrift.diagnose.inference.pooling import common_share, evidence_of, interpolated, rebuilding_variance, scaled
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
@@ -29,10 +29,11 @@ def test_nulls_of_all_sessions_are_one_sample() -> None:
     About 2 they are −2, 0 and −1, 3. Run by run their means are −1.5 and 1.5, of variance 4.5, where independent ones
     would have half of 3.5: 2.57 times that, which two runs' worth of 1 and one of data take to 1.52.
     """
-    nulls = [np.array([row({"rate": 0.0}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
+    nulls = [np.array([row({"rate": 1e-9}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
     evidence = evidence_of([table("one", nulls[0]), table("two", nulls[1])], [])
     at = NUMBER["rate"]
     variance = np.var([0.0, 2.0, 1.0, 5.0], ddof=1) * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
+    variance += 2.0 * (2.0**2 - np.var([0.0, 2.0, 1.0, 5.0], ddof=1) / 4.0)  # of rebuilding, shared by both
     assert evidence.names == ("one", "two")
     assert evidence.difference[:, at] == pytest.approx([5.0, 5.0])
     assert evidence.sigma[:, at] == pytest.approx(np.sqrt(variance + 4.0))
@@ -153,8 +154,41 @@ def test_a_phase_is_weighed_by_what_is_known() -> None:
     """A sine that chance makes as large says nothing of the phase: it is that of the cosine."""
     one = turning(0.0)
     answers = {simulated_key(one, deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
-    loud = np.array([row({"turn_sine": 100.0}), row({"turn_sine": -100.0})])
+    loud = np.array([row({"turn_sine": sine, "turn_cosine": 1e-9}) for sine in (100.0, -100.0)])
     shown = replace(table("one", loud, answers), difference=row({"turn_sine": 5.0, "turn_cosine": 5.0}))
     (response,) = evidence_of([shown], [one]).responses
     assert response.phases_deg is not None
     assert response.phases_deg[0] == pytest.approx(90.0, abs=1.0)
+
+
+def test_what_rebuilding_changes_it_may_have_changed_before() -> None:
+    """A null that is off by 5 on average: the recordings may be by as much, however many they are."""
+    number = NUMBER["wander_20s"]
+    nulls = np.zeros((8, len(FEATURES)))
+    nulls[:, number] = 5.0 + np.tile([-0.5, 0.5], 4)
+    for sessions in (2, 6):
+        tables = [
+            ResponseTable(f"s{n}", row({"wander_20s": -3.0}), np.zeros(len(FEATURES)), nulls, nulls, {})
+            for n in range(sessions)
+        ]
+        z = evidence_of(tables, []).z[:, number]
+        assert z.mean() * np.sqrt(sessions) == pytest.approx(-8.0 / 5.0, rel=0.05)
+
+
+def test_a_null_that_is_off_by_chance_widens_nothing() -> None:
+    """Its mean is as far from zero as the mean of so few runs is."""
+    nulls = np.random.default_rng(2).normal(0.0, 1.0, (12, len(FEATURES)))
+    found = rebuilding_variance(nulls.mean(axis=0), nulls.var(axis=0, ddof=1), len(nulls))
+    assert np.median(found) < 0.01
+    assert found.mean() < 0.15
+
+
+def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
+    """It is on the edge of being one, and the recording on the other side of it."""
+    number = NUMBER["direction"]
+    for present in (0, 3, 8):
+        nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
+        nulls[present:, number] = 0.0
+        table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {})
+        z = evidence_of([table], []).z[0, number]
+        assert bool(abs(z) > 3.0) is (present == 8)

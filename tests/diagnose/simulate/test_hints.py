@@ -96,3 +96,11 @@ def test_of_several_sessions_the_median_counts_and_the_largest_rate_of_all() -> 
     hints = hints_of([coarse, plain(), coarse])
     assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
     assert hints.largest_dps == max(float(np.abs(one.seen.rate_dps).max()) for one in (coarse, plain()))
+
+
+@pytest.mark.parametrize(("sample_period_s", "most_ms"), [(0.0035, 5.0), (0.0525, 20.0)])
+def test_stamps_scatter_no_further_than_samples_are_apart(sample_period_s: float, most_ms: float) -> None:
+    """Where they do, nobody can tell which sample is which."""
+    hints = replace(hints_of([plain()]), sample_period_s=sample_period_s)
+    (jitter,) = [one for one in candidates(hints, Rig(base=BASE)) if one.name == "timestamp_jitter"]
+    assert jitter.sizes[-1] == pytest.approx(most_ms)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
-from gyrodrift.diagnose.simulate.grids import between, read_off, simulated
+from gyrodrift.diagnose.simulate.grids import between, read_off, simulated, simulated_within
 from gyrodrift.diagnose.simulate.kinds.groups import COARSE_VALUES, LAG, REVERSAL, TIMES
 
 NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
@@ -88,7 +88,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "timestamp_jitter",
         "sigma_ms",
-        simulated(0.02, 0.06, 0.2, 0.6, 2.0, 5.0, 20.0),
+        simulated_within(0.4, (0.02, 0.06, 0.2, 0.6, 2.0, 5.0), 20.0),
         "the device's time stamps scatter",
         TIMES,
         (),
