@@ -29,7 +29,7 @@ def test_nulls_of_all_sessions_are_one_sample() -> None:
     About 2 they are −2, 0 and −1, 3. Run by run their means are −1.5 and 1.5, of variance 4.5, where independent ones
     would have half of 3.5: 2.57 times that, which two runs' worth of 1 and one of data take to 1.52.
     """
-    nulls = [np.array([row({"rate": 1e-9}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
+    nulls = [np.array([row({"rate": 1e-12}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
     evidence = evidence_of([table("one", nulls[0]), table("two", nulls[1])], [])
     at = NUMBER["rate"]
     variance = np.var([0.0, 2.0, 1.0, 5.0], ddof=1) * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
