@@ -64,11 +64,11 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
 def common_share(nulls: Floats) -> Floats:
     """(F,) by how much the variance of a mean over sessions is more than that of independent ones; at least 1.
 
-    Sessions that play the same motion into the same counts share what is wrong in rebuilding it.
+    Sessions that play the same motion share what is wrong in rebuilding it.
 
     nulls
         (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
-        where the counts are the same.
+        where the course of the motion is the same.
     """
     sessions, runs, _ = nulls.shape
     if sessions == 1 or runs == 1:

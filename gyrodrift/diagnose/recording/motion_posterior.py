@@ -40,7 +40,7 @@ BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
 RESTS_S = 1.0
 """A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
 
-REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.02, 4.0, 1.0, 0.2
+REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
 LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
 """Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
 where none does, those that stand for this share of the longest."""

@@ -38,6 +38,9 @@ SHAPES, MOTIONS, ARRIVALS = 1, 2, 3
 CORRECTIONS = 2
 """Rounds in which the rig's own errors of the encoder are taken out of its angles."""
 
+COURSE_S, COURSE_DEG = 5.0, 45.0
+"""How often, and how finely, the course of a motion is noted to tell whether another is the same."""
+
 ARRIVAL_PHASE_S = 0.1
 """Ticks of a host begin anywhere: each simulation arrives later by up to this."""
 
@@ -75,7 +78,7 @@ class Subject:
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""
         if seed not in self.drawn:
-            self.drawn[seed] = self.posterior.draw(np.random.default_rng([self._counts() + seed, MOTIONS]))
+            self.drawn[seed] = self.posterior.draw(np.random.default_rng([self._course() + seed, MOTIONS]))
         return self.drawn[seed]
 
     def measured(self) -> Measured:
@@ -136,10 +139,14 @@ class Subject:
         added_dps = shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
         return replace(without, rate_dps=without.rate_dps + size * added_dps)
 
-    def _counts(self) -> int:
-        """Sessions with the same counts of the encoder draw by the same random numbers, and no others."""
-        away_deg = self.seen.encoder_deg - self.seen.encoder_deg[0]
-        return crc32(np.rint(away_deg / (self.seen.step_deg or 1.0)).astype(np.int32).tobytes())
+    def _course(self) -> int:
+        """Sessions that play one profile draw by the same random numbers: what is wrong in rebuilding it is shared.
+
+        They are told by where they are from time to time, roughly, since no two of them have quite the same counts.
+        """
+        every = max(1, round(COURSE_S / self.seen.recording.period_s))
+        away_deg = self.seen.encoder_deg[::every] - self.seen.encoder_deg[0]
+        return crc32(np.rint(away_deg / COURSE_DEG).astype(np.int32).tobytes())
 
     def _stream(self, seed: int) -> int:
         """No two sessions are the same realisation."""
