@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
+from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -14,6 +14,10 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simul
 PRIOR_RUNS = 2.0
 """Null runs that it is worth to begin with independent sessions."""
 
+
+MOTION_NAMES = ("wander", "walk", "step", "two_levels", "swing", "ripple", "angle_ripple", "scatter_")
+OF_MOTION = np.array([one.name.startswith(MOTION_NAMES) for one in FEATURES]) | LINEAR
+"""Features that a motion is taken out of; values, noise, stamps and arrivals are seen without one."""
 
 ABSENT_SHARE = 0.1
 """Of the replays: a regressor that so many of them have not is on the edge of being one."""
@@ -44,12 +48,12 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
 
 
 def rebuilding_variance(centre: Floats, variance: Floats, runs: int) -> Floats:
-    """(F,) variance of what all sessions share for not being rebuilt exactly.
+    """(F,) variance of what all sessions share for their motion not being rebuilt exactly.
 
     What the null is off by on average is the step from the first rebuilding to the second: the step from the recording
     to the first is taken to be as large, of either sign.
     """
-    found: Floats = np.maximum(np.square(centre) - variance / runs, 0.0)
+    found: Floats = np.where(OF_MOTION, np.maximum(np.square(centre) - variance / runs, 0.0), 0.0)
     return found
 
 
