@@ -29,7 +29,7 @@ from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Un
 from gyrodrift.simulation.sessions import rig_yaml
 
 SESSIONS, SECONDS = 2, 180
-SCALED: Amounts = {"rate": 10.0, "rate_cubed": 5.5}
+SCALED: Amounts = {"rate": 10.0, "rate_cubed": 6.5}
 """Sessions of a gyro that reads too much, and of which something is left unexplained."""
 
 RESPONSES = (

@@ -11,8 +11,8 @@ import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Mask
-from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of, features_of_no_steps, slow_features
+from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
+from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
@@ -109,7 +109,7 @@ def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     rates_hz = [1.0 / float(np.median([one.period_s for one in each])) for each in (first, second)]
     if abs(rates_hz[0] / rates_hz[1] - 1.0) <= SAME_RATE:
         return ALL, []
-    return slow_features(), [
+    return SLOW, [
         f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}: {SLOW_ONLY}"
     ]
 
@@ -122,14 +122,14 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     if not before or not now:
         have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
         words = f"the rates of {have} come in steps of {before or now:.4g} deg/s, those of {have_not} in none"
-        return features_of_no_steps(), [f"{words}: what depends on steps is not compared"]
+        return NOT_OF_STEPS, [f"{words}: what depends on steps is not compared"]
     octaves = float(np.log2(now / before))
     if abs(octaves) <= np.log2(1.0 + SAME_RATE):
         return ALL, []
     if octaves > 0.0 and abs(octaves - round(octaves)) > OF_AN_OCTAVE:
         return ALL, []
     words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
-    return slow_features(), [f"{words}: is it the same device, with the same range?: {SLOW_ONLY}"]
+    return SLOW, [f"{words}: is it the same device, with the same range?: {SLOW_ONLY}"]
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:

@@ -1,5 +1,6 @@
 """Which features a baseline and recordings beside it can both speak of, and what is said of the others."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -17,8 +18,7 @@ from gyrodrift.diagnose.beside_baseline import (
     explained_baseline,
     rig_shown_by,
 )
-from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.baseline import features_of_no_steps, slow_features
+from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.stages import DiagnosisRequest, inferred_of, recordings_of, simulated_of
 from gyrodrift.simulation.sessions import Simulation, write_simulation
@@ -48,18 +48,15 @@ def test_the_same_device_is_compared_in_everything() -> None:
 def test_of_another_rate_or_step_what_is_slow_is_compared(other: Recording, words: list[str]) -> None:
     """It is said with both numbers, and what is left out."""
     compared, said = compared_of([seen()], [other])
-    assert np.array_equal(compared, slow_features())
+    assert np.array_equal(compared, SLOW)
     (sentence,) = said
     assert all(word in sentence for word in (*words, "not compared"))
 
 
 def fine(one: Recording) -> Recording:
     """The same, filtered: neither rate nor angle come in steps."""
-    dice, count = np.random.default_rng(1), len(one.rate_dps)
-    fields = {name: getattr(one, name) for name in one.__slots__}
-    fields["rate_dps"] = one.rate_dps + dice.normal(0.0, 0.01, count)
-    fields["encoder_deg"] = one.encoder_deg + dice.normal(0.0, 0.01, count)
-    return Recording(**fields)
+    rate_noise_dps, angle_noise_deg = np.random.default_rng(1).normal(0.0, 0.01, (2, len(one.rate_dps)))
+    return replace(one, rate_dps=one.rate_dps + rate_noise_dps, encoder_deg=one.encoder_deg + angle_noise_deg)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -67,7 +64,7 @@ def test_where_one_of_both_has_no_steps_all_else_is_compared(order: int) -> None
     """A rate that was filtered or converted on its way is still that of the same device."""
     first, second = [[fine(seen())], [seen()]][::order]
     compared, (sentence,) = compared_of(first, second)
-    assert np.array_equal(compared, features_of_no_steps())
+    assert np.array_equal(compared, NOT_OF_STEPS)
     assert "0.00763" in sentence
 
 
@@ -75,9 +72,7 @@ def test_coarser_steps_may_be_an_effect() -> None:
     """But for a power of two, which is another range; finer ones are one too, and a device of one level tells none."""
     assert compared_of([seen()], [seen(lsb_dps=0.0231)])[0].all()
     assert not compared_of([seen(lsb_dps=0.0231)], [seen()])[0].all()
-    rests = Recording(
-        **{**{name: getattr(seen(), name) for name in seen().__slots__}, "rate_dps": 0.0 * seen().rate_dps}
-    )
+    rests = replace(seen(), rate_dps=0.0 * seen().rate_dps)
     assert compared_of([seen()], [rests])[0].all()
 
 
@@ -117,7 +112,7 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
     explained = explained_baseline(asked, recordings)
     assert any("100 samples a second" in remark and "200" in remark for remark in explained.remarks)
     compared = explained.baseline.compared
-    assert slow_features()[compared].all()
+    assert SLOW[compared].all()
     assert compared[NUMBER["rate"]]
     simulated = simulated_of(asked, kept, recordings)
     tables = beside(simulated.tables, simulated.subjects, explained.baseline)

@@ -28,6 +28,23 @@ def _mask(is_such: Callable[[Feature], bool]) -> Mask:
 
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
+SLOW = LINEAR | _mask(
+    lambda feature: feature.name.startswith(("wander", "walk", "step", "two_levels", "swing", "scatter_"))
+)
+"""What does not speak of single samples, so that another sample rate leaves it as it is."""
+
+OF_MOTION = SLOW | _mask(lambda feature: feature.name.endswith("ripple"))
+"""What a motion is taken out of; values, noise, stamps and arrivals are seen without one."""
+
+ALWAYS = ~LINEAR & _mask(lambda feature: feature.regime == "always")
+"""What needs no motion."""
+
+NOT_OF_STEPS = ~_mask(
+    lambda feature: (
+        feature.name in {"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"}
+    )
+)
+"""What does not speak of the steps in which rates come."""
 
 SAMPLE_THRESHOLDS = np.array([feature.threshold for feature in SAMPLE_FEATURES])
 

@@ -6,14 +6,10 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import Feature, ResponseLaw
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.features.units import RMS_DPS
-from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 SMOOTH_S = 0.02
 """Standard deviation of the Gaussian that rate and encoder both go through."""
-
-SIXTH_ORDER = np.array([45.0, -9.0, 1.0]) / 60.0
-"""Central difference over seven points, by the distance of a pair: a tone of a tenth of the sample rate comes out
-0.05 % too weak."""
 
 CONSTANTS = 3
 """Columns of the basis that are no features: a bias, a gain, a gain of either direction."""
@@ -52,7 +48,7 @@ def lag_basis(encoder_deg: Floats, period_s: float) -> Basis:
 
 def lag_coefficients(rate_dps: Floats, encoder_deg: Floats, basis: Basis, period_s: float) -> Floats:
     """LAG_FEATURES of a rate beside an encoder, shape (features,)."""
-    away_dps = smoothed(rate_dps - _difference_dps(encoder_deg, period_s), period_s)
+    away_dps = smoothed(rate_dps - central_difference(encoder_deg, period_s), period_s)
     coefficients: Floats = basis.vectors.T @ away_dps
     return coefficients
 
@@ -62,17 +58,7 @@ def encoder_rate_dps(encoder_deg: Floats, period_s: float) -> Floats:
 
     Gaussian derivatives of the angle itself would leak: it is thousands of degrees, and their weights end somewhere.
     """
-    return smoothed(_difference_dps(encoder_deg, period_s), period_s)
-
-
-def _difference_dps(encoder_deg: Floats, period_s: float) -> Floats:
-    """Rate of the encoder from its angles three samples either way; those at the ends stand for those beyond."""
-    reach = len(SIXTH_ORDER)
-    padded, rate_dps = np.pad(encoder_deg, reach, mode="edge"), np.zeros(len(encoder_deg))
-    for away, weight in enumerate(SIXTH_ORDER, 1):
-        after, before = padded[reach + away :][: len(rate_dps)], padded[reach - away :][: len(rate_dps)]
-        rate_dps += (weight / period_s) * (after - before)
-    return rate_dps
+    return smoothed(central_difference(encoder_deg, period_s), period_s)
 
 
 def smoothed(rate_dps: Floats, period_s: float) -> Floats:

@@ -15,7 +15,8 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.vector import FEATURES, LINEAR, STATIC, rms_scale
+from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, STATIC, rms_scale
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 PRIOR_SHARE = 0.7
@@ -26,13 +27,6 @@ PRIOR_RUNS = 3.0
 
 TAIL = 1e-4
 """Probability at which a scatter known from a few recordings is widened to what Student's quantile says."""
-
-NOT_COMPARED = 1e6
-"""Standard deviation, in units of the features, of what a baseline cannot say anything of."""
-
-
-ALWAYS = np.array([feature.regime == "always" and not linear for feature, linear in zip(FEATURES, LINEAR, strict=True)])
-"""Features that need no motion: where a baseline shows nothing, there was nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,24 +115,3 @@ def against(
         )
         for table, design in zip(tables, designs, strict=True)
     ]
-
-
-def slow_features() -> Mask:
-    """Features that do not speak of single samples, so that another sample rate leaves them as they are."""
-    return np.array([feature.name in SLOW or is_linear for feature, is_linear in zip(FEATURES, LINEAR, strict=True)])
-
-
-SLOW = frozenset(
-    feature.name
-    for feature in FEATURES
-    if feature.name.startswith(("wander", "walk", "step", "two_levels", "swing", "scatter_"))
-)
-"""Those of the bias second by second; the coefficients of regressors are all linear."""
-
-
-def features_of_no_steps() -> Mask:
-    """Features that do not speak of the steps in which rates come."""
-    return np.array([feature.name not in OF_STEPS for feature in FEATURES])
-
-
-OF_STEPS = frozenset({"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"})

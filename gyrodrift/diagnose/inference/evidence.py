@@ -8,6 +8,9 @@ from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
 from gyrodrift.diagnose.inference.likelihood import discrepancy_variance
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
+NOT_COMPARED = 1e6
+"""Standard deviation of what cannot be compared, in units of the features."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:

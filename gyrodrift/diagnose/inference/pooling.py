@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR
-from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, OF_MOTION
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
@@ -15,15 +15,8 @@ PRIOR_RUNS = 2.0
 """Null runs that it is worth to begin with independent sessions."""
 
 
-MOTION_NAMES = ("wander", "walk", "step", "two_levels", "swing", "ripple", "angle_ripple", "scatter_")
-OF_MOTION = np.array([one.name.startswith(MOTION_NAMES) for one in FEATURES]) | LINEAR
-"""Features that a motion is taken out of; values, noise, stamps and arrivals are seen without one."""
-
 ABSENT_SHARE = 0.1
 """Of the replays: a regressor that so many of them have not is on the edge of being one."""
-
-NOT_COMPARED = 1e6
-"""Standard deviation of what cannot be compared, in units of the features."""
 
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:

@@ -9,13 +9,13 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import correlate1d, maximum_filter1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
-from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 JERK_WINDOW_STEPS = 3
@@ -68,9 +68,6 @@ MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
 """Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
 
 
-SIXTH_ORDER = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
-"""Central difference over seven points."""
-
 DRAW_SMOOTH_S = 0.1
 """Standard deviation of the Gaussian over what a drawn path is off the mean: the roughness of the model's white jerk,
 which no table has, would pass for noise of the gyro."""
@@ -112,7 +109,7 @@ class MotionPosterior:
         path = smoothed_back(self.mean.period_s, self.passed, noise, True)
         away_deg = gaussian(path[:, 0] - self.mean.angle_deg, DRAW_SMOOTH_S / self.mean.period_s)
         # The rate is that of the very angles, or gyro and encoder would see two motions.
-        away_dps = correlate1d(away_deg, SIXTH_ORDER, mode="nearest") / self.mean.period_s
+        away_dps = central_difference(away_deg, self.mean.period_s)
         mean, away = (
             np.column_stack(pair) for pair in ((self.mean.angle_deg, self.mean.rate_dps), (away_deg, away_dps))
         )

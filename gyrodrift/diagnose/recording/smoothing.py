@@ -1,4 +1,4 @@
-"""A Gaussian over samples, as `scipy.ndimage.gaussian_filter1d` has it, in a fifth of the time.
+"""Seven-point slopes, and a Gaussian over samples, as `scipy.ndimage.gaussian_filter1d` has it, in a fifth of the time.
 
 A diagnosis smooths some thousand sessions of tens of thousands of samples.
 """
@@ -9,6 +9,10 @@ import numpy as np
 from numba import njit
 
 from gyrodrift.arrays import Floats
+
+SIXTH_ORDER = np.array([45.0, -9.0, 1.0]) / 60.0
+"""Central difference over seven points, by the distance of a pair: a tone of a tenth of the sample rate comes out
+0.05 % too weak."""
 
 REACH_SIGMAS = 4.0
 """The Gaussian ends there, as scipy's does."""
@@ -25,6 +29,16 @@ def gaussian(values: Floats, sigma: float) -> Floats:
     smooth = np.empty(len(values))
     _convolve(padded, weights, smooth)
     return smooth
+
+
+def central_difference(values: Floats, spacing: float) -> Floats:
+    """Slope of values three places either way; those at the ends stand for those beyond; shape (n,)."""
+    reach = len(SIXTH_ORDER)
+    padded, slope = np.pad(values, reach, mode="edge"), np.zeros(len(values))
+    for away, weight in enumerate(SIXTH_ORDER, 1):
+        after, before = padded[reach + away :][: len(slope)], padded[reach - away :][: len(slope)]
+        slope += (weight / spacing) * (after - before)
+    return slope
 
 
 @cache

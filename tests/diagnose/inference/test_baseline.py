@@ -8,9 +8,10 @@ import pytest
 from inference_support import Amounts, row
 
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
-from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER, SLOW
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
-from gyrodrift.diagnose.inference.baseline import NOT_COMPARED, against, baseline_of, slow_features
+from gyrodrift.diagnose.inference.baseline import against, baseline_of
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
@@ -125,6 +126,6 @@ def test_a_baseline_without_damage_says_that_there_was_none() -> None:
 
 def test_slow_features_say_nothing_of_single_samples() -> None:
     """Regressors and the bias second by second; no noise, no values, no stamps."""
-    names = {FEATURES[number].name for number in np.flatnonzero(slow_features())}
+    names = {FEATURES[number].name for number in np.flatnonzero(SLOW)}
     assert {"rate", "temperature", "turn_sine_rate", "wander_20s", "walk_60s", "two_levels"} <= names
     assert not any(name.startswith(("noise_", "equal_", "stamp_", "arrival_", "angle_", "tails_")) for name in names)
