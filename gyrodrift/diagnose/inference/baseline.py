@@ -112,6 +112,7 @@ def against(
             runs=table.runs,
             nulls=table.nulls,
             responses=table.responses,
+            smoother=table.smoother,
         )
         for table, design in zip(tables, designs, strict=True)
     ]

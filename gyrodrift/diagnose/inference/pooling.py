@@ -26,7 +26,10 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     variance = np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1)
     thresholds = np.array([table.thresholds for table in tables])
     common = variance * common_share(np.array([table.nulls for table in tables]) - centre)
-    sigma = np.sqrt(common + thresholds**2 + len(tables) * rebuilding_variance(centre, variance, len(nulls)))
+    again = np.where(OF_MOTION, beyond_chance(centre, variance / len(nulls)), 0.0)
+    changes = np.array([table.smoother for table in tables])
+    smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
+    sigma = np.sqrt(common + thresholds**2 + len(tables) * (again + smoother))
     sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = np.array([table.difference for table in tables]) - centre
@@ -40,13 +43,26 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     )
 
 
-def rebuilding_variance(centre: Floats, variance: Floats, runs: int) -> Floats:
-    """(F,) variance of what all sessions share for their motion not being rebuilt exactly.
+def beyond_chance(mean: Floats, variance: Floats) -> Floats:
+    """(F,) variance of what all sessions share for their motion not being rebuilt exactly, by the size of two steps.
 
     What the null is off by on average is the step from the first rebuilding to the second: the step from the recording
-    to the first is taken to be as large, of either sign.
+    to the first is taken to be as large, of either sign. And where features follow how rough a motion is, it may be as
+    smooth as the mean of all that are possible.
+
+    variance
+        What chance makes of the mean.
     """
-    found: Floats = np.where(OF_MOTION, np.maximum(np.square(centre) - variance / runs, 0.0), 0.0)
+    found: Floats = np.maximum(np.square(mean) - variance, 0.0)
+    return found
+
+
+def variance_of_mean(values: Floats) -> Floats:
+    """(F,) by the scatter of sessions, (sessions, F); that of a single one is not known, and taken to be none."""
+    sessions = len(values)
+    if sessions == 1:
+        return np.zeros(values.shape[1])
+    found: Floats = values.var(axis=0, ddof=1) / sessions
     return found
 
 

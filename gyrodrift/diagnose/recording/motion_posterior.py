@@ -13,6 +13,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
+from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
@@ -36,6 +37,9 @@ CROSSOVER_HZ = 0.1
 
 BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
 """Of its acceleration over so long, by which the bias of the gyro may change: errors of its gain go with the motion."""
+
+SMOOTH_S = 0.35
+"""Widest half window over which a motion is taken for a cubic."""
 
 RESTS_S = 1.0
 """A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
@@ -135,10 +139,19 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     rates = rate_dps, np.where(is_clipped, NOT_MEASURED, sigma_dps**2)
     passed = filtered(period_s, angles, edges, rates, np.where(at_rest, REST_VARIANCE, NOT_MEASURED), (jerk, walk))
     none = np.zeros((1, STATES))
-    path = smoothed_back(period_s, passed, none, False)
+    path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
     rests = _stretches(at_rest)
     like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
     return MotionPosterior(_motion(path, like, rests), passed, rests)
+
+
+def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:
+    """A path without the noise of the gyro, as far as it is smooth; what is slower than SMOOTH_S stays as it is."""
+    angle_deg, rate_dps = path[:, 0], path[:, 1]
+    less_dps = local_cubic(rate_dps, sigma_dps, _points(SMOOTH_S, period_s)) - rate_dps
+    less_deg = np.cumsum(less_dps) * period_s
+    less_deg -= gaussian(less_deg, SMOOTH_S / period_s)
+    return np.column_stack([angle_deg + less_deg, rate_dps + central_difference(less_deg, period_s)])
 
 
 def _motion(path: Floats, like: ReplayedMotion, rests: tuple[tuple[int, int], ...]) -> ReplayedMotion:
@@ -220,7 +233,7 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
         over = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / points, 0.0)
         first = (3 * points) // 2
         over = np.pad(over, (first, len(rate_dps) - len(over) - first), mode="edge")
-        intensity = np.maximum(intensity, over / (JERK_GAIN * (points * period_s) ** 3))
+        intensity = np.where(intensity > 0.0, intensity, over / (JERK_GAIN * (points * period_s) ** 3))
     return intensity
 
 

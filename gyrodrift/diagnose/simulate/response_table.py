@@ -18,6 +18,8 @@ class ResponseTable:
         (realisations, F) the null distribution: the same differences where the recording is the rig itself.
     responses
         Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
+    smoother
+        (F,) change of the features where the motion is the smoothest that the recording leaves possible.
     """
 
     name: str
@@ -26,6 +28,7 @@ class ResponseTable:
     runs: Floats
     nulls: Floats
     responses: dict[str, Floats]
+    smoother: Floats
 
 
 def key(candidate: Candidate) -> str:

@@ -18,6 +18,7 @@ NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 """Null runs of all sessions together, and of each."""
 
 NULL_BASE_RUNS = 2
+SMOOTHEST_RUNS = 2
 FIRST_NULL_SEED = 1000
 
 SIMULATED_PHASES_DEG = (0.0, 90.0)
@@ -37,8 +38,15 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
     responses = {key(candidate): response(subject, candidate, base) for candidate in simulated}
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
-    name = subject.seen.recording.name
-    return ResponseTable(name, own.values - runs.mean(axis=0), own.thresholds, runs, nulls, responses)
+    return ResponseTable(
+        name=subject.seen.recording.name,
+        difference=own.values - runs.mean(axis=0),
+        thresholds=own.thresholds,
+        runs=runs,
+        nulls=nulls,
+        responses=responses,
+        smoother=smoother(subject, base[:SMOOTHEST_RUNS]),
+    )
 
 
 def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:
@@ -57,6 +65,14 @@ def null_difference(subject: Subject, seed: int) -> Floats:
     runs = [again.simulated((), FIRST_NULL_SEED + seed + number).values for number in range(NULL_BASE_RUNS)]
     left: Floats = again.measured().values - np.mean(runs, axis=0)
     return left
+
+
+def smoother(subject: Subject, base: Sequence[BaseRun]) -> Floats:
+    """(F,) by how much features change where the motion is the smoothest that a recording leaves possible."""
+    smoothest = subject.smoothest([run.seed for run in base])
+    changes = [smoothest.base_run(run.seed).values - run.values for run in base]
+    found: Floats = np.mean(changes, axis=0)
+    return found
 
 
 def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun) -> Floats:

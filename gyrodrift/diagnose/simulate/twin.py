@@ -5,6 +5,7 @@ encoder and gyro, from which its motion is rebuilt. The motion that drives it is
 possible.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 from zlib import crc32
@@ -80,6 +81,10 @@ class Subject:
         if seed not in self.drawn:
             self.drawn[seed] = self.posterior.draw(np.random.default_rng([self._course() + seed, MOTIONS]))
         return self.drawn[seed]
+
+    def smoothest(self, seeds: Iterable[int]) -> "Subject":
+        """The same driven through the mean of all motions that are left possible, at some seeds."""
+        return replace(self, drawn=dict.fromkeys(seeds, self.posterior.mean))
 
     def measured(self) -> Measured:
         """Features of the recording itself; thresholds know what steps of the rate hide."""

@@ -32,7 +32,7 @@ def design(seconds: int) -> DesignMatrix:
 
 def table(difference: Amounts) -> ResponseTable:
     """Of a session; 0.1 of a feature matters, and chance does nothing."""
-    return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {})
+    return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {}, NONE[0])
 
 
 SHORT, LONG = design(100), design(400)
@@ -58,7 +58,7 @@ def test_another_length_of_recording_does_not_matter() -> None:
 def test_what_the_simulator_differs_from_itself_by_is_not_the_device() -> None:
     """The mean of the null is taken off first: of 3, one is what replaying leaves."""
     nulls = np.tile(row({"rate": 1.0}), (2, 1))
-    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {})
+    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {}, NONE[0])
     assert baseline_of([one] * 3, [SHORT] * 3, ALL).common[RATE] == pytest.approx(0.2)
 
 

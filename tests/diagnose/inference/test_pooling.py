@@ -8,7 +8,7 @@ from inference_support import candidate, row
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
-from gyrodrift.diagnose.inference.pooling import common_share, evidence_of, interpolated, rebuilding_variance, scaled
+from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, evidence_of, interpolated, scaled
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
@@ -16,10 +16,13 @@ LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
 SHARE = FEATURES[int(np.flatnonzero(~IS_LOG & ~LINEAR)[0])].name
 
 
+NONE = np.zeros(len(FEATURES))
+
+
 def table(name: str, nulls: Floats, answers: dict[str, Floats] | None = None) -> ResponseTable:
     """Of a session whose rate deviates by 7, where 2 matter."""
     return ResponseTable(
-        name, row({"rate": 7.0}), row({"rate": 2.0}), np.zeros((1, len(FEATURES))), nulls, answers or {}
+        name, row({"rate": 7.0}), row({"rate": 2.0}), np.zeros((1, len(FEATURES))), nulls, answers or {}, NONE
     )
 
 
@@ -168,7 +171,7 @@ def test_what_rebuilding_changes_it_may_have_changed_before() -> None:
     nulls[:, number] = 5.0 + np.tile([-0.5, 0.5], 4)
     for sessions in (2, 6):
         tables = [
-            ResponseTable(f"s{n}", row({"wander_20s": -3.0}), np.zeros(len(FEATURES)), nulls, nulls, {})
+            ResponseTable(f"s{n}", row({"wander_20s": -3.0}), np.zeros(len(FEATURES)), nulls, nulls, {}, NONE)
             for n in range(sessions)
         ]
         z = evidence_of(tables, []).z[:, number]
@@ -178,9 +181,22 @@ def test_what_rebuilding_changes_it_may_have_changed_before() -> None:
 def test_a_null_that_is_off_by_chance_widens_nothing() -> None:
     """Its mean is as far from zero as the mean of so few runs is."""
     nulls = np.random.default_rng(2).normal(0.0, 1.0, (12, len(FEATURES)))
-    found = rebuilding_variance(nulls.mean(axis=0), nulls.var(axis=0, ddof=1), len(nulls))
+    found = beyond_chance(nulls.mean(axis=0), nulls.var(axis=0, ddof=1) / len(nulls))
     assert np.median(found) < 0.01
     assert found.mean() < 0.15
+
+
+def test_a_motion_that_may_be_smoother_widens_what_follows_its_roughness() -> None:
+    """Noise in motion that would be 4 less, whatever the number of sessions."""
+    number, nulls = NUMBER["noise_slow_1"], np.zeros((4, len(FEATURES)))
+    for sessions in (1, 6):
+        tables = [
+            ResponseTable(
+                f"s{n}", row({"noise_slow_1": -8.0}), NONE + 1.0, nulls, nulls, {}, row({"noise_slow_1": -4.0})
+            )
+            for n in range(sessions)
+        ]
+        assert evidence_of(tables, []).z[:, number] == pytest.approx(-8.0 / np.sqrt(1.0 + sessions * 16.0))
 
 
 def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
@@ -189,6 +205,6 @@ def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
     for present in (0, 3, 8):
         nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
         nulls[present:, number] = 0.0
-        table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {})
+        table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {}, NONE)
         z = evidence_of([table], []).z[0, number]
         assert bool(abs(z) > 3.0) is (present == 8)
