@@ -1,7 +1,7 @@
 """The motion behind a recording: near the true one for any encoder, still at rest, and not bent by a gyro's errors."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pytest
@@ -20,10 +20,20 @@ ENCODERS = [(512, 50.0), (1024, 200.0), (4096, 100.0), (36_000, 50.0), (36_000, 
 PIECES = [("identify", 60.0), ("turntable", 100.0), ("drive", 400.0)]
 
 
-class Piece(NamedTuple):
-    """Of a profile, from a moment on."""
+class Course(Protocol):
+    """Angle and rate, and temperature, at any time."""
 
-    profile: Profile
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle and rate."""
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature."""
+
+
+class Piece(NamedTuple):
+    """Of a motion, from a moment on."""
+
+    profile: Course
     first_s: float
     powered_s: float = 0.0
 
@@ -141,6 +151,33 @@ def test_a_gyro_at_its_limit_does_not_bend_the_motion(cpr: int, rate_hz: float) 
     one = seen(piece("turntable", 100.0), cpr, rate_hz, "saturation:limit_dps=60")
     assert np.abs(one.rate_dps).max() > 80.0
     assert one.off_deg(one.posterior().mean) < 0.25 * 360.0 / cpr
+
+
+class Shaken(NamedTuple):
+    """A device that is never still but at the beginning: three tones of a robot that balances."""
+
+    still_s: float = 5.0
+
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle and rate."""
+        moving_s = np.maximum(t_s - self.still_s, 0.0)
+        angle_deg, rate_dps = np.zeros(len(t_s)), np.zeros(len(t_s))
+        for hz, dps in ((0.7, 30.0), (1.9, 25.0), (3.1, 20.0)):
+            turning = 2.0 * np.pi * hz
+            angle_deg += dps / turning * (1.0 - np.cos(turning * moving_s))
+            rate_dps += dps * np.sin(turning * moving_s)
+        return angle_deg, rate_dps
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature."""
+        return np.full(len(t_s), 25.0)
+
+
+def test_a_motion_that_never_ends_is_no_noise_of_the_gyro() -> None:
+    """The rate is followed to a two hundredth of what it does."""
+    one = seen(Piece(Shaken(), 0.0), 2048, 50.0)
+    off_dps = one.posterior().mean.rate_dps - one.rate_dps
+    assert np.sqrt(np.square(off_dps).mean()) < 0.005 * one.rate_dps.std()
 
 
 def test_samples_that_never_came_are_passed_over() -> None:
