@@ -14,6 +14,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
     from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
+
+EXAMPLES = """\
+gyrodrift info sessions
+gyrodrift info session.mcap --picture session.png
+gyrodrift info sessions --json
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="recorded session (.mcap or .csv), or a folder of them",
     )
     parser.add_argument("--json", action="store_true", help="a JSON object a session instead, on one line")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf)")
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf; default: none)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,8 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.picture is not None:
         _check_picture(arguments.picture, len(paths))
     for number, path in enumerate(paths):
-        session = load_session(path)
-        description = describe(session)
+        with options.progress_of(arguments) as progress:
+            progress.evaluated("sessions", number, len(paths))
+            progress.evaluated(path.name, 0, 0)
+            session = load_session(path)
+            description = describe(session)
         if arguments.json:
             about = {"session": str(path), **_plain(description), "metadata": _plain(session.metadata)}
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))

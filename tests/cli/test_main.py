@@ -35,8 +35,8 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["serv"], "gyrodrift: 'serv' is not a command; did you mean serve?"),
-        (["xyz"], "gyrodrift: 'xyz' is not a command; commands are "),
+        (["serv"], "gyrodrift: serv: there is no such command; did you mean serve?"),
+        (["xyz"], "gyrodrift: xyz: there is no such command; there are serve, record"),
         ([], "usage: gyrodrift COMMAND"),
         (["--verbose", "serve"], "gyrodrift: 'serve' stands behind options"),
     ],
