@@ -8,6 +8,7 @@ import argparse
 from pathlib import Path
 
 from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
 
 EXAMPLES = """\
 gyrodrift demo
@@ -30,13 +31,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times real time (default 1)")
     parser.add_argument("--seed", type=int, default=1, help="of the simulated noise (default 1)")
-    parser.add_argument("--svg", type=Path, metavar="FILE", help="save the last view as a picture (default: none)")
+    parser.add_argument(
+        "--svg",
+        type=Path,
+        metavar="FILE",
+        help="save the last view as a picture of 100×24 characters (default: none)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when its summary is printed."""
     options.positive("--duration", arguments.duration)
     options.positive("--speed", arguments.speed)
+    if arguments.svg is not None and not arguments.svg.parent.is_dir():
+        raise UsageError(f"--svg {arguments.svg}: there is no folder {arguments.svg.parent}")
     from gyrodrift.demo.show import run_demo
 
     run_demo(
@@ -47,5 +55,6 @@ def run(arguments: argparse.Namespace) -> int:
         speed=arguments.speed,
         seed=arguments.seed,
         svg=arguments.svg,
+        is_quiet=arguments.quiet,
     )
     return 0

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--withhold",
-        type=options.effect_name,
+        type=options.withheld,
         action="append",
         default=[],
         metavar="EFFECT",

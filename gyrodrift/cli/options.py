@@ -110,7 +110,7 @@ def add_force_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace sessions that are there already")
 
 
-def effect_name(text: str) -> str:
+def withheld(text: str) -> str:
     """The name of an effect.
 
     Raises
@@ -122,7 +122,7 @@ def effect_name(text: str) -> str:
     from firmware_sim.effects.catalogue import CATALOGUE
 
     if text not in CATALOGUE:
-        raise unknown("effect", text, CATALOGUE)
+        raise unknown("effect", f"--withhold {text}", CATALOGUE)
     return text
 
 
@@ -156,7 +156,7 @@ def profile(text: str) -> str:
     from firmware_sim.motion.profile import shipped_profiles
 
     if text not in shipped_profiles() and not Path(text).is_file():
-        raise unknown("profile or file", text, shipped_profiles())
+        raise unknown("profile or file", f"--profile {text}", shipped_profiles())
     return text
 
 

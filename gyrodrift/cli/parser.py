@@ -34,8 +34,8 @@ def nearest_or_all(word: str, known: Iterable[str]) -> str:
 
 
 def unknown(what: str, word: str, known: Iterable[str]) -> UsageError:
-    """For a name that is none; `what` says of what."""
-    return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word, known)}")
+    """For a name that is none, behind its option where it has one; `what` says of what."""
+    return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word.rpartition(' ')[2], known)}")
 
 
 class HelpFormatter(argparse.RawDescriptionHelpFormatter):
