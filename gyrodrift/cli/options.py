@@ -150,12 +150,13 @@ def profile(text: str) -> str:
     Raises
     ------
     UsageError
-        Where there is neither.
+        Where it looks like a name, and there is none.
     """
     hold_product_threads()
     from firmware_sim.motion.profile import shipped_profiles
 
-    if text not in shipped_profiles() and not Path(text).is_file():
+    is_path = Path(text).suffix or Path(text).name != text or Path(text).is_file()
+    if text not in shipped_profiles() and not is_path:
         raise unknown("profile or file", f"--profile {text}", shipped_profiles())
     return text
 

@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -48,7 +49,11 @@ def test_the_tabulator_key_goes_on_with_a_line(
         terminal.until(lambda shown: "\nready" in shown.text, "shell that is ready")
         for typed, expected in LINES:
             terminal.keys(f"{typed}\t#\n")  # the mark shows where the line went on
-            terminal.until(lambda shown, line=f"{expected}#": line in shown.text, expected)
+            terminal.until(partial(shows, f"{expected}#"), expected)
+
+
+def shows(line: str, terminal: Terminal) -> bool:
+    return line in terminal.text
 
 
 def test_fish_goes_on_with_a_line() -> None:

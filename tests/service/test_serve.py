@@ -252,7 +252,7 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
         (
             ["--port", "{port}", "--protocol", "nmea"],
             2,
-            "gyrodrift: unknown protocol 'nmea'; known are auto, native, csv, witmotion",
+            "gyrodrift: --protocol nmea: there are auto, native, csv, witmotion",
         ),
         (
             ["--port", "{port}", "--baud", "fast"],
@@ -262,8 +262,8 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
         (["--port", "{port}", "--rate", "0"], 2, "gyrodrift: --rate 0: expected a number above 0"),
         (["--port", "{port}", "--timeout", "0.3"], 3, "gyrodrift: {port}: the device said nothing within 0.3 s"),
         (["--port", "{port}", "--config", "nowhere.yaml"], 2, "gyrodrift: nowhere.yaml:1:1 cannot be read"),
-        (["--port"], 2, "gyrodrift serve: error: argument --port: expected one argument"),
-        ([], 2, "gyrodrift serve: error: the following arguments are required: --port"),
+        (["--port"], 2, "gyrodrift: serve: argument --port: expected one argument"),
+        ([], 2, "gyrodrift: serve: the following arguments are required: --port"),
     ],
 )
 def test_a_persons_mistake_is_one_line_and_an_exit_status(
