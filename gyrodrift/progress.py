@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 OnProgress = Callable[[str, int, int], None]
 """Told what is being done, how much of it is, and of how much; of 0 where nobody knows."""
 
-ALL, PERCENT = "all of it, %", 100.0
+ALL, PERCENT = "all of it", 100.0
 
 EVERY = 2000
 """Items from one telling to the next, where they are many and quick."""
@@ -65,7 +65,7 @@ class Progress:
     def __enter__(self) -> Self:
         if self._bars is not None:
             if self._shares:
-                self._tasks[ALL] = self._bars.add_task(ALL, total=PERCENT)
+                self._tasks[ALL] = self._bars.add_task(ALL, total=PERCENT, count="")
             self._bars.start()
         return self
 
@@ -80,28 +80,28 @@ class Progress:
         if self._bars is None:
             return
         if what not in self._tasks:
-            self._close_open_ones()
-            self._tasks[what] = self._bars.add_task(what, total=of or None)
-        self._bars.update(self._tasks[what], completed=done, total=of or None)
+            self._end_others()
+            self._tasks[what] = self._bars.add_task(what, total=of or None, count="")
+        self._bars.update(self._tasks[what], completed=done, total=of or None, count=f"{done}/{of}" if of else "")
         if what in self._shares:
             self._tell_all(what, done / of if of else 0.0)
 
     @contextmanager
     def aside(self) -> Iterator[None]:
         """Room for what is printed meanwhile."""
-        if self._bars is None:
-            yield
-            return
-        self._bars.stop()
+        if self._bars is not None:
+            self._bars.stop()
         yield
-        self._bars.start()
+        if self._bars is not None:
+            self._bars.start()
 
-    def _close_open_ones(self) -> None:
-        """What nobody knew the length of is over when the next begins."""
+    def _end_others(self) -> None:
+        """What was done before is over when something else begins."""
         assert self._bars is not None  # noqa: S101 - asked before
         for task in self._bars.tasks:
-            if task.total is None:
-                self._bars.update(task.id, total=1, completed=1)
+            if task.description != ALL:
+                of = int(task.total or 1)
+                self._bars.update(task.id, total=of, completed=of, count=f"{of}/{of}" if task.total else "")
 
     def _tell_all(self, what: str, share: float) -> None:
         """Everything that stands before this is done, since the shares are in their order."""
@@ -111,8 +111,8 @@ class Progress:
             if name == what:
                 break
             before += each
-        done = before + share * self._shares[what]
-        self._bars.update(self._tasks[ALL], completed=PERCENT * done / self._whole)
+        done = PERCENT * (before + share * self._shares[what]) / self._whole
+        self._bars.update(self._tasks[ALL], completed=done, count=f"{done:.0f} %")
 
 
 def _is_for_eyes(stream: TextIO) -> bool:
@@ -124,14 +124,13 @@ def _bars(stream: TextIO) -> "Bars":
     from rich.console import Console  # noqa: PLC0415 - costs only who sees it
     from rich.progress import (  # noqa: PLC0415
         BarColumn,
-        MofNCompleteColumn,
         Progress,
         TextColumn,
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"), TimeElapsedColumn())
     return Progress(
         *columns,
         TextColumn("left"),

@@ -27,6 +27,10 @@ PATIENCE_S = 20.0
 """How long a test waits for what should come at once: a loaded machine is slow, a hang is for ever."""
 
 
+TERMINAL_PATIENCE_S = 60.0
+"""The same where packages of the workstation are loaded first."""
+
+
 @dataclass(frozen=True)
 class Recordings:
     data: Path
@@ -173,14 +177,14 @@ class Terminal:
 
     def until(self, is_so: Callable[[Self], bool], what: str) -> None:
         """Watch the screen until `is_so`, for as long as the test has patience."""
-        until_s = time.monotonic() + PATIENCE_S
+        until_s = time.monotonic() + TERMINAL_PATIENCE_S
         while not is_so(self):
-            assert time.monotonic() < until_s, f"no {what} in {PATIENCE_S} s on\n{self.text}"
+            assert time.monotonic() < until_s, f"no {what} in {TERMINAL_PATIENCE_S} s on\n{self.text}"
             assert self._read(), f"no {what}, and it ended with\n{self.text}"
 
     def end(self) -> int:
         """Watch until the end and give the exit status."""
-        until_s = time.monotonic() + 3.0 * PATIENCE_S
+        until_s = time.monotonic() + TERMINAL_PATIENCE_S
         while self._read():
             assert time.monotonic() < until_s, f"no end on\n{self.text}"
         return self.process.wait(PATIENCE_S)

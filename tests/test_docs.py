@@ -53,11 +53,12 @@ def anchors(page: Path) -> frozenset[str]:
 
 
 def shell_lines(page: Path) -> Iterator[list[str]]:
-    """The words of each command in a page's sh blocks."""
+    """The words of each command in a page's sh blocks, up to a pipe."""
     for language, block in FENCE.findall(page.read_text()):
         if language == "sh":
             for line in block.replace("\\\n", " ").splitlines():
                 words = [word for word in shlex.split(line, comments=True) if word != "&"]
+                words = words[: words.index("|")] if "|" in words else words
                 if words:
                     yield words
 

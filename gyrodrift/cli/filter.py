@@ -18,6 +18,7 @@ from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
     from gyrodrift.filters.filter import Filter, FilterState
+    from gyrodrift.progress import OnProgress
     from gyrodrift.session.session import Session
 
 EXAMPLES = """\
@@ -41,30 +42,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when it is written."""
-    from gyrodrift.config.model import Config, load_config
-    from gyrodrift.files import check_kept, write_whole
-    from gyrodrift.progress import counted
-    from gyrodrift.session.files import load_session
-
-    if arguments.out is not None:
-        inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
-        check_kept([arguments.out], inputs, force=arguments.force)
-    config = load_config(arguments.config) if arguments.config else Config()
     arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a pager is not to be drawn over
     with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        from gyrodrift.config.model import Config, load_config
+        from gyrodrift.files import check_kept
+        from gyrodrift.session.files import load_session
+
+        if arguments.out is not None:
+            inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
+            check_kept([arguments.out], inputs, force=arguments.force)
+        config = load_config(arguments.config) if arguments.config else Config()
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = load_session(arguments.session)
         state: FilterState = config.chosen.state()
-        rows = csv_lines(session, config.chosen, config.params, state)
-        lines = counted("samples", rows, len(session.t_device_s), progress.evaluated, lambda _: 1)
-        if arguments.out is None:
-            sys.stdout.writelines(lines)
-            sys.stdout.flush()
-        else:
-            write_whole(arguments.out, lines)
+        _write(arguments.out, session, csv_lines(session, config.chosen, config.params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0
+
+
+def _write(out: Path | None, session: "Session", rows: Iterator[str], progress: "OnProgress") -> None:
+    from gyrodrift.files import write_whole
+    from gyrodrift.progress import counted
+
+    lines = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
+    if out is None:
+        sys.stdout.writelines(lines)
+        sys.stdout.flush()
+    else:
+        write_whole(out, lines)
 
 
 def _is_file(stream: TextIO) -> bool:

@@ -19,6 +19,7 @@ from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.describe.values import SessionDescription
+    from gyrodrift.progress import Progress
     from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -47,27 +48,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Describe each session; 0 when all are told."""
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        from gyrodrift.session.files import session_paths
+
+        paths = session_paths(arguments.sessions)
+        if arguments.picture is not None:
+            _check_picture(arguments.picture, len(paths))
+        for number, path in enumerate(paths):
+            progress.evaluated("sessions", number, len(paths))
+            _tell(arguments, path, progress, is_first=number == 0)
+    return 0
+
+
+def _tell(arguments: argparse.Namespace, path: Path, progress: "Progress", *, is_first: bool) -> None:
     from gyrodrift.describe.describe import describe
     from gyrodrift.describe.text import text_of
-    from gyrodrift.session.files import load_session, session_paths
+    from gyrodrift.session.files import load_session
 
-    paths = session_paths(arguments.sessions)
-    if arguments.picture is not None:
-        _check_picture(arguments.picture, len(paths))
-    for number, path in enumerate(paths):
-        with options.progress_of(arguments) as progress:
-            progress.evaluated("sessions", number, len(paths))
-            progress.evaluated(path.name, 0, 0)
-            session = load_session(path)
-            description = describe(session)
+    session = load_session(path)
+    description = describe(session)
+    with progress.aside():
         if arguments.json:
             about = {"session": str(path), **_plain(description), "metadata": _plain(session.metadata)}
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:
-            print(*[""] * (number > 0), path, *text_of(session, description), sep="\n")
-        if arguments.picture is not None:
-            _draw(session, description, arguments.picture)
-    return 0
+            print(*[""] * (not is_first), path, *text_of(session, description), sep="\n")
+    if arguments.picture is not None:
+        _draw(session, description, arguments.picture)
 
 
 def _check_picture(path: Path, sessions: int) -> None:

@@ -68,23 +68,28 @@ def run(arguments: argparse.Namespace) -> int:
         )
     _check_kept(arguments)
     options.hold_product_threads()
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        rig, profile = _asked(arguments)
+        try:
+            for text in _written(arguments, rig, profile, progress.evaluated):
+                if not arguments.quiet:
+                    print(text, file=sys.stderr)
+        except OSError as error:
+            raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
+    return 0
+
+
+def _asked(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
     from firmware_sim.motion.profile import load_profile
     from firmware_sim.rig import load_rig, with_effects
     from firmware_sim.yaml_file import FileError
 
     try:
         rig = with_effects(load_rig(arguments.rig), arguments.effect)
-        profile = load_profile(arguments.profile or "turntable")
+        return rig, load_profile(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
-    try:
-        with options.progress_of(arguments) as progress:
-            for text in _written(arguments, rig, profile, progress.evaluated):
-                if not arguments.quiet:
-                    print(text, file=sys.stderr)
-    except OSError as error:
-        raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
-    return 0
 
 
 def _check_kept(arguments: argparse.Namespace) -> None:
