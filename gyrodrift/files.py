@@ -8,8 +8,9 @@ from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
 
-SESSION_COLUMN, LONGEST_HEADER = b"t_device_s", 4096
-"""What the first line of a CSV session names, and how much of that line is looked at."""
+SESSION_COLUMN, DERIVED_COLUMN, LONGEST_HEADER = b"t_device_s", b"yaw_deg", 4096
+"""What the first line of a CSV session names, what that of one names that a filter has made of
+another, and how much of that line is looked at."""
 
 NAMED = 3
 """Of many files that a message is about."""
@@ -89,7 +90,8 @@ def _is_session(path: Path) -> bool:
     if path.suffix != ".csv":
         return path.suffix == ".mcap"
     with path.open("rb") as file:
-        return SESSION_COLUMN in file.readline(LONGEST_HEADER)
+        header = file.readline(LONGEST_HEADER)
+    return SESSION_COLUMN in header and DERIVED_COLUMN not in header
 
 
 def check_writable(folder: Path) -> None:

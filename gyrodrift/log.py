@@ -1,5 +1,6 @@
 """The log: one line an event on stderr, for a person on a terminal and as key=value or JSON elsewhere."""
 
+import os
 import sys
 from io import TextIOBase
 from typing import Any, TextIO, cast
@@ -42,7 +43,7 @@ def open_log(
     elif style == "text" or not sys.stderr.isatty():
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
-        renderer = structlog.dev.ConsoleRenderer()
+        renderer = structlog.dev.ConsoleRenderer(colors=_has_colours())
     log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() asks for no more than write and flush
     structlog.configure(
         processors=[
@@ -56,3 +57,8 @@ def open_log(
     )
     logger: structlog.typing.FilteringBoundLogger = structlog.get_logger()
     return logger
+
+
+def _has_colours() -> bool:
+    """As https://no-color.org and https://force-color.org have it."""
+    return bool(os.environ.get("FORCE_COLOR")) or not os.environ.get("NO_COLOR")

@@ -2,12 +2,14 @@
 
 import json
 import os
+import pty
 import select
 import signal
 import subprocess
 import sys
+import termios
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -15,6 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+import pyte
 import pytest
 
 from firmware_sim.pty import PtyDevice
@@ -22,6 +25,10 @@ from gyrodrift.session.mcap.layout import MESSAGE
 
 PATIENCE_S = 20.0
 """How long a test waits for what should come at once: a loaded machine is slow, a hang is for ever."""
+
+
+TERMINAL_PATIENCE_S = 60.0
+"""The same where packages of the workstation are loaded first."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +119,92 @@ class Command:
             self._streams[fd] += chunk
             if not chunk:
                 self._open.discard(fd)
+
+
+class Terminal:
+    """A command of ours on a terminal of some size: a screen that shows what a person would see.
+
+    `keys` types; `resize` does what a window manager does. Of `streams` the others are pipes, stdin is the terminal.
+    """
+
+    def __init__(
+        self,
+        *words: str | Path,
+        columns: int = 80,
+        rows: int = 24,
+        streams: Sequence[str] = ("stdout", "stderr"),
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
+        self.screen = pyte.Screen(columns, rows)
+        self.sent = b""
+        self._stream = pyte.ByteStream(self.screen)
+        self._master, slave = pty.openpty()
+        termios.tcsetwinsize(self._master, (rows, columns))
+        others = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
+        clean = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES", "NO_COLOR")}
+        given: dict[str, Any] = others | dict.fromkeys(streams, slave)
+        self.process = subprocess.Popen(
+            [str(word) for word in words],
+            stdin=slave,
+            env=clean | {"TERM": "xterm-256color"} | dict(environment or {}),
+            start_new_session=True,
+            **given,
+        )
+        os.close(slave)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self._master)
+
+    @property
+    def text(self) -> str:
+        """What stands on the screen."""
+        return "\n".join(self.screen.display)
+
+    def keys(self, text: str) -> None:
+        os.write(self._master, text.encode())
+
+    def resize(self, columns: int, rows: int) -> None:
+        self.screen.resize(rows, columns)
+        termios.tcsetwinsize(self._master, (rows, columns))
+        self.process.send_signal(signal.SIGWINCH)
+
+    def until(self, is_so: Callable[[Self], bool], what: str) -> None:
+        """Watch the screen until `is_so`, for as long as the test has patience."""
+        until_s = time.monotonic() + TERMINAL_PATIENCE_S
+        while not is_so(self):
+            assert time.monotonic() < until_s, f"no {what} in {TERMINAL_PATIENCE_S} s on\n{self.text}"
+            assert self._read(), f"no {what}, and it ended with\n{self.text}"
+
+    def end(self) -> int:
+        """Watch until the end and give the exit status."""
+        until_s = time.monotonic() + TERMINAL_PATIENCE_S
+        while self._read():
+            assert time.monotonic() < until_s, f"no end on\n{self.text}"
+        return self.process.wait(PATIENCE_S)
+
+    def _read(self) -> bool:
+        """Take what is there within a moment; whether there may be more."""
+        if not select.select([self._master], [], [], 0.05)[0]:
+            return True
+        try:
+            chunk = os.read(self._master, 1 << 16)
+        except OSError:
+            return False
+        self.sent += chunk
+        self._stream.feed(chunk)
+        return True
+
+
+def ours(*words: str | Path) -> list[str]:
+    """A command line of ours, for whoever starts it."""
+    return [sys.executable, "-m", "gyrodrift", *map(str, words)]
 
 
 @contextmanager

@@ -1,12 +1,12 @@
 """The command line: `gyrodrift COMMAND ...`. Each command is a file of its own, imported when it is asked for."""
 
-import argparse
 import os
 import sys
-from difflib import get_close_matches
 from importlib import import_module
+from textwrap import indent
 
 from gyrodrift import __version__
+from gyrodrift.cli.parser import Parser, unknown
 from gyrodrift.errors import GyrodriftError, UsageError
 
 COMMANDS = {
@@ -22,9 +22,17 @@ COMMANDS = {
     "convert": "a session from .mcap to .csv or back, or for other programs",
     "repair": "close session files whose recording was cut off",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
+    "completion": "what a shell needs to complete commands, options and their values",
+    "help": "what a command does and what it takes",
 }
 
 INTERRUPTED = 130
+ASKED_BY_A_SHELL = "_ARGCOMPLETE"
+EXAMPLES = """\
+gyrodrift demo                         a minute without hardware
+gyrodrift serve --port /dev/ttyUSB0    yaw from a gyro on a cable
+gyrodrift help tune                    what tune takes
+"""
 EPILOG = """\
 exit status: 0 done, 2 wrong usage or config, 3 the link, 4 the data, 130 interrupted.
 angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is positive.
@@ -33,6 +41,8 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command and give its exit status; a person's mistake is one line on stderr, never a traceback."""
+    if ASKED_BY_A_SHELL in os.environ:
+        import_module("gyrodrift.cli.completion").complete()
     arguments = sys.argv[1:] if argv is None else argv
     name = next((word for word in arguments if not word.startswith("-")), "")
     try:
@@ -61,37 +71,40 @@ def _forget_stdout() -> None:
 
 
 def _run(name: str, arguments: list[str]) -> int:
-    command = import_module(f"gyrodrift.cli.{name}")
-    parser = argparse.ArgumentParser(
-        prog=f"gyrodrift {name}",
-        description=command.__doc__,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.add_arguments(parser)
-    parsed = parser.parse_args(arguments)
+    parsed = parser_of(name).read(arguments)
     parsed.command_line = ["gyrodrift", name, *arguments]
-    status: int = command.run(parsed)
+    status: int = import_module(f"gyrodrift.cli.{name}").run(parsed)
     return status
 
 
-def _outside_of_commands(arguments: list[str], name: str) -> int:
+def parser_of(name: str) -> Parser:
+    """The parser of a command, which knows its help too."""
+    command = import_module(f"gyrodrift.cli.{name}")
+    parser = Parser(name, description=command.__doc__, epilog=f"examples:\n{indent(command.EXAMPLES, '  ')}\n{EPILOG}")
+    command.add_arguments(parser)
+    parser.add_argument("--quiet", action="store_true", help="no progress and no log but warnings and errors")
+    return parser
+
+
+def program_parser() -> Parser:
+    """The parser of what stands outside of commands."""
     width = max(map(len, COMMANDS))
     listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
-    parser = argparse.ArgumentParser(
-        prog="gyrodrift",
-        usage="gyrodrift COMMAND ... (gyrodrift COMMAND --help for its options)",
+    parser = Parser(
+        usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
         description=f"Yaw from a low-cost gyro, with the drift taken out as it streams.\n\ncommands:\n{listing}",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
     parser.add_argument("--version", action="version", version=f"gyrodrift {__version__}")
+    return parser
+
+
+def _outside_of_commands(arguments: list[str], name: str) -> int:
     if name in COMMANDS:
         raise UsageError(f"{name!r} stands behind options; write gyrodrift {name} first")
     if name:
-        nearest = get_close_matches(name, COMMANDS, n=1)
-        meant = f"did you mean {nearest[0]}?" if nearest else f"commands are {', '.join(COMMANDS)}"
-        raise UsageError(f"{name!r} is not a command; {meant}")
-    parser.parse_args(arguments)
+        raise unknown("command", name, COMMANDS)
+    parser = program_parser()
+    parser.read(arguments)
     parser.print_help(sys.stderr)
     return UsageError.exit_status

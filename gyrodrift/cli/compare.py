@@ -3,7 +3,7 @@
 For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
 error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
 parameters tuned on those sessions, all by the search and with the budget of `tune`. The table goes to stdout; files
-are written only where --out names a folder for compare.json and compare.html.
+are written only where --out names a folder for compare.json and report.html.
 """
 
 import argparse
@@ -20,21 +20,36 @@ if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison, ComparisonRequest
     from gyrodrift.progress import Progress
 
+EXAMPLES = """\
+gyrodrift compare sessions
+gyrodrift compare sessions --config my.yaml --out comparison
+gyrodrift compare sessions --train other-sessions --iterations 600 --out comparison
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with parameters of our filters")
     parser.add_argument(
-        "--train", type=Path, action="append", default=[], metavar="PATH", help="tune every method on these too"
+        "--config", type=Path, metavar="FILE", help="YAML with parameters of our filters (default: theirs)"
     )
-    parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for compare.json and compare.html")
+    parser.add_argument(
+        "--train",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="tune every method on these too (default: none)",
+    )
+    parser.add_argument(
+        "--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all (default: none)"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder for compare.json and report.html (default: none)"
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the searches (default 0)")
-    parser.add_argument(
-        "--iterations", type=int, default=600, metavar="N", help="evaluations for each method (default 600)"
-    )
-    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
+    options.add_iterations_option(parser, "evaluations for each method, with --train")
+    options.add_jobs_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,12 +60,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         check_writable(arguments.out)
     options.hold_product_threads()
-    options.need_packages("compare", "cma", "matplotlib", "numba")
-    from gyrodrift.compare.comparison import compare
-    from gyrodrift.progress import Progress
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        options.need_packages("compare", "cma", "matplotlib", "numba")
+        from gyrodrift.compare.comparison import compare
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
-    with Progress(sys.stderr) as progress:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
         comparison = compare(_asked(arguments, progress))
     _write(arguments, comparison)
     return 0
@@ -85,7 +100,7 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
 
         command = shlex.join(arguments.command_line)
         write_json(arguments.out / "compare.json", comparison, command)
-        write_whole(arguments.out / "compare.html", [report_html(comparison, command)])
+        write_whole(arguments.out / "report.html", [report_html(comparison, command)])
     for note in comparison.notes:
         print(f"gyrodrift: note: {note}", file=sys.stderr)
     for line in summary(comparison):

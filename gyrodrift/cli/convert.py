@@ -6,6 +6,7 @@ t_device_s and rate_dps, chunked, compressed or cut off.
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +15,19 @@ from gyrodrift.errors import UsageError
 from gyrodrift.files import check_kept
 
 if TYPE_CHECKING:
+    from gyrodrift.progress import OnProgress
     from gyrodrift.session.session import Session
 
+PIECE = 50_000
+"""Samples that are written at once."""
+
 FORMS = ("sample", "imu", "json")
+
+EXAMPLES = """\
+gyrodrift convert session.mcap session.csv
+gyrodrift convert session.csv session.mcap
+gyrodrift convert session.mcap for-ros.mcap --as imu
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,8 +56,20 @@ def run(arguments: argparse.Namespace) -> int:
     if topic is not None and source.suffix != ".mcap":
         raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
     check_kept([target], [source], force=arguments.force)
-    _write(target, form, _loaded(source, topic))
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(f"{source.name} read", 0, 0)
+        session = _loaded(source, topic)
+        _write(target, form, session, in_pieces(session, progress.evaluated))
     return 0
+
+
+def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]":
+    """The session in consecutive pieces, told as they pass."""
+    from gyrodrift.progress import counted
+
+    samples = len(session.t_device_s)
+    pieces = (session.part(at, at + PIECE) for at in range(0, samples, PIECE))
+    return counted("samples written", pieces, samples, progress, lambda piece: len(piece.t_device_s))
 
 
 def _loaded(source: Path, topic: str | None) -> "Session":
@@ -59,7 +82,7 @@ def _loaded(source: Path, topic: str | None) -> "Session":
     return read_foreign(source, topic)
 
 
-def _write(target: Path, form: str | None, session: "Session") -> None:
+def _write(target: Path, form: str | None, session: "Session", pieces: "Iterator[Session]") -> None:
     from gyrodrift.session.files import write_session
     from gyrodrift.session.foreign.export import write_imu, write_json
 
@@ -69,9 +92,9 @@ def _write(target: Path, form: str | None, session: "Session") -> None:
         words = ", ".join(left_out[:-1]) + " and " * (len(left_out) > 1) + "".join(left_out[-1:])
         lost = f"; {words} {'do' if len(left_out) > 1 else 'does'} not go along" if left_out else ""
         print(f"gyrodrift: {target}: sensor_msgs/msg/Imu has its rate in rad/s{lost}", file=sys.stderr)
-        write_imu(target, [session])
+        write_imu(target, pieces)
     elif form == "json":
-        write_json(target, [session])
+        write_json(target, pieces)
     else:
         metadata = {name: dict(table) for name, table in session.metadata.items()}
-        write_session(target, [session], metadata)
+        write_session(target, pieces, metadata)

@@ -8,6 +8,13 @@ import argparse
 from pathlib import Path
 
 from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
+
+EXAMPLES = """\
+gyrodrift demo
+gyrodrift demo --duration 20 --speed 4 --profile drive
+gyrodrift demo --svg demo.svg
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,16 +22,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--duration", type=float, default=60.0, metavar="S", help="how long, s (default 60)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="config of serve (default: the shipped one)")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig of the simulator (default: the shipped one)")
-    parser.add_argument("--profile", default="turntable", help="motion: a shipped profile or a file")
+    parser.add_argument(
+        "--profile",
+        type=options.profile,
+        default="turntable",
+        metavar="PROFILE",
+        help="motion: a shipped profile or a file",
+    )
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times real time (default 1)")
     parser.add_argument("--seed", type=int, default=1, help="of the simulated noise (default 1)")
-    parser.add_argument("--svg", type=Path, metavar="FILE", help="save the last view as a picture")
+    parser.add_argument(
+        "--svg",
+        type=Path,
+        metavar="FILE",
+        help="save the last view as a picture of 100×24 characters (default: none)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when its summary is printed."""
     options.positive("--duration", arguments.duration)
     options.positive("--speed", arguments.speed)
+    if arguments.svg is not None and not arguments.svg.parent.is_dir():
+        raise UsageError(f"--svg {arguments.svg}: there is no folder {arguments.svg.parent}")
     from gyrodrift.demo.show import run_demo
 
     run_demo(
@@ -35,5 +55,6 @@ def run(arguments: argparse.Namespace) -> int:
         speed=arguments.speed,
         seed=arguments.seed,
         svg=arguments.svg,
+        is_quiet=arguments.quiet,
     )
     return 0

@@ -13,6 +13,12 @@ from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable, write_whole
 
+EXAMPLES = """\
+gyrodrift diagnose sessions --out report
+gyrodrift diagnose sessions --rig my-rig.yaml --out report
+gyrodrift diagnose today --baseline last-month --out difference
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
@@ -20,7 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rig", type=Path, metavar="RIG.yaml", help="the simulator as it stands (default: shipped)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
-        "--withhold", action="append", default=[], metavar="EFFECT", help="leave it out of the candidates"
+        "--withhold",
+        type=options.withheld,
+        action="append",
+        default=[],
+        metavar="EFFECT",
+        help="leave it out of the candidates (default: none)",
     )
     parser.add_argument(
         "--baseline",
@@ -28,10 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH",
-        help="sessions of the same device from another day or bench: explain the difference to them",
+        help="sessions of the same device from another day or bench: explain the difference to them (default: none)",
     )
-    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: as many as there are processors)")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="replay on a Dask cluster, such as tcp://host:8786")
+    options.add_jobs_option(parser)
+    options.add_cluster_option(parser, "replay")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -39,26 +50,23 @@ def run(arguments: argparse.Namespace) -> int:
     options.positive("--jobs", arguments.jobs)
     check_writable(arguments.out)
     options.hold_product_threads()
-    options.need_packages("diagnose", "matplotlib", "numba", "scipy")
-    from firmware_sim.effects.catalogue import CATALOGUE
+    with options.progress_of(arguments) as waiting:
+        waiting.evaluated(options.PACKAGES, 0, 0)
+        options.need_packages("diagnose", "matplotlib", "numba", "scipy")
+        from gyrodrift.diagnose.report.page import report_html
+        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
     from gyrodrift.diagnose.report.files import summary, write_files
-    from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.diagnose.stages import DiagnosisRequest
-    from gyrodrift.progress import Progress
     from gyrodrift.session.files import session_paths
 
-    for name in arguments.withhold:
-        if name not in CATALOGUE:
-            raise UsageError(f"--withhold {name}: there is no such effect; there are {', '.join(CATALOGUE)}")
     try:
         rig = load_rig(arguments.rig)
     except FileError as error:
         raise UsageError(str(error)) from error
     jobs = options.processes(arguments.jobs)
-    with Progress(sys.stderr) as progress:
+    with options.progress_of(arguments, None if arguments.baseline else SHARES) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
             DiagnosisRequest(
@@ -71,8 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
                 session_paths(arguments.baseline) if arguments.baseline else (),
             )
         )
-    write_files(arguments.out, diagnosis)
-    page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))
+        progress.evaluated(REPORT, 0, 0)
+        write_files(arguments.out, diagnosis)
+        page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))
     write_whole(arguments.out / "report.html", [page])
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)

@@ -1,22 +1,31 @@
 """Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
 
 Samples whose time does not advance or whose rate is not finite are left out and counted. Without --config it is hdr
-with the published parameters. Columns are t_s and rate_dps, and then
+with the published parameters. Columns are t_device_s and rate_dps, so that it can be read as a session, and then
 """
 
 import argparse
+import os
+import stat
 import sys
 from collections.abc import Iterator
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.cli import options
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
     from gyrodrift.filters.filter import Filter, FilterState
+    from gyrodrift.progress import OnProgress
     from gyrodrift.session.session import Session
+
+EXAMPLES = """\
+gyrodrift filter session.mcap --out yaw.csv
+gyrodrift filter session.mcap --config my.yaml | head
+gyrodrift info yaw.csv                                 what was written is a session too
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,37 +33,57 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     columns = [f"  with {name}: {', '.join(known.columns)}" for name, known in FILTERS.items()]
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters (default: published hdr)"
+    )
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
     options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when it is written."""
-    from gyrodrift.config.model import Config, load_config
-    from gyrodrift.files import check_kept, write_whole
-    from gyrodrift.session.files import load_session
+    arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a pager is not to be drawn over
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        from gyrodrift.config.model import Config, load_config
+        from gyrodrift.files import check_kept
+        from gyrodrift.session.files import load_session
 
-    if arguments.out is not None:
-        inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
-        check_kept([arguments.out], inputs, force=arguments.force)
-    config = load_config(arguments.config) if arguments.config else Config()
-    session = load_session(arguments.session)
-    state: FilterState = config.chosen.state()
-    lines = csv_lines(session, config.chosen, config.params, state)
-    if arguments.out is None:
-        sys.stdout.writelines(lines)
-        sys.stdout.flush()
-    else:
-        write_whole(arguments.out, lines)
+        if arguments.out is not None:
+            inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
+            check_kept([arguments.out], inputs, force=arguments.force)
+        config = load_config(arguments.config) if arguments.config else Config()
+        progress.evaluated(f"{arguments.session.name} read", 0, 0)
+        session = load_session(arguments.session)
+        state: FilterState = config.chosen.state()
+        _write(arguments.out, session, csv_lines(session, config.chosen, config.params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0
 
 
+def _write(out: Path | None, session: "Session", rows: Iterator[str], progress: "OnProgress") -> None:
+    from gyrodrift.files import write_whole
+    from gyrodrift.progress import counted
+
+    lines = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
+    if out is None:
+        sys.stdout.writelines(lines)
+        sys.stdout.flush()
+    else:
+        write_whole(out, lines)
+
+
+def _is_file(stream: TextIO) -> bool:
+    try:
+        return stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+    except OSError:
+        return False
+
+
 def csv_lines(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> Iterator[str]:
     """The header and a line for each accepted sample, every float with all its digits."""
-    yield f"{','.join(['t_s', 'rate_dps', *chosen.columns])}\n"
+    yield f"{','.join(['t_device_s', 'rate_dps', *chosen.columns])}\n"
     columns, step, c = attrgetter(*chosen.columns), chosen.step, chosen.coefficients(params)
     for t_s, rate_dps in zip(session.t_device_s.tolist(), session.rate_dps.tolist(), strict=True):
         if step(c, state, t_s, rate_dps):

@@ -14,13 +14,21 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.describe.values import SessionDescription
+    from gyrodrift.progress import Progress
     from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
+
+EXAMPLES = """\
+gyrodrift info sessions
+gyrodrift info session.mcap --picture session.png
+gyrodrift info sessions --json
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,29 +41,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="recorded session (.mcap or .csv), or a folder of them",
     )
     parser.add_argument("--json", action="store_true", help="a JSON object a session instead, on one line")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf)")
+    parser.add_argument(
+        "--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf; default: none)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Describe each session; 0 when all are told."""
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        from gyrodrift.session.files import session_paths
+
+        paths = session_paths(arguments.sessions)
+        if arguments.picture is not None:
+            _check_picture(arguments.picture, len(paths))
+        for number, path in enumerate(paths):
+            progress.evaluated("sessions", number, len(paths))
+            _tell(arguments, path, progress, is_first=number == 0)
+    return 0
+
+
+def _tell(arguments: argparse.Namespace, path: Path, progress: "Progress", *, is_first: bool) -> None:
     from gyrodrift.describe.describe import describe
     from gyrodrift.describe.text import text_of
-    from gyrodrift.session.files import load_session, session_paths
+    from gyrodrift.session.files import load_session
 
-    paths = session_paths(arguments.sessions)
-    if arguments.picture is not None:
-        _check_picture(arguments.picture, len(paths))
-    for number, path in enumerate(paths):
-        session = load_session(path)
-        description = describe(session)
+    session = load_session(path)
+    description = describe(session)
+    with progress.aside():
         if arguments.json:
             about = {"session": str(path), **_plain(description), "metadata": _plain(session.metadata)}
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:
-            print(*[""] * (number > 0), path, *text_of(session, description), sep="\n")
-        if arguments.picture is not None:
-            _draw(session, description, arguments.picture)
-    return 0
+            print(*[""] * (not is_first), path, *text_of(session, description), sep="\n")
+    if arguments.picture is not None:
+        _draw(session, description, arguments.picture)
 
 
 def _check_picture(path: Path, sessions: int) -> None:

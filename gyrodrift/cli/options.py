@@ -3,11 +3,26 @@
 import argparse
 import os
 import re
+import sys
+from collections.abc import Mapping
 from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError
 
+if TYPE_CHECKING:
+    from firmware_sim.effects.effect import Effect
+    from gyrodrift.progress import Progress
+
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
+PACKAGES = "packages"
+"""The first thing that is waited for."""
+
+ITERATIONS = 3000
+"""Evaluations of a search where nothing is said: the same budget wherever methods are tuned."""
+
 TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 
@@ -22,7 +37,13 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
         help="line rate in baud, or auto to find it (default); a rate that is given is kept to",
     )
     protocols = ", ".join(f"{protocol.name} ({protocol.help})" for protocol in PROTOCOLS.values())
-    parser.add_argument("--protocol", default=AUTO, help=f"auto to find it (default), {protocols}")
+    parser.add_argument(
+        "--protocol",
+        default=AUTO,
+        choices=(AUTO, *PROTOCOLS),
+        metavar="NAME",
+        help=f"auto to find it (default), {protocols}",
+    )
     parser.add_argument(
         "--timeout",
         type=float,
@@ -34,16 +55,52 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that logs."""
-    parser.add_argument("--log-level", default="info", choices=("debug", "info", "warning", "error"))
-    parser.add_argument("--log-format", default="auto", choices=("auto", "text", "json"))
+    parser.add_argument(
+        "--log-level",
+        choices=("debug", "info", "warning", "error"),
+        help="the least that is logged (default: info, with --quiet warning)",
+    )
+    parser.add_argument(
+        "--log-format",
+        default="auto",
+        choices=("auto", "text", "json"),
+        help="text: key=value; auto: that, but for people on a terminal (default auto)",
+    )
+
+
+def log_level(arguments: argparse.Namespace) -> str:
+    """The least that is logged."""
+    level: str = arguments.log_level or ("warning" if arguments.quiet else "info")
+    return level
+
+
+def add_jobs_option(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that keeps several processors busy."""
+    parser.add_argument("--jobs", type=int, metavar="N", help="at once (default: as many as there are processors)")
+
+
+def add_iterations_option(parser: argparse.ArgumentParser, of_what: str) -> None:
+    """The option of every command that searches."""
+    parser.add_argument("--iterations", type=int, default=ITERATIONS, metavar="N", help=of_what)
+
+
+def add_cluster_option(parser: argparse.ArgumentParser, what: str) -> None:
+    """The option of every command that others may work for."""
+    parser.add_argument(
+        "--cluster", metavar="ADDRESS", help=f"{what} on a Dask cluster, such as tcp://host:8786 (default: here)"
+    )
 
 
 def add_recording_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that records."""
-    parser.add_argument("--profile", default="", metavar="NAME", help="what is being done; goes into the file's name")
-    parser.add_argument("--note", default="", metavar="TEXT", help="a note that is kept in the file")
     parser.add_argument(
-        "--rotate", metavar="SIZE|TIME", help="begin a new file at a size (100MB, 2GB) or after a time (90s, 30min, 1h)"
+        "--profile", default="", metavar="NAME", help="what is being done; goes into the file's name (default: none)"
+    )
+    parser.add_argument("--note", default="", metavar="TEXT", help="a note that is kept in the file (default: none)")
+    parser.add_argument(
+        "--rotate",
+        metavar="SIZE|TIME",
+        help="begin a new file at a size (100MB, 2GB) or after a time (90s, 30min, 1h; default: one file)",
     )
     parser.add_argument("--raw", action="store_true", help="keep the bytes of the link too, each read with its time")
 
@@ -51,6 +108,64 @@ def add_recording_options(parser: argparse.ArgumentParser) -> None:
 def add_force_option(parser: argparse.ArgumentParser) -> None:
     """The option of every command that could write over a session."""
     parser.add_argument("--force", action="store_true", help="replace sessions that are there already")
+
+
+def withheld(text: str) -> str:
+    """The name of an effect.
+
+    Raises
+    ------
+    UsageError
+        Where there is none of that name.
+    """
+    hold_product_threads()
+    from firmware_sim.effects.catalogue import CATALOGUE
+
+    if text not in CATALOGUE:
+        raise unknown("effect", f"--withhold {text}", CATALOGUE)
+    return text
+
+
+def effect(text: str) -> "Effect":
+    """An effect with its parameters, or of typical size.
+
+    Raises
+    ------
+    UsageError
+        Where there is no such effect or parameter, or a value is none or out of range.
+    """
+    hold_product_threads()
+    from firmware_sim.rig import parse_effect
+    from firmware_sim.yaml_file import FileError
+
+    try:
+        return parse_effect(text)
+    except FileError as error:
+        raise UsageError(str(error)) from error
+
+
+def profile(text: str) -> str:
+    """The name of a shipped motion, or of a file.
+
+    Raises
+    ------
+    UsageError
+        Where it looks like a name, and there is none.
+    """
+    hold_product_threads()
+    from firmware_sim.motion.profile import shipped_profiles
+
+    is_path = Path(text).suffix or Path(text).name != text or Path(text).is_file()
+    if text not in shipped_profiles() and not is_path:
+        raise unknown("profile or file", f"--profile {text}", shipped_profiles())
+    return text
+
+
+def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | None" = None) -> "Progress":
+    """Bars on stderr, unless nobody looks on."""
+    from gyrodrift.progress import Progress
+
+    return Progress(sys.stderr, shares, is_quiet=arguments.quiet)
 
 
 def check_seed(seed: int) -> None:

@@ -21,12 +21,19 @@ if TYPE_CHECKING:
 READ_INTERVAL_S = 0.002
 """Nobody waits for a recording: fast streams are taken in handfuls."""
 
+EXAMPLES = """\
+gyrodrift record --port /dev/ttyUSB0 --out sessions --note "new bearing"
+gyrodrift record --port /dev/ttyUSB0 --out sessions --duration 600 --profile identify
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
-    parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds of device time")
+    parser.add_argument(
+        "--duration", type=float, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
+    )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -47,8 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
 
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
-    log_to = AboveLine(stderr) if sys.stderr.isatty() else None
-    log = open_log(arguments.log_level, arguments.log_format, log_to)
+    is_shown = sys.stderr.isatty() and not arguments.quiet
+    log_to = AboveLine(stderr) if is_shown else None
+    log = open_log(options.log_level(arguments), arguments.log_format, log_to)
     events = LinkEvents(log)
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
@@ -57,8 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
         repair_interrupted(arguments.out, log)
         events.listener = recorder.on_event
         try:
-            listeners = _listeners(link, recorder, stop, arguments.duration, stderr)
-            Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S).run()
+            listeners = _listeners(link, recorder, stop, arguments.duration, stderr if is_shown else None)
+            Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S, end_event="record_end").run()
         finally:
             for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
                 print(path)
@@ -66,12 +74,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _listeners(
-    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None, stderr: TextIO
+    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None, terminal: TextIO | None
 ) -> "list[SampleListener]":
     from gyrodrift.recording.duration import Duration
     from gyrodrift.recording.live_line import LiveLine
 
     listeners: list[SampleListener] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
-    if sys.stderr.isatty():
-        listeners.append(LiveLine(link, recorder, stderr))
+    if terminal is not None:
+        listeners.append(LiveLine(link, recorder, terminal))
     return listeners

@@ -11,6 +11,11 @@ from pathlib import Path
 
 from gyrodrift.errors import DataError
 
+EXAMPLES = """\
+gyrodrift repair sessions
+gyrodrift repair session.mcap
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""

@@ -20,6 +20,12 @@ from gyrodrift.errors import LinkError, UsageError
 if TYPE_CHECKING:
     from firmware_sim.wire.encoder import Frame
 
+EXAMPLES = """\
+gyrodrift replay session.mcap --link /tmp/gyro
+gyrodrift replay session.mcap --link /tmp/gyro --speed max --protocol native
+gyrodrift replay session.mcap --link /tmp/gyro --loop
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
@@ -27,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
-    parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS))
+    parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="what the device speaks")
     parser.add_argument("--raw", action="store_true", help="the bytes as they came, from a recording made with --raw")
     parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")
     parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")

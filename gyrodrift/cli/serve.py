@@ -13,15 +13,28 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
 
+EXAMPLES = """\
+gyrodrift serve --port /dev/ttyUSB0
+gyrodrift serve --port /dev/ttyUSB0 --config my.yaml --rate 10
+gyrodrift serve --port /dev/ttyUSB0 --record sessions --rotate 1h > yaw.jsonl
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters; followed while serve runs"
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="YAML with a filter and its parameters; followed while serve runs (default: none)",
     )
-    parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
-    parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
+    parser.add_argument(
+        "--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time (default: all)"
+    )
+    parser.add_argument(
+        "--record", type=Path, metavar="DIR", help="write what the device sends into this folder too (default: none)"
+    )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -46,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.outputs.registry import open_output
     from gyrodrift.service.signals import StopSignal
 
-    log = open_log(arguments.log_level, arguments.log_format)
+    log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)

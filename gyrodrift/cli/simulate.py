@@ -7,6 +7,7 @@ drift reducers fail at: 13 cases, each still at first and moving at first, a fol
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,26 +15,44 @@ from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
+    from firmware_sim.motion.profile import Profile
     from firmware_sim.rig import Rig
+    from gyrodrift.progress import OnProgress
+
+SESSIONS = "sessions"
+
+EXAMPLES = """\
+gyrodrift simulate --out sessions --sessions 6 --minutes 8 --seed 1
+gyrodrift simulate --out drifting --effect warmup --effect scale_factor:error_percent=1.2
+gyrodrift simulate --hard-cases --out hard --seed 1
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig (default: the shipped config/rig.yaml)")
-    parser.add_argument("--profile", help="motion: a shipped profile or a file (default: turntable)")
+    parser.add_argument(
+        "--profile",
+        type=options.profile,
+        metavar="PROFILE",
+        help="motion: a shipped profile or a file (default: turntable)",
+    )
     parser.add_argument("--sessions", type=int, metavar="N", help="how many (default 1; 10 of each hard case)")
     parser.add_argument("--minutes", type=float, default=10.0, metavar="M", help="length of each (default 10)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything random (default 0)")
     parser.add_argument(
         "--effect",
+        type=options.effect,
         action="append",
         default=[],
         metavar="NAME[:param=value,...]",
-        help="an effect more than the rig has, of typical size where nothing is said (may be given again)",
+        help="an effect more than the rig has (default: none), typical where nothing is said; may be given again",
     )
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="of the sessions (default mcap)")
-    parser.add_argument("--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched")
+    parser.add_argument(
+        "--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched (default: none)"
+    )
     parser.add_argument("--hard-cases", action="store_true", help="the standard set; rigs and motions are its own")
     options.add_force_option(parser)
 
@@ -49,29 +68,28 @@ def run(arguments: argparse.Namespace) -> int:
         )
     _check_kept(arguments)
     options.hold_product_threads()
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        rig, profile = _asked(arguments)
+        try:
+            for text in _written(arguments, rig, profile, progress.evaluated):
+                if not arguments.quiet:
+                    print(text, file=sys.stderr)
+        except OSError as error:
+            raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
+    return 0
+
+
+def _asked(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
     from firmware_sim.motion.profile import load_profile
-    from firmware_sim.rig import load_rig, parse_effect, with_effects
+    from firmware_sim.rig import load_rig, with_effects
     from firmware_sim.yaml_file import FileError
 
     try:
-        rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
-        profile = load_profile(arguments.profile or "turntable")
+        rig = with_effects(load_rig(arguments.rig), arguments.effect)
+        return rig, load_profile(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
-    try:
-        if arguments.twin is not None:
-            _twins(arguments, rig)
-        elif arguments.hard_cases:
-            _hard_cases(arguments)
-        else:
-            from gyrodrift.simulation.sessions import write_sessions
-
-            numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
-            for path in write_sessions(rig, profile, arguments.out, *numbers, arguments.format):
-                print(path, file=sys.stderr)
-    except OSError as error:
-        raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
-    return 0
 
 
 def _check_kept(arguments: argparse.Namespace) -> None:
@@ -87,16 +105,35 @@ def _check_kept(arguments: argparse.Namespace) -> None:
     check_kept([*sessions, folder / "rig.yaml", folder / "twin.csv"], inputs, force=arguments.force)
 
 
-def _twins(arguments: argparse.Namespace, rig: "Rig") -> None:
+def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Profile", progress: "OnProgress") -> Iterator[str]:
+    """What there is to tell of each session when it is there."""
+    if arguments.twin is not None:
+        return _twins(arguments, rig, progress)
+    if arguments.hard_cases:
+        return _hard_cases(arguments, progress)
+    from gyrodrift.simulation.sessions import write_sessions
+
+    numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
+    return map(str, write_sessions(rig, profile, arguments.out, *numbers, arguments.format, progress))
+
+
+def _twins(arguments: argparse.Namespace, rig: "Rig", progress: "OnProgress") -> Iterator[str]:
     from gyrodrift.simulation.published_set import read_rows, write_twins
 
-    for twin in write_twins(read_rows(arguments.twin), rig, arguments.out, arguments.seed, arguments.format):
-        print(f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}", file=sys.stderr)
+    rows = read_rows(arguments.twin)
+    progress(SESSIONS, 0, len(rows))
+    for done, twin in enumerate(write_twins(rows, rig, arguments.out, arguments.seed, arguments.format), 1):
+        progress(SESSIONS, done, len(rows))
+        yield f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}"
 
 
-def _hard_cases(arguments: argparse.Namespace) -> None:
-    from gyrodrift.simulation.hard_cases import SESSIONS, write_hard_cases
+def _hard_cases(arguments: argparse.Namespace, progress: "OnProgress") -> Iterator[str]:
+    from gyrodrift.simulation import hard_cases
 
-    sessions = arguments.sessions or SESSIONS
-    for path in write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format):
-        print(path, file=sys.stderr)
+    sessions = arguments.sessions or hard_cases.SESSIONS
+    of = hard_cases.VERSIONS * len(hard_cases.CASES) * sessions
+    progress(SESSIONS, 0, of)
+    written = hard_cases.write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format)
+    for done, path in enumerate(written, 1):
+        progress(SESSIONS, done, of)
+        yield str(path)

@@ -19,8 +19,15 @@ from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
+    from gyrodrift.progress import Progress
     from gyrodrift.tune.result import Tuning
     from gyrodrift.tune.tuning import Plan
+
+EXAMPLES = """\
+gyrodrift tune sessions --out my.yaml --report report
+gyrodrift tune sessions --out my.yaml --filter restlevel --test bench/monday.mcap
+gyrodrift tune sessions --out my.yaml --seeds 3 --jobs 2 --range tau_s=0.01:2
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,12 +37,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--filter", default=DEFAULT.name, choices=tuple(FILTERS), help=f"which to tune (default {DEFAULT.name})"
     )
-    parser.add_argument("--report", type=Path, metavar="DIR", help="folder for report.html and tune.json")
-    parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="held out, by hand")
-    parser.add_argument("--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all")
+    parser.add_argument(
+        "--report", type=Path, metavar="DIR", help="folder for report.html and tune.json (default: none)"
+    )
+    parser.add_argument(
+        "--test", type=Path, action="append", default=[], metavar="PATH", help="held out, by hand (default: drawn)"
+    )
+    parser.add_argument(
+        "--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all (default: none)"
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of split and search (default 0)")
     parser.add_argument("--seeds", type=int, default=1, metavar="K", help="search K times, keep the best (default 1)")
-    parser.add_argument("--iterations", type=int, default=3000, metavar="N", help="evaluations (default 3000)")
+    options.add_iterations_option(parser, "evaluations of the cost")
     parser.add_argument(
         "--method",
         default="race",
@@ -43,23 +56,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="race (default; automata and local searches), carla (as published), or others to compare with",
     )
     parser.add_argument(
-        "--range", action="append", default=[], metavar="NAME=LOW:HIGH", help="search a parameter there"
+        "--range",
+        action="append",
+        default=[],
+        metavar="NAME=LOW:HIGH",
+        help="search a parameter there (default: all that is sensible)",
     )
-    parser.add_argument("--threads", type=int, metavar="N", help="default: as many as there are processors")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="evaluate on a Dask cluster, such as tcp://host:8786")
+    options.add_jobs_option(parser)
+    options.add_cluster_option(parser, "evaluate")
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 when everything is written."""
-    for name in ("iterations", "seeds", "threads"):
+    for name in ("iterations", "seeds", "jobs"):
         options.positive(f"--{name}", getattr(arguments, name))
     options.check_seed(arguments.seed)
     _check_place(arguments.out, arguments.report)
-    options.need_packages("tune", "cma", "numba")
-
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
-    tuning, was_interrupted = _tuned(arguments)
+    with options.progress_of(arguments) as progress:
+        progress.evaluated(options.PACKAGES, 0, 0)
+        options.need_packages("tune", "cma", "numba")
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
+        tuning, was_interrupted = _tuned(arguments, progress)
     _write(arguments, tuning)
     return INTERRUPTED if was_interrupted else 0
 
@@ -75,18 +93,14 @@ def _check_place(out: Path, report: Path | None) -> None:
         check_writable(report)
 
 
-def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
-    from gyrodrift.progress import Progress
+def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning, bool]":
     from gyrodrift.tune.search.journal import Journal
     from gyrodrift.tune.tuning import TuningRun
     from gyrodrift.tune.tuning_set import TuningSet, identity
 
     plan = _plan(arguments)
-    how = (arguments.seed, arguments.threads, arguments.cluster)
-    with (
-        Progress(sys.stderr) as progress,
-        TuningSet(_sources(arguments), *how, progress, plan.filter) as held,
-    ):
+    how = (arguments.seed, arguments.jobs, arguments.cluster)
+    with TuningSet(_sources(arguments), *how, progress, plan.filter) as held:
         path = arguments.out.with_suffix(".progress.npz")
         journal = Journal(path, identity(plan, held), is_resumed=arguments.resume)
         search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)

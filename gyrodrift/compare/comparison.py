@@ -19,7 +19,7 @@ from gyrodrift.evaluation.dataset import (
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.parallel import workers
-from gyrodrift.tune.search.objective import OnProgress
+from gyrodrift.progress import OnProgress, untold
 
 CURVE_POINTS = 300
 PLOTTED = 24
@@ -42,10 +42,10 @@ class ComparisonRequest:
     methods: Sequence[Method]
     train: Sequence[Path] = ()
     stills: frozenset[Path] = frozenset()
-    iterations: int = 600
+    iterations: int = 3000
     seed: int = 0
     jobs: int = 1
-    progress: OnProgress = lambda _what, _done, _all: None
+    progress: OnProgress = untold
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +120,7 @@ def compare(asked: ComparisonRequest) -> Comparison:
     """
     begun_s = time.monotonic()
     present = [method for method in asked.methods if method.is_installed]
-    train = [load_with_reference(_source(path, asked)) for path in asked.train]
+    train = _loaded(asked)
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
     entries = [Entry(method, method.defaults) for method in present]
     entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
@@ -141,6 +141,14 @@ def _source(path: Path, asked: ComparisonRequest) -> Source:
     return Source(path, path in asked.stills)
 
 
+def _loaded(asked: ComparisonRequest) -> list[LoadedSession]:
+    found = []
+    for done, path in enumerate(asked.train):
+        asked.progress("sessions to tune on", done, len(asked.train))
+        found.append(load_with_reference(_source(path, asked)))
+    return found
+
+
 def _run(asked: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSession]:
     folders = folder_names(asked.paths)
     firsts = {folders.index(name) for name in folders}
@@ -150,6 +158,7 @@ def _run(asked: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSes
         for path, folder, plotted in zip(asked.paths, folders, is_plotted, strict=True)
     ]
     found = []
+    asked.progress("sessions", 0, len(works))
     with workers(min(asked.jobs, len(works))) as pool:
         for done, one in enumerate(pool.map(_compared, works), 1):
             asked.progress("sessions", done, len(works))

@@ -12,9 +12,10 @@ from gyrodrift.evaluation.dataset import LoadedSession
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.evaluation.space import values_of
 from gyrodrift.parallel import LocalWorkers, workers
+from gyrodrift.progress import OnProgress
 from gyrodrift.tune.search.methods import METHODS as SEARCHES
 from gyrodrift.tune.search.methods import run_to_budget
-from gyrodrift.tune.search.objective import Objective, OnProgress
+from gyrodrift.tune.search.objective import Objective
 
 SEARCH = "race"
 """What `tune` uses where nothing is said."""
@@ -60,6 +61,7 @@ def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progr
         progress(f"tuning {method.title}", objective.count, objective.evaluations)
 
     objective = Objective(pi, method.axes, iterations, on_batch=note)
+    note(objective)
     run_to_budget(SEARCHES[SEARCH](), objective, seed)
     default = float(pi(np.array([[method.defaults[name] for name in names]]))[0])
     if not objective.costs.min() < default:

@@ -1,7 +1,11 @@
 """Starts the simulator and `serve`, reads what `serve` prints, and shows it."""
 
+import io
 import json
+import os
 import re
+import select
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -9,19 +13,22 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from rich._export_format import CONSOLE_SVG_FORMAT
 from rich.console import Console
 from rich.live import Live
 
-from gyrodrift.demo.view import draw, summary
+from gyrodrift.demo.view import PICTURE, Size, draw, summary
 from gyrodrift.demo.yaw_error import YawError
 from gyrodrift.errors import LinkError
 from gyrodrift.files import shipped_config
 
 FRAMES_PER_S = 10
 STARTING_S = 10.0
-WIDTH = 100
+SUMMARY_ROWS = 5
+"""Below the last view: the summary and the prompt."""
+
 DEVICE = "gyro"
 
 SVG_WITHOUT_WEB_FONTS = re.sub(r"@font-face \{\{.*?\}\}", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
@@ -36,6 +43,8 @@ def run_demo(
     speed: float,
     seed: int,
     svg: Path | None,
+    *,
+    is_quiet: bool = False,
 ) -> None:
     """Run device and service for `duration_s` of device time; show them live on a terminal, and sum up.
 
@@ -44,56 +53,116 @@ def run_demo(
     LinkError
         Where the simulator or `serve` ended before its time.
     """
-    console = Console(width=WIDTH, record=svg is not None)
+    screen = Screen(duration_s) if _is_for_eyes() and not is_quiet else None
     error = YawError()
     with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
+        log = stack.enter_context(_log(Path(folder))) if screen else None
+        if screen:
+            stack.enter_context(screen.live)
+            screen.show(error)
         port = Path(folder) / DEVICE
         device = ["-m", "firmware_sim", "--quiet", "--wait", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
-        _wait_for(port, stack.enter_context(_process(device, None)))
+        _wait_for(port, stack.enter_context(_process(device, None, log)))
         config_path = config or shipped_config("gyrodrift.yaml")
         serve = ["-m", "gyrodrift", "serve", "--port", str(port), "--config", str(config_path)]
-        service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE))
-        _watch(_lines(service), error, duration_s, console)
+        service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE, log))
+        _watch(_lines(service), error, duration_s, screen)
     if error.elapsed_s < duration_s:
         raise LinkError(f"the demo ended after {error.elapsed_s:.1f} of {duration_s:g} s: serve stopped; see above")
-    if svg is not None or _is_live(console):
-        console.print(draw(error, duration_s, DEVICE))
+    if screen:
+        screen.keep(error)
     for text in summary(error):
-        console.print(text, highlight=False)
+        print(text)  # noqa: T201 - what the demo is for
     if svg is not None:
-        console.save_svg(str(svg), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
+        save_svg(svg, error, duration_s)
 
 
-def _watch(lines: Iterator[str], error: YawError, duration_s: float, console: Console) -> None:
-    """Add up what `serve` prints until the time is over, and show it where somebody looks on."""
-    with ExitStack() as stack:
-        live = None
-        if _is_live(console):
-            live = stack.enter_context(Live(console=console, auto_refresh=False, transient=True))
-        next_s = 0.0
-        for line in lines:
-            error.add(json.loads(line))
-            if live and time.monotonic() >= next_s:
-                live.update(draw(error, duration_s, DEVICE), refresh=True)
-                next_s = time.monotonic() + 1.0 / FRAMES_PER_S
-            if error.elapsed_s >= duration_s:
-                return
+class Screen:
+    """The terminal as a whole, for as long as the demo runs; every frame has the size that it has at that moment."""
+
+    def __init__(self, duration_s: float) -> None:
+        self._console = Console(force_terminal=True)
+        self._duration_s = duration_s
+        self._next_s = 0.0
+        self.live = Live(console=self._console, auto_refresh=False, screen=True)
+
+    def show(self, error: YawError) -> None:
+        """Draw a frame, where one is due."""
+        if time.monotonic() < self._next_s:
+            return
+        self._console.size = _size()
+        self.live.update(draw(error, self._duration_s, DEVICE, Size(*self._console.size)), refresh=True)
+        self._next_s = time.monotonic() + 1.0 / FRAMES_PER_S
+
+    def keep(self, error: YawError) -> None:
+        """Leave the last view on the terminal, with room for the summary."""
+        size = _size()
+        self._console.size = size
+        self._console.print(draw(error, self._duration_s, DEVICE, Size(size.columns, size.rows - SUMMARY_ROWS)))
 
 
-def _is_live(console: Console) -> bool:
-    return console.is_terminal and not console.is_dumb_terminal
+def save_svg(path: Path, error: YawError, duration_s: float) -> None:
+    """The view as a picture; a frame of it, not the film."""
+    console = Console(width=PICTURE.columns, file=io.StringIO(), record=True, force_terminal=True, no_color=False)
+    console.print(draw(error, duration_s, DEVICE, PICTURE))
+    console.save_svg(str(path), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
 
 
-def _lines(service: "subprocess.Popen[str]") -> Iterator[str]:
-    assert service.stdout is not None  # noqa: S101 - it was opened with a pipe
-    yield from service.stdout
+def _is_for_eyes() -> bool:
+    return sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def _size() -> Size:
+    """Of the terminal now; as the environment says where it does not tell."""
+    try:
+        size = os.get_terminal_size(sys.stdout.fileno())
+    except OSError:
+        size = shutil.get_terminal_size()
+    return Size(*(size if size.columns and size.lines else shutil.get_terminal_size()))
 
 
 @contextmanager
-def _process(arguments: list[str], stdout: int | None) -> "Iterator[subprocess.Popen[str]]":
+def _log(folder: Path) -> Iterator[BinaryIO]:
+    """Where the processes log while the view has the terminal; told when that is over."""
+    path = folder / "log"
+    try:
+        with path.open("wb") as log:
+            yield log
+    finally:
+        sys.stderr.write(path.read_text(errors="replace"))
+
+
+def _watch(lines: Iterator[bytes | None], error: YawError, duration_s: float, screen: Screen | None) -> None:
+    """Add up what `serve` prints until the time is over, and show it where somebody looks on."""
+    for line in lines:
+        if line is not None:
+            error.add(json.loads(line))
+        if screen:
+            screen.show(error)
+        if error.elapsed_s >= duration_s:
+            return
+
+
+def _lines(service: "subprocess.Popen[bytes]") -> Iterator[bytes | None]:
+    """What `serve` prints; None where nothing comes for as long as a frame takes, so that a terminal may change."""
+    assert service.stdout is not None  # noqa: S101 - it was opened with a pipe
+    fd, pending = service.stdout.fileno(), b""
+    while True:
+        if not select.select([fd], [], [], 1.0 / FRAMES_PER_S)[0]:
+            yield None
+            continue
+        chunk = os.read(fd, 1 << 16)
+        if not chunk:
+            return
+        *lines, pending = (pending + chunk).split(b"\n")
+        yield from lines
+
+
+@contextmanager
+def _process(arguments: list[str], stdout: int | None, log: BinaryIO | None) -> "Iterator[subprocess.Popen[bytes]]":
     """A Python process that is asked to end, and ended, when the block is left."""
-    process = subprocess.Popen([sys.executable, *arguments], stdout=stdout, text=True)  # noqa: S603 - our own
+    process = subprocess.Popen([sys.executable, *arguments], stdout=stdout, stderr=log)  # noqa: S603 - our own
     try:
         yield process
     finally:
@@ -107,7 +176,7 @@ def _process(arguments: list[str], stdout: int | None) -> "Iterator[subprocess.P
             process.stdout.close()
 
 
-def _wait_for(port: Path, simulator: "subprocess.Popen[str]") -> None:
+def _wait_for(port: Path, simulator: "subprocess.Popen[bytes]") -> None:
     until_s = time.monotonic() + STARTING_S
     while not port.exists():
         if time.monotonic() > until_s or simulator.poll() is not None:

@@ -70,11 +70,11 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     DataError
         Where no recording of the baseline can be used.
     """
-    paths, of_baseline, remarks = recordings_of(asked.baseline)
+    paths, of_baseline, remarks = recordings_of(asked.baseline, asked.progress)
     rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base))
     own = asked._replace(rig=rig)
     simulated = simulated_of(own, paths, of_baseline)
-    causes = inferred_of(simulated, asked.jobs).verdict.causes
+    causes = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:

@@ -22,6 +22,8 @@ from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.diagnose.simulate.host_timing import host_delay_s, host_jitter_s
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.stages import (
+    WHAT_NEXT,
+    YAW_IMPACT,
     DiagnosisRequest,
     adopted,
     inferred_of,
@@ -42,7 +44,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         Where no session can be used, with what is wrong with each.
     """
     begun_s = time.monotonic()
-    paths, recordings, remarks = recordings_of(asked.paths)
+    paths, recordings, remarks = recordings_of(asked.paths, asked.progress)
     against = contradictions(recordings, asked.rig.base)
     asked = asked._replace(rig=with_facts(asked.rig, against))
     baseline = None
@@ -53,12 +55,14 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     simulated = simulated_of(asked, paths, recordings)
     if baseline is not None:
         simulated = simulated._replace(tables=beside(simulated.tables, simulated.subjects, baseline))
-    inferred = inferred_of(simulated, asked.jobs)
+    inferred = inferred_of(simulated, asked.jobs, asked.progress)
     surrogate, subjects = inferred.surrogate, simulated.subjects
     verdict = _set_aside(inferred.verdict, subjects)
+    asked.progress(WHAT_NEXT, 0, 0)
     following = what_next(verdict, surrogate, subjects, simulated.untestable, asked.rig)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
+    asked.progress(YAW_IMPACT, 0, 0)
     result = Diagnosis(
         verdict=verdict,
         linear_model=linear_model_of(_rate_errors_dps(subjects), designs, verdict.causes),

@@ -1,6 +1,6 @@
 """The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,13 +17,14 @@ from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.distribute import SimulationPlan, checked_recording, response_tables
+from gyrodrift.diagnose.simulate.distribute import REPLAYED, SimulationPlan, checked_recording, response_tables
 from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized
 from gyrodrift.errors import DataError
+from gyrodrift.progress import OnProgress, untold
 
 GONE_SHARE = 0.1
 """Of an effect in the rig, below which what is left of it is nothing."""
@@ -33,6 +34,13 @@ LESS_IS_MORE = frozenset({"saturation", "bandwidth", "encoder_quantization"})
 
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
 """Facts that are taken from the sessions where these contradict the rig."""
+
+
+CHECKED, CALIBRATED, SEARCHED = "sessions checked", "rig calibrated to sessions", "search for causes"
+WHAT_NEXT, YAW_IMPACT, REPORT = "what to record next", "yaw errors and tuning", "report"
+
+SHARES = {CHECKED: 2.0, CALIBRATED: 4.0, REPLAYED: 20.0, SEARCHED: 10.0, WHAT_NEXT: 1.0, YAW_IMPACT: 4.0, REPORT: 3.0}
+"""What is done, one after the other, and about how long it takes, for whoever waits."""
 
 
 class DiagnosisRequest(NamedTuple):
@@ -47,7 +55,7 @@ class DiagnosisRequest(NamedTuple):
     withheld: frozenset[str]
     jobs: int
     cluster: str | None
-    progress: Callable[[str, int, int], None]
+    progress: OnProgress
     baseline: Sequence[Path] = ()
 
 
@@ -74,7 +82,10 @@ class Inferred(NamedTuple):
 
 def simulated_of(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Sequence[Recording]) -> Simulated:
     """Calibrate the rig to each session, and work out the responses of all candidates in each."""
-    subjects = [subject_of(recording, asked.rig) for recording in recordings]
+    subjects = []
+    for done, recording in enumerate(recordings):
+        asked.progress(CALIBRATED, done, len(recordings))
+        subjects.append(subject_of(recording, asked.rig))
     hints = hints_of(subjects)
     tried, untestable = testable_among(candidates(hints, asked.rig), recordings, asked.withheld)
     return Simulated(subjects, tables_of(asked, paths, subjects, tried), tried, untestable)
@@ -88,8 +99,9 @@ def tables_of(
     return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
 
 
-def inferred_of(simulated: Simulated, jobs: int) -> Inferred:
+def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) -> Inferred:
     """Search for causes, see what else there is to each, and judge."""
+    progress(SEARCHED, 0, 0)
     evidence = evidence_of(simulated.tables, simulated.tried)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
 
@@ -101,12 +113,15 @@ def inferred_of(simulated: Simulated, jobs: int) -> Inferred:
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
 
 
-def recordings_of(asked: Iterable[Path]) -> tuple[list[Path], list[Recording], list[str]]:
+def recordings_of(
+    asked: Sequence[Path], progress: OnProgress = untold
+) -> tuple[list[Path], list[Recording], list[str]]:
     """Those that passed the recording checks, with their paths, and what is to be said of all."""
     paths: list[Path] = []
     recordings: list[Recording] = []
     remarks: list[str] = []
-    for path in asked:
+    for done, path in enumerate(asked):
+        progress(CHECKED, done, len(asked))
         one = checked_recording(path)
         remarks += one.remarks
         if one.recording is not None:

@@ -41,7 +41,7 @@ class LinkCounters:
     samples: int = 0
     gaps: int = 0
     missing: int = 0
-    restarts: int = 0
+    device_resets: int = 0
     reconnects: int = 0
     gone_s: float = 0.0
 
@@ -189,7 +189,7 @@ class Link:
                     self.counters.missing += missing
                     self._on_event("gap", missing=missing, seconds=round(seconds, 6))
                 case ClockRestart(step_s, silent_s):
-                    self.counters.restarts += 1
+                    self.counters.device_resets += 1
                     self._on_event("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
         clock.events.clear()
 

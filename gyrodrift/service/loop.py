@@ -50,6 +50,8 @@ class Service:
     read_interval_s
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
+    end_event
+        What the log calls the last line.
     """
 
     link: Link
@@ -59,6 +61,7 @@ class Service:
     stop: StopSignal
     outputs: Sequence[Output] = ()
     read_interval_s: float = 0.0
+    end_event: str = "service_end"
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
     _waited_for: dict[int, int] = field(default_factory=dict)
@@ -85,7 +88,7 @@ class Service:
             self.log.info("reader_gone")
         finally:
             self.link.close()
-            self._log_stats("service_end", time.monotonic())
+            self._log_stats(self.end_event, time.monotonic())
 
     def _loop(self) -> None:
         while not self.stop.is_set:
@@ -154,7 +157,7 @@ class Service:
             clipped=decoder.counters.clipped if decoder else 0,
             gaps=counters.gaps,
             missing=counters.missing,
-            device_resets=counters.restarts,
+            device_resets=counters.device_resets,
             reconnects=counters.reconnects,
             gone_s=round(counters.gone_s, 3),
             clock_ppm=None if drift_ppm is None else round(drift_ppm, 1),

@@ -1,8 +1,12 @@
-"""Sessions as people have them: a header with any of the columns below, in any order, then numbers."""
+"""Sessions as people have them: a header with any of the columns below, in any order, then numbers.
+
+Other columns, such as those that `filter` adds, are passed over.
+"""
 
 import csv
 import warnings
 from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TextIO
 
@@ -14,6 +18,12 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c")
+OLD_NAMES = {"t_s": "t_device_s"}
+"""Names that columns had in files of earlier versions."""
+
+ALIKE = 0.8
+"""A column this like one that is not there is taken for a slip of the keyboard."""
+
 REQUIRED = ("t_device_s", "rate_dps")
 
 
@@ -33,7 +43,7 @@ def read_csv(path: Path) -> Session:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise DataError(f"{path}: is not text: {error}") from error
-    columns = dict(zip(names, table.T, strict=True))
+    columns = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
     seq = columns.get("seq")
     return Session(
         name=path.stem,
@@ -52,16 +62,19 @@ def _header(path: Path, file: TextIO) -> tuple[list[str], int]:
     )
     if not line:
         raise DataError(f"{path}: is empty; expected a header with {', '.join(REQUIRED)}")
-    names = [name.strip() for name in line.split(",")]
+    words = [word.strip() for word in line.split(",")]
+    names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
     known = f"columns are {', '.join(COLUMNS)}"
     for column, name in enumerate(names, 1):
-        if name not in COLUMNS:
-            raise DataError(f"{path}:{number}: column {column} is {name!r}; {known}")
-        if name in names[: column - 1]:
+        meant = [] if name in COLUMNS else get_close_matches(name, set(COLUMNS) - set(names), n=1, cutoff=ALIKE)
+        if meant:
+            raise DataError(f"{path}:{number}: column {column} is {name!r}; did you mean {meant[0]}? {known}")
+        if name in COLUMNS and name in names[: column - 1]:
             raise DataError(f"{path}:{number}: column {name} stands twice; {known}")
     for name in REQUIRED:
         if name not in names:
-            raise DataError(f"{path}:{number}: there is no column {name}, which is required; {known}")
+            said = ", ".join(words)
+            raise DataError(f"{path}:{number}: there is no column {name}, which is required, in {said}; {known}")
     return names, number
 
 
@@ -70,18 +83,20 @@ def _is_content(line: str) -> bool:
 
 
 def _table(path: Path, file: TextIO, names: list[str], header_line: int) -> Floats:
-    """All rows, shape (n, columns): by numpy's C reader, or cell by cell where that one stumbles."""
+    """All rows, shape (n, known columns): by numpy's C reader, or cell by cell where that one stumbles."""
+    taken = [at for at, name in enumerate(names) if name in COLUMNS]
     start = file.tell()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy warns of a file without rows
-            table: Floats = np.loadtxt(file, delimiter=",", comments="#", ndmin=2, dtype=np.float64)
+            columns = taken if len(taken) < len(names) else None  # without them numpy sees rows of other lengths
+            table: Floats = np.loadtxt(file, delimiter=",", comments="#", ndmin=2, dtype=np.float64, usecols=columns)
     except (ValueError, UserWarning):
         file.seek(start)
         table = _cell_by_cell(path, file, names, header_line)
     if table.size == 0:
         raise DataError(f"{path}: has a header and no samples")
-    if table.shape[1] != len(names):
+    if table.shape[1] != len(taken):
         raise DataError(f"{path}: rows have {table.shape[1]} values, the header has {len(names)} columns")
     return table
 
@@ -95,8 +110,8 @@ def _cell_by_cell(path: Path, file: TextIO, names: list[str], header_line: int) 
         line = header_line + reader.line_num
         if len(row) != len(names):
             raise DataError(f"{path}:{line}: has {len(row)} values, the header has {len(names)} columns")
-        rows.append([_number(path, line, *cell) for cell in zip(names, row, strict=True)])
-    return np.array(rows, dtype=np.float64).reshape(-1, len(names))
+        rows.append([_number(path, line, *cell) for cell in zip(names, row, strict=True) if cell[0] in COLUMNS])
+    return np.array(rows, dtype=np.float64).reshape(-1, sum(name in COLUMNS for name in names))
 
 
 def _number(path: Path, line: int, name: str, text: str) -> float:

@@ -34,3 +34,17 @@ class Session:
     encoder_deg: Floats | None = None
     temp_c: Floats | None = None
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    def part(self, start: int, end: int) -> "Session":
+        """The samples from one to before another; what it lacks, it lacks there too."""
+        rows = slice(start, end)
+        return Session(
+            name=self.name,
+            t_device_s=self.t_device_s[rows],
+            rate_dps=self.rate_dps[rows],
+            t_host_s=None if self.t_host_s is None else self.t_host_s[rows],
+            seq=None if self.seq is None else self.seq[rows],
+            encoder_deg=None if self.encoder_deg is None else self.encoder_deg[rows],
+            temp_c=None if self.temp_c is None else self.temp_c[rows],
+            metadata=self.metadata,
+        )

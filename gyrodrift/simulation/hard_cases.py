@@ -36,6 +36,7 @@ from gyrodrift.simulation.sessions import Simulation, rig_yaml, write_simulation
 
 STILL_S = 10.0
 SESSIONS = 10
+VERSIONS = 2
 MINUTES = 10.0
 
 BIAS_DPS = 0.5

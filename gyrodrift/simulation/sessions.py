@@ -12,6 +12,7 @@ from firmware_sim.measure import Block, Motion, measure
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.files import write_whole
+from gyrodrift.progress import OnProgress, counted, untold
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
@@ -28,7 +29,7 @@ class Simulation:
 
     def chunks(self) -> Iterator[Session]:
         """The session in pieces of a few thousand samples: any length in the same memory."""
-        wanted = round(self.minutes * 60.0 * self.rig.base.sample_rate_hz)
+        wanted = _samples(self.rig, self.minutes)
         for block in measure(self.rig, self.profile, self.seed, self.number):
             kept = block.seq < wanted
             if not kept.all():
@@ -63,24 +64,45 @@ def as_recorded(block: Block, base: Base, name: str) -> Session:
 
 
 def write_sessions(
-    rig: Rig, profile: Motion, folder: Path, seed: int, sessions: int, minutes: float, ending: str = "mcap"
+    rig: Rig,
+    profile: Motion,
+    folder: Path,
+    seed: int,
+    sessions: int,
+    minutes: float,
+    ending: str = "mcap",
+    progress: OnProgress = untold,
 ) -> Iterator[Path]:
     """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / "rig.yaml", [rig_yaml(rig)])
+    samples = _samples(rig, minutes)
+
+    def pass_on(what: str, done: int, _: int) -> None:
+        progress(what, number * samples + done, sessions * samples)
+
     for number in range(sessions):
         path = folder / f"session-{number + 1:02d}.{ending}"
-        write_simulation(path, Simulation(rig, profile, seed, number, minutes))
+        write_simulation(path, Simulation(rig, profile, seed, number, minutes), progress=pass_on)
         yield path
 
 
-def write_simulation(path: Path, simulated: Simulation, device_id: str | None = None) -> None:
+def write_simulation(
+    path: Path, simulated: Simulation, device_id: str | None = None, progress: OnProgress = untold
+) -> None:
     """Write one session, with all that it takes to simulate it again."""
     rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)
     about = {"simulation": {"rig": rig, "seed": seed, "session": number}}
     if device_id is not None:
         about["device"] = {"device_id": device_id}
-    write_session(path, simulated.chunks(), about)
+    samples = _samples(simulated.rig, simulated.minutes)
+    chunks = counted("samples", simulated.chunks(), samples, progress, lambda chunk: len(chunk.t_device_s))
+    write_session(path, chunks, about)
+
+
+def _samples(rig: Rig, minutes: float) -> int:
+    """Those that a device sends in so much time."""
+    return round(minutes * 60.0 * rig.base.sample_rate_hz)
 
 
 def rig_yaml(rig: Rig) -> str:

@@ -18,10 +18,11 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.progress import OnProgress, untold
 from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
-from gyrodrift.tune.search.objective import Objective, OnProgress
+from gyrodrift.tune.search.objective import Objective
 from gyrodrift.tune.warnings import bound_warnings, held_out_warnings, identifiability_warnings
 
 REDUCED_EVALUATIONS = 600
@@ -66,7 +67,7 @@ class TuningRun:
     splits: Sequence[Split]
     loaded: Callable[[int], LoadedSession]
     journal: Journal
-    progress: OnProgress = lambda _what, _done, _all: None
+    progress: OnProgress = untold
     was_interrupted: bool = False
     _begun_s: float = field(default_factory=time.monotonic)
 
@@ -117,6 +118,7 @@ class TuningRun:
             return self.costs.cost(candidates_of(chosen, searched, params), sessions).pi
 
         objective = Objective(pi, searched, evaluations, self.journal.known(name), note)
+        self.progress(name, 0, evaluations)
         try:
             run_to_budget(method, objective, seed)
         except KeyboardInterrupt:

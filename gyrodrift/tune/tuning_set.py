@@ -75,6 +75,7 @@ class TuningSet:
 
     def _references(self, progress: Progress) -> Iterator[Reference]:
         """One after the other, so that nothing but what is evaluated stays in memory."""
+        progress.evaluated("sessions read", 0, len(self._sources))
         for done, source in enumerate(self._sources, 1):
             loaded = load_with_reference(source)
             self.sessions.append(loaded.description)

@@ -98,6 +98,6 @@ def test_recording_takes_a_small_share_of_a_core(tmp_path: Path, rate_hz: float,
     (path,) = out.glob("*.mcap")
     seq = read_mcap(path).seq
     assert seq is not None
-    assert metronome_result(port).refused == logged(log, "service_end")["missing"] == 0
+    assert metronome_result(port).refused == logged(log, "record_end")["missing"] == 0
     assert seq.tolist() == list(range(count))
     show(f"Recording {keeps} at {rate_hz:g} Hz", [("samples lost", "0"), ("share of a core", f"{share:.2%}")])

@@ -103,7 +103,7 @@ def test_the_search_is_the_one_of_tune(tables: Path, told: Path, tmp_path: Path)
 
 def test_the_page_shows_all_of_it(told: Path) -> None:
     """One file, well formed, asking for nothing."""
-    html = (told / "compare.html").read_text()
+    html = (told / "report.html").read_text()
     assert row(html, "Euler")[0] == "Euler"
     assert row(html, "HDR, tuned")
     assert "the tuned rows flatter: they were tuned on table-0, table-1 too" in words(html)
@@ -152,7 +152,7 @@ def test_a_package_that_is_missing_is_named(
     said = numbers(tmp_path)
     assert said["missing"] == [{"method": "vqf", "package": "vqf"}, {"method": "vqf_offline", "package": "vqf"}]
     assert not any(one["method"].startswith("vqf") for one in said["methods"])
-    html = (tmp_path / "compare.html").read_text()
+    html = (tmp_path / "report.html").read_text()
     assert row(html, "VQF") == ["VQF", "–", "–", "–", "–"]
 
 

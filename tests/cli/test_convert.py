@@ -107,7 +107,7 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
         (["s.csv", "o.csv", "--as", "json"], 2, "--as json: is about the messages of an .mcap file, and o.csv is to"),
         (["s.csv", "o.csv", "--as", "sample"], 2, "--as sample: is about the messages of an .mcap file"),
         (["s.csv", "o.bag", "--as", "imu"], 2, "--as imu: is about the messages of an .mcap file"),
-        (["s.csv", "o.mcap", "--as", "bag"], 2, "argument --as: invalid choice: 'bag'"),
+        (["s.csv", "o.mcap", "--as", "bag"], 2, "--as bag: there are sample, imu, json"),
         (["late.csv", "o.mcap", "--as", "imu"], 4, "o.mcap: sample 1 has 10000000000.0 as t_device_s, which no header"),
         (["s.csv", "none/o.mcap", "--as", "json"], 2, "none/o.mcap: cannot be written: No such file or directory"),
     ],

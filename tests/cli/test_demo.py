@@ -1,14 +1,18 @@
 """`gyrodrift demo`: a simulated device, a real service, and the yaw error against the encoder."""
 
-import os
-import pty
+import io
 import re
-import select
-import subprocess
-import sys
+import signal
 from pathlib import Path
 
-from support import PATIENCE_S, Command
+import pytest
+from rich.console import Console
+from support import Command, Terminal, ours
+
+from gyrodrift.demo.view import Size, draw
+from gyrodrift.demo.yaw_error import YawError
+
+SIZES = [(60, 15), (61, 16), (80, 24), (100, 30), (133, 41), (250, 80)]
 
 
 def test_without_a_terminal_it_prints_the_summary(tmp_path: Path) -> None:
@@ -20,31 +24,88 @@ def test_without_a_terminal_it_prints_the_summary(tmp_path: Path) -> None:
     raw_deg, corrected_deg = errors
     assert 1.0 < raw_deg < 10.0
     assert corrected_deg < 0.5 * raw_deg
-    assert "<svg" in (tmp_path / "demo.svg").read_text()
+    picture = (tmp_path / "demo.svg").read_text()
+    assert "<svg" in picture
+    assert picture.count("table&#160;(encoder)") == 1, "one view"
+    assert len(picture) < 100_000
 
 
-def test_on_a_terminal_it_is_live() -> None:
-    """The view is drawn again and again, and the summary stands at the end."""
-    master, slave = pty.openpty()
-    command = [sys.executable, "-m", "gyrodrift", "demo", "--duration", "10", "--speed", "10"]
-    environment = os.environ | {"TERM": "xterm-256color", "COLUMNS": "120", "LINES": "40"}
-    process = subprocess.Popen(command, stdout=slave, stderr=slave, stdin=slave, env=environment)
-    os.close(slave)
-    shown = b""
-    while select.select([master], [], [], PATIENCE_S)[0]:
-        try:
-            shown += os.read(master, 1 << 16)
-        except OSError:
-            break
-    os.close(master)
-    assert process.wait(PATIENCE_S) == 0
-    assert shown.count(b"table (encoder)") >= 3
-    assert b"raw integration" in shown.splitlines()[-2]
+@pytest.mark.parametrize(("columns", "rows"), SIZES)
+def test_the_view_fills_a_terminal_of_any_size(columns: int, rows: int) -> None:
+    """No line is longer, none is missing, and nothing is cut off."""
+    error = YawError()
+    for at in range(500):
+        error.add({"t_s": at / 10, "rate_dps": 90.0, "bias_dps": 0.35, "yaw_deg": at * 9.0, "encoder_deg": at * 8.9})
+    console = Console(width=columns, height=rows, file=io.StringIO(), force_terminal=True, color_system=None)
+    with console.capture() as shown:
+        console.print(draw(error, 60.0, "gyro", Size(columns, rows)))
+    lines = shown.get().splitlines()
+    assert [len(line) for line in lines] == [columns] * rows
+    text = "\n".join(lines)
+    for word in (
+        "500 samples",
+        "drift estimate +0.350 deg/s",
+        "table (encoder)",
+        "+49.900°",
+        "over time: raw, gyrodrift",
+    ):
+        assert word in text
+    assert "…" not in text.replace("+180° … -180°", "")
 
 
-def test_a_bad_profile_is_told_and_ends_it() -> None:
-    """With the words of the simulator and the status of a broken link."""
+def test_on_a_terminal_it_is_live_fits_and_follows_its_size() -> None:
+    """From the smallest to a large one while it runs; the last view and the summary stay."""
+    with Terminal(*ours("demo", "--duration", "30", "--speed", "5"), columns=60, rows=15) as terminal:
+        terminal.until(lambda shown: frame_of(shown) == (60, 15), "view of 60×15")
+        terminal.until(lambda shown: re.search(r"[1-9]\d* samples", shown.text) is not None, "sample")
+        terminal.resize(120, 40)
+        terminal.until(lambda shown: frame_of(shown) == (120, 40), "view of 120×40")
+        terminal.resize(40, 10)
+        terminal.until(lambda shown: "the view wants 60×15" in shown.text, "word on what it wants")
+        terminal.resize(80, 24)
+        assert terminal.end() == 0
+        lines = [line.rstrip() for line in terminal.screen.display]
+    assert any(line.startswith("╭─") for line in lines)
+    assert any("mean |error|" in line and "gyrodrift" in line for line in lines)
+
+
+def frame_of(terminal: Terminal) -> tuple[int, int]:
+    """Columns and rows from the first corner to the last."""
+    lines = terminal.screen.display
+    if not (lines[0].startswith("╭") and lines[-1].startswith("╰")):
+        return 0, 0
+    return (len(lines[0]) if lines[0][-1] == "╮" and lines[-1][-1] == "╯" else 0), len(lines)
+
+
+def test_an_interrupt_gives_the_terminal_back() -> None:
+    """The screen of before is there again."""
+    with Terminal(*ours("demo")) as terminal:
+        terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
+        terminal.process.send_signal(signal.SIGINT)
+        assert terminal.end() == 130
+        assert b"\x1b[?1049l" in terminal.sent
+        assert b"\x1b[?25h" in terminal.sent
+
+
+def test_without_colours_it_is_plain() -> None:
+    """NO_COLOR takes red and green out of the view."""
+    with Terminal(*ours("demo"), environment={"NO_COLOR": "1"}) as terminal:
+        terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
+    assert not re.search(rb"\x1b\[(?:\d+;)*3[0-7]m", terminal.sent)
+
+
+def test_a_bad_profile_is_told_before_anything_begins() -> None:
+    """With those that there are."""
     with Command("demo", "--profile", "nowhere") as demo:
-        assert demo.end() == 3
-    assert "nowhere: there is no such profile; shipped are " in demo.log
+        assert demo.end() == 2
+    assert "--profile nowhere: there is no such profile or file; there are " in demo.log
     assert "Traceback" not in demo.log
+
+
+def test_a_bad_rig_is_told_on_a_terminal_too(tmp_path: Path) -> None:
+    """What the simulator said stands below the view that is gone."""
+    (tmp_path / "rig.yaml").write_text("base: {bias: 1}\n")
+    with Terminal(*ours("demo", "--rig", tmp_path / "rig.yaml"), columns=200) as terminal:
+        assert terminal.end() == 3
+        assert "bias" in terminal.text
+        assert "the simulated device did not start" in terminal.text

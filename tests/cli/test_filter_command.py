@@ -38,10 +38,10 @@ def test_a_golden_case_comes_out_of_the_command_as_it_stands_in_its_file(
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
     (tmp_path / "expected.csv").write_text("\n".join(lines) + "\n")
     got, expected = rows_of(out), rows_of(tmp_path / "expected.csv")
-    assert list(got[0]) == list(expected[0])
+    assert list(got[0]) == ["t_device_s", *list(expected[0])[1:]]
     assert len(got) == len(expected) == 3000
     for one, other in zip(got, expected, strict=True):
-        assert one == pytest.approx(other, abs=1e-9)
+        assert list(one.values()) == pytest.approx(list(other.values()), abs=1e-9)
 
 
 def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None:
@@ -52,10 +52,20 @@ def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None
     out = tmp_path / "out.csv"
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
     rows = rows_of(out)
-    assert list(rows[0]) == [*("t_s", "rate_dps"), *RESTLEVEL.columns]
+    assert list(rows[0]) == [*("t_device_s", "rate_dps"), *RESTLEVEL.columns]
     assert rows[-1]["bias_dps"] == pytest.approx(0.4, abs=0.02)
     assert rows[-1]["rest_probability"] > 0.9
     assert abs(rows[-1]["yaw_deg"]) < 0.1
+
+
+def test_what_it_writes_is_a_session_too(tmp_path: Path) -> None:
+    """Which can be filtered again, and written over, since it is no recording."""
+    (tmp_path / "s.csv").write_text(SESSION)
+    once, twice = tmp_path / "once.csv", tmp_path / "twice.csv"
+    assert main(["filter", str(tmp_path / "s.csv"), "--out", str(once)]) == 0
+    for _ in range(2):
+        assert main(["filter", str(once), "--out", str(twice)]) == 0
+    assert twice.read_text() == once.read_text()
 
 
 def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -63,7 +73,7 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
     (tmp_path / "s.csv").write_text(SESSION)
     assert main(["filter", str(tmp_path / "s.csv")]) == 0
     shown = capsys.readouterr()
-    assert [line.split(",")[0] for line in shown.out.splitlines()] == ["t_s", "0.0", "0.01", "0.03"]
+    assert [line.split(",")[0] for line in shown.out.splitlines()] == ["t_device_s", "0.0", "0.01", "0.03"]
     assert shown.err == "gyrodrift: s: 2 samples passed by (time or rate)\n"
 
 

@@ -1,27 +1,59 @@
 """The command line as a whole: help, mistakes, exit statuses."""
 
+import re
+import shlex
+from importlib import import_module
+
 import pytest
 from support import Command
 
 from gyrodrift import __version__
-from gyrodrift.cli import COMMANDS, main
+from gyrodrift.cli import COMMANDS, main, parser_of
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_has_help_with_units_and_exit_statuses(command: str) -> None:
-    """On stdout, and it ends with 0."""
-    with Command(command, "--help") as run:
-        assert run.end() == 0
-    assert f"usage: gyrodrift {command}" in run.out
-    assert "rates deg/s, times s" in run.out
-    assert "130 interrupted" in run.out
+def test_every_command_has_help_with_units_and_exit_statuses(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """On stdout, the same by `help COMMAND`, and it begins with what the command is for."""
+    with pytest.raises(SystemExit) as ended:
+        main([command, "--help"])
+    assert ended.value.code == 0
+    shown = capsys.readouterr().out
+    usage, purpose, *_ = shown.split("\n\n")
+    assert usage.startswith(f"usage: gyrodrift {command}")
+    assert re.fullmatch(r"[A-Z][^\n]{20,}[.:]", purpose)
+    assert "rates deg/s, times s" in shown
+    assert "130 interrupted" in shown
+    assert main(["help", command]) == 0
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_examples_of_every_command_are_understood(command: str) -> None:
+    """Two or three, of that command, and shown."""
+    examples = import_module(f"gyrodrift.cli.{command}").EXAMPLES.splitlines()
+    assert 2 <= len(examples) <= 3
+    for line in examples:
+        assert line in parser_of(command).format_help()
+        _, name, *words = shlex.split(re.sub(r'^eval "\$\((.*)\)"$', r"\1", line.partition("   ")[0]))
+        ends = [words.index(mark) for mark in ("|", ">") if mark in words]
+        parser_of(name).read(words[: min(ends, default=None)])
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_tells_its_default(command: str) -> None:
+    """But for those that have to be given, and those that take no value."""
+    text = " ".join(parser_of(command).format_help().partition("\noptions:\n")[2].split())
+    for option in re.split(r" (?=--[a-z-]+ [A-Z{])", text):
+        if re.match(r"--[a-z-]+ [A-Z{]", option) and not option.startswith(("--port", "--link", "--out")):
+            assert "default" in option, option
 
 
 def test_help_lists_the_commands() -> None:
-    """Each with a line."""
-    with Command("--help") as run:
+    """Each with a line, and examples."""
+    with Command("help") as run:
         assert run.end() == 0
     assert all(f"  {command}" in run.out for command in COMMANDS)
+    assert "examples:\n  gyrodrift demo" in run.out
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
@@ -35,10 +67,11 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["serv"], "gyrodrift: 'serv' is not a command; did you mean serve?"),
-        (["xyz"], "gyrodrift: 'xyz' is not a command; commands are "),
+        (["serv"], "gyrodrift: serv: there is no such command; did you mean serve?"),
+        (["xyz"], "gyrodrift: xyz: there is no such command; there are serve, record"),
         ([], "usage: gyrodrift COMMAND"),
         (["--verbose", "serve"], "gyrodrift: 'serve' stands behind options"),
+        (["help", "tun"], "gyrodrift: tun: there is no such command; did you mean tune?"),
     ],
 )
 def test_what_is_no_command_ends_with_2_and_a_hint(
@@ -47,3 +80,46 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
     """The nearest one, or all there are."""
     assert main(arguments) == 2
     assert capsys.readouterr().err.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("serve --prt /dev/ttyUSB0", "--prt: serve has no such option; did you mean --port"),
+        ("serve --protocol natve", "--protocol natve: did you mean native?"),
+        ("serve --log-level warn", "--log-level warn: did you mean warning?"),
+        ("record -o sessions", "-o: record has no such option; did you mean --out?"),
+        ("tune --filter=restlevl", "--filter restlevl: did you mean restlevel?"),
+        ("tune --threads 2", "--threads: is --jobs now"),
+        ("compare --iteration 5 --sed 3 x", "--sed: compare has no such option; did you mean --seed?"),
+        (
+            "diagnose --withhold scale_facto",
+            "--withhold scale_facto: there is no such effect; did you mean scale_fac",
+        ),
+        ("simulate --effect warmpu", "--effect warmpu: there is no effect 'warmpu'; did you mean warmup?"),
+        (
+            "simulate --profile turntabel",
+            "--profile turntabel: there is no such profile or file; did you mean turn",
+        ),
+        ("simulate --format cvs", "--format cvs: did you mean csv?"),
+        ("convert --as imuu", "--as imuu: did you mean imu?"),
+        ("replay --protocol csvv", "--protocol csvv: did you mean csv?"),
+        ("--verison", "--verison: gyrodrift has no such option; did you mean --version?"),
+    ],
+)
+def test_what_is_unknown_gets_the_nearest_before_anything_else_is_said(
+    line: str, expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each of these lacks what the command requires, too."""
+    assert main(line.split()) == 2
+    assert capsys.readouterr().err.startswith(f"gyrodrift: {expected}")
+
+
+def test_every_unknown_option_is_told_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    """A line each; what stands behind -- and negative numbers are none."""
+    assert main(["filter", "--otu", "a", "--confg", "b", "--", "--session"]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.endswith("did you mean --out?")
+    assert second.endswith("did you mean --config?")
+    assert main(["simulate", "--out", "x", "--seed", "-1"]) == 2
+    assert capsys.readouterr().err == "gyrodrift: --seed -1: expected a whole number from 0\n"

@@ -105,9 +105,9 @@ def test_the_report_is_one_file(tuned: Path) -> None:
 def test_the_same_seed_gives_the_same_file(eight: Path, tmp_path: Path) -> None:
     """However many threads work on it."""
     out, first = tmp_path / "c.yaml", b""
-    for threads in ("1", "2"):
-        assert main(["tune", str(eight), "--out", str(out), *QUICK, "--threads", threads]) == 0
-        content = out.read_bytes().replace(f"--threads {threads}".encode(), b"")
+    for jobs in ("1", "2"):
+        assert main(["tune", str(eight), "--out", str(out), *QUICK, "--jobs", jobs]) == 0
+        content = out.read_bytes().replace(f"--jobs {jobs}".encode(), b"")
         assert content == (first or content)
         first = content
 
@@ -171,7 +171,7 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
 ) -> None:
     """Status 130, and then the bytes of a run that was left alone."""
     out = tmp_path / "c.yaml"
-    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "4000", "--threads", "1"]
+    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "4000", "--jobs", "1"]
     with Command(*arguments, "--method", "carla") as tune:
         while not (tmp_path / "c.progress.npz").exists():
             assert tune.process.poll() is None, tune.log

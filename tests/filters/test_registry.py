@@ -173,7 +173,7 @@ def test_tune_finds_its_parameter_without_a_kernel(tmp_path: Path) -> None:
     for number, seconds in enumerate((4, 6)):
         write_still(tmp_path / f"s{number}.csv", 0.5, seconds)
     paths = [str(tmp_path / f"s{number}.csv") for number in range(2)]
-    arguments = ["--filter", "constant", "--iterations", "40", "--threads", "1", "--report", str(tmp_path / "report")]
+    arguments = ["--filter", "constant", "--iterations", "40", "--jobs", "1", "--report", str(tmp_path / "report")]
     assert main(["tune", *paths, "--out", str(tmp_path / "found.yaml"), *arguments]) == 0
     told = json.loads((tmp_path / "report" / "tune.json").read_text())
     squares = [[(0.5 * n / RATE_HZ) ** 2 for n in range(seconds * RATE_HZ + 1)] for seconds in (4, 6)]
@@ -200,7 +200,7 @@ def test_compare_has_a_row_of_it(tmp_path: Path) -> None:
     assert rows["euler"]["e_deg"] == pytest.approx(1.0)
     assert rows["constant"]["e_deg"] == pytest.approx(0.5)
     assert rows["constant"]["title"] == "constant bias"
-    assert "constant bias" in (tmp_path / "out" / "compare.html").read_text()
+    assert "constant bias" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_what_cannot_be_a_filter_is_refused(printed: Filter) -> None:

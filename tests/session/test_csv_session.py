@@ -54,8 +54,15 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
         ("", "s.csv: is empty; expected a header with t_device_s, rate_dps"),
         ("# only words\n", "s.csv: is empty; expected a header"),
         ("t_device_s,rate_dps\n", "s.csv: has a header and no samples"),
-        ("t_device_s,rate\n0,1\n", "s.csv:1: column 2 is 'rate'; columns are t_device_s, t_host_s, seq, rate_dps"),
-        ("0,1\n1,2\n", "s.csv:1: column 1 is '0'; columns are"),
+        (
+            "t_device_s,rate_dp\n0,1\n",
+            "s.csv:1: column 2 is 'rate_dp'; did you mean rate_dps? columns are t_device_s, t_host",
+        ),
+        (
+            "t_device_s,speed\n0,1\n",
+            "s.csv:1: there is no column rate_dps, which is required, in t_device_s, speed; columns",
+        ),
+        ("0,1\n1,2\n", "s.csv:1: there is no column t_device_s, which is required, in 0, 1; columns are"),
         ("# x\nt_device_s,temp_c\n0,1\n", "s.csv:2: there is no column rate_dps, which is required"),
         ("t_device_s,rate_dps,rate_dps\n0,1,1\n", "s.csv:1: column rate_dps stands twice"),
         ("t_device_s,rate_dps\n0,1\n1,fast\n", "s.csv:3: rate_dps is 'fast', expected a number"),

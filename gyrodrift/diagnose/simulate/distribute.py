@@ -1,6 +1,6 @@
 """The response tables of all sessions: simulated here, in processes of this machine, or by the workers of a cluster."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -17,9 +17,10 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
+from gyrodrift.progress import OnProgress
 from gyrodrift.session.files import load_session
 
-Progress = Callable[[str, int, int], None]
+REPLAYED = "sessions replayed"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +60,7 @@ def checked_recording(path: Path) -> CheckedRecording:
 
 
 def response_tables(
-    plan: SimulationPlan, jobs: int, cluster: str | None, progress: Progress
+    plan: SimulationPlan, jobs: int, cluster: str | None, progress: OnProgress
 ) -> tuple[ResponseTable, ...]:
     """The tables in the order of the sessions.
 
@@ -96,16 +97,16 @@ def _held_table(number: int) -> ResponseTable:
     return _table(_held[0], number)
 
 
-def _on_cluster(plan: SimulationPlan, address: str, progress: Progress) -> tuple[ResponseTable, ...]:
+def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
     names = frozenset(candidate.name for candidate in plan.tried)
     tasks = [
         SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs_of(len(plan.paths))) for path in plan.paths
     ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
-        progress("sessions replayed by the cluster", 0, len(tasks))
+        progress(REPLAYED, 0, len(tasks))
         found: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
-        progress("sessions replayed by the cluster", len(tasks), len(tasks))
+        progress(REPLAYED, len(tasks), len(tasks))
     finally:
         workers.close()
     return tuple(found)
@@ -126,9 +127,10 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     return response_table(subject_of(recording, task.rig), tried, task.null_runs)
 
 
-def _counted(tables: Iterable[ResponseTable], of: int, progress: Progress) -> tuple[ResponseTable, ...]:
+def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
     found = []
+    progress(REPLAYED, 0, of)
     for number, table in enumerate(tables, 1):
-        progress("sessions replayed", number, of)
+        progress(REPLAYED, number, of)
         found.append(table)
     return tuple(found)

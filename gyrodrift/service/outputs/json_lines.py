@@ -21,6 +21,15 @@ LAST_WAIT_MS = 500
 SAME_TIME_S = 1e-6
 """Device clocks count microseconds; closer than this is the same time."""
 
+MEASURED = '{"seq":%d,"t_s":%.6f,"rate_dps":%.5f,"corrected_dps":%.5f,"yaw_deg":%.4f,"bias_dps":%.5f'
+CERTAINTY = ',"yaw_sigma_deg":%.4f,"confidence":%.4f'
+ENCODER = ',"encoder_deg":%.4f'
+TEMPERATURE = ',"temp_c":%.2f'
+"""A line, part by part. Device clocks count microseconds; a hundredth of a millidegree per second is 0.036 deg in an
+hour, less than the bias instability of any such gyro; 1e-4 deg is a count of 3.6 million, finer than encoders of
+turntables; a probability and a thermometer mean less than what is written. Recordings keep every digit. The `%` of
+whole parts takes a third of the time of an f-string of every digit."""
+
 NOTHING: Mapping[int, int] = {}
 
 
@@ -126,18 +135,15 @@ class JsonLines:
 
 
 def json_line(corrected: Corrected) -> str:
-    """The line for one sample, every float with all its digits; absent values are left out."""
+    """The line for one sample, each number with the digits that mean something; absent values are left out."""
     (seq, t_s, _, rate_dps, encoder_deg, temp_c), corrected_dps, yaw_deg, bias_dps, yaw_sigma_deg, confidence = (
         corrected
     )
-    line = (
-        f'{{"seq":{seq},"t_s":{t_s!r},"rate_dps":{rate_dps!r},"corrected_dps":{corrected_dps!r},'
-        f'"yaw_deg":{yaw_deg!r},"bias_dps":{bias_dps!r}'
-    )
+    line = MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask
-        line += f',"yaw_sigma_deg":{yaw_sigma_deg!r},"confidence":{confidence!r}'
+        line += CERTAINTY % (yaw_sigma_deg, confidence)
     if encoder_deg == encoder_deg:  # noqa: PLR0124
-        line += f',"encoder_deg":{encoder_deg!r}'
+        line += ENCODER % encoder_deg
     if temp_c == temp_c:  # noqa: PLR0124
-        line += f',"temp_c":{temp_c!r}'
+        line += TEMPERATURE % temp_c
     return line + "}\n"

@@ -7,9 +7,6 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import Axis, values_of
 
-OnProgress = Callable[[str, int, int], None]
-"""Called with what is being done, and how many evaluations of how many are made."""
-
 
 class BudgetSpentError(Exception):
     """All evaluations have been made; a search ends here."""

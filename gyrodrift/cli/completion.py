@@ -1,0 +1,104 @@
+"""Print what makes a shell complete commands, options and their values with the tabulator key.
+
+Once for the session: eval "$(gyrodrift completion bash)", likewise zsh (behind compinit), or
+gyrodrift completion fish | source. For good: put that line into ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish.
+"""
+
+import argparse
+import os
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from gyrodrift.cli import COMMANDS, parser_of
+
+EXAMPLES = """\
+eval "$(gyrodrift completion bash)"
+gyrodrift completion fish > ~/.config/fish/completions/gyrodrift.fish
+"""
+
+SHELLS = ("bash", "zsh", "fish")
+DEVICES = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("shell", choices=SHELLS, help="whose script to print")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the script; 0 then."""
+    from argcomplete.shell_integration import shellcode
+
+    print(shellcode(["gyrodrift"], shell=arguments.shell))
+    return 0
+
+
+def complete() -> None:
+    """Answer a shell that asks how a line goes on, and end the process."""
+    from argcomplete.completers import BaseCompleter, DirectoriesCompleter, FilesCompleter
+    from argcomplete.finders import CompletionFinder
+
+    class Values(BaseCompleter):
+        """Words that may stand for an argument: names that we know, or else files."""
+
+        def __call__(
+            self,
+            *,
+            prefix: str,
+            action: argparse.Action,
+            parser: argparse.ArgumentParser,
+            parsed_args: argparse.Namespace,
+        ) -> Iterable[str]:
+            what = str(action.metavar or action.dest)
+            if what in NAMES:
+                return NAMES[what]()
+            if action.type is not Path:
+                return ()
+            kind: Any = DirectoriesCompleter if what == "DIR" else FilesCompleter
+            return list(kind()(prefix=prefix, action=action, parser=parser, parsed_args=parsed_args))
+
+    CompletionFinder()(_whole_parser(os.environ.get("COMP_LINE", "")), default_completer=Values())
+
+
+def _whole_parser(line: str) -> argparse.ArgumentParser:
+    """All commands, and the options of the one that stands in the line: the others are not asked for."""
+    parser = argparse.ArgumentParser(prog="gyrodrift")
+    parser.add_argument("--version", action="store_true", help="the version")
+    commands = parser.add_subparsers()
+    asked = line.split()[1:2]
+    for name, what in COMMANDS.items():
+        parents = [parser_of(name)] if asked == [name] else []
+        commands.add_parser(name, help=what, parents=parents, add_help=not parents)
+    return parser
+
+
+def _profiles() -> list[str]:
+    from firmware_sim.motion.profile import shipped_profiles
+
+    return [*shipped_profiles(), *_files("*.yaml")]
+
+
+def _effects() -> list[str]:
+    from firmware_sim.effects.catalogue import CATALOGUE
+
+    return list(CATALOGUE)
+
+
+def _ports() -> list[str]:
+    return [str(path) for pattern in DEVICES for path in Path("/").glob(pattern.removeprefix("/"))]
+
+
+def _files(pattern: str) -> list[str]:
+    return [path.name for path in Path().glob(pattern)]
+
+
+NAMES: dict[str, Callable[[], list[str]]] = {
+    "PROFILE": _profiles,
+    "EFFECT": _effects,
+    "NAME[:param=value,...]": _effects,
+    "port": _ports,
+    "COMMAND": partial(list, COMMANDS),
+}
+"""By what an argument stands for, the names that there are."""

@@ -1,0 +1,24 @@
+"""Say what a command does and what it takes, or which commands there are."""
+
+import argparse
+
+EXAMPLES = """\
+gyrodrift help
+gyrodrift help serve
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("topic", nargs="?", metavar="COMMAND", help="which one (default: all of them, a line each)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print it; 0 then."""
+    from gyrodrift.cli import COMMANDS, parser_of, program_parser
+    from gyrodrift.cli.parser import unknown
+
+    if arguments.topic is not None and arguments.topic not in COMMANDS:
+        raise unknown("command", arguments.topic, COMMANDS)
+    (parser_of(arguments.topic) if arguments.topic else program_parser()).print_help()
+    return 0

@@ -1,0 +1,78 @@
+"""Completion in real shells: what the tabulator key makes of a line."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+import pytest
+from support import Command, Terminal
+
+BIN = Path(sys.executable).parent
+
+
+def environment() -> Mapping[str, str]:
+    """Our program first; no history, nothing of the person who runs this."""
+    return {"PATH": f"{BIN}:/usr/bin:/bin", "HISTFILE": "/dev/null", "PS1": "$ ", "HOME": "/nonexistent"}
+
+
+LINES = [
+    ("gyrodrift di", "gyrodrift diagnose "),
+    ("gyrodrift tune --me", "gyrodrift tune --method "),
+    ("gyrodrift tune --filter re", "gyrodrift tune --filter restlevel "),
+    ("gyrodrift simulate --effect scale_f", "gyrodrift simulate --effect scale_factor "),
+    ("gyrodrift help conv", "gyrodrift help convert "),
+    ("gyrodrift convert my-ses", "gyrodrift convert my-session.csv "),
+]
+
+
+@pytest.mark.parametrize(
+    ("shell", "start"),
+    [
+        (["bash", "--norc", "--noprofile", "-i"], 'eval "$(gyrodrift completion bash)"'),
+        (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrodrift completion zsh)"'),
+    ],
+    ids=["bash", "zsh"],
+)
+def test_the_tabulator_key_goes_on_with_a_line(
+    shell: list[str], start: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Commands, options, their values, names that the program knows, and files."""
+    if shutil.which(shell[0]) is None:
+        pytest.skip(f"there is no {shell[0]} here")
+    (tmp_path / "my-session.csv").touch()
+    monkeypatch.chdir(tmp_path)
+    with Terminal(*shell, environment=environment(), rows=50) as terminal:
+        terminal.keys(f"{start}; echo re''ady\n")
+        terminal.until(lambda shown: "\nready" in shown.text, "shell that is ready")
+        for typed, expected in LINES:
+            terminal.keys(f"{typed}\t#\n")  # the mark shows where the line went on
+            terminal.until(partial(shows, f"{expected}#"), expected)
+
+
+def shows(line: str, terminal: Terminal) -> bool:
+    return line in terminal.text
+
+
+def test_fish_goes_on_with_a_line() -> None:
+    """By the command with which fish asks for completions."""
+    fish = shutil.which("fish")
+    if fish is None:
+        pytest.skip("there is no fish here")
+    asked = "; ".join(f"complete -C '{typed}'" for typed, _ in LINES[:-1])
+    script = f"gyrodrift completion fish | source; {asked}"
+    done = subprocess.run(
+        [fish, "--no-config", "-c", script], env=environment(), capture_output=True, text=True, check=True
+    )
+    words = [line.partition("\t")[0].strip() for line in done.stdout.splitlines()]
+    for _, expected in LINES[:-1]:
+        assert expected.split()[-1] in words
+
+
+def test_an_unknown_shell_is_told_which_there_are() -> None:
+    """With 2."""
+    with Command("completion", "bsh") as run:
+        assert run.end() == 2
+    assert run.log == "gyrodrift: shell bsh: did you mean bash or zsh?\n"

@@ -1,0 +1,122 @@
+"""How far a long command has come: on a terminal, and nowhere else."""
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from support import Terminal, ours
+
+from gyrodrift.cli import main
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two of twenty seconds."""
+    folder = tmp_path_factory.mktemp("progress") / "sessions"
+    words = ["--sessions", "2", "--minutes", "0.4", "--seed", "1", "--profile", "identify"]
+    assert main(["simulate", "--out", str(folder), *words]) == 0
+    return folder
+
+
+LEFT = rb"left\D+\d:\d\d:\d\d"
+"""Hours, minutes and seconds, in colours."""
+
+QUICK = {
+    "simulate": (["--out", "{out}/new", "--minutes", "1"], "samples"),
+    "filter": (["{one}", "--out", "{out}/yaw.csv"], "samples"),
+    "convert": (["{one}", "{out}/one.csv"], "samples written"),
+    "info": (["{all}"], "sessions"),
+}
+
+
+def words(name: str, arguments: Sequence[str], sessions: Path, out: Path) -> list[str]:
+    places = {"one": sessions / "session-01.mcap", "all": sessions, "out": out}
+    return [name, *(word.format(**places) for word in arguments)]
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_quick_ones_show_a_bar_that_is_gone_in_the_end(name: str, sessions: Path, tmp_path: Path) -> None:
+    """With what is being done; what the command tells is all that stays."""
+    arguments, what = QUICK[name]
+    with Terminal(*ours(*words(name, arguments, sessions, tmp_path)), columns=120, streams=["stderr"]) as terminal:
+        assert terminal.end() == 0
+        assert what.encode() in terminal.sent
+        assert re.search(rb"\d+/\d+", terminal.sent)
+        assert " left " not in terminal.text
+        assert terminal.text.count("/") == 0 or name == "simulate"
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_pipe_and_a_quiet_terminal_see_nothing_of_it(name: str, sessions: Path, tmp_path: Path) -> None:
+    """Also where colours are forced."""
+    arguments, _ = QUICK[name]
+    line = words(name, arguments, sessions, tmp_path)
+    with Terminal(*ours(*line, "--quiet"), streams=["stderr"], environment={"FORCE_COLOR": "1"}) as terminal:
+        assert terminal.end() == 0
+        assert terminal.sent == b""
+    again = [*line, "--force"] if name in ("simulate", "convert") else line
+    environment = {"FORCE_COLOR": "1", "PATH": "/usr/bin"}
+    done = subprocess.run(ours(*again), capture_output=True, text=True, check=True, env=environment)
+    assert "\x1b" not in done.stderr
+    assert "left" not in done.stderr
+
+
+def test_a_pager_is_not_drawn_over(sessions: Path) -> None:
+    """Rows that go to a terminal or into a pipe come without a bar."""
+    with Terminal(*ours("filter", sessions / "session-01.mcap"), columns=200) as terminal:
+        assert terminal.end() == 0
+        assert b"read" not in terminal.sent
+        assert b"yaw_deg" in terminal.sent
+
+
+LONG = {
+    "tune": ["{all}", "--out", "{out}/c.yaml", "--iterations", "60", "--jobs", "1"],
+    "compare": ["{all}", "--jobs", "1"],
+    "diagnose": ["{all}", "--out", "{out}/report", "--jobs", "1"],
+}
+NEXT = {"tune": "sessions read", "compare": "sessions", "diagnose": "sessions checked"}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_long_ones_show_something_before_they_load_their_packages(name: str, sessions: Path, tmp_path: Path) -> None:
+    """Then what they do, with the time that is left; Ctrl-C leaves the terminal as it was."""
+    line = words(name, LONG[name], sessions, tmp_path)
+    with Terminal(*ours(*line), columns=120, streams=["stderr"]) as terminal:
+        terminal.until(lambda shown: "packages" in shown.text, "packages")
+        terminal.until(lambda shown: NEXT[name] in shown.text, NEXT[name])
+        terminal.until(lambda shown: " left " in shown.text, "time left")
+        assert ("all of it" in terminal.text) == (name == "diagnose")
+        terminal.process.send_signal(signal.SIGINT)
+        terminal.end()
+        assert " left " not in terminal.text
+        assert b"\x1b[?25h" in terminal.sent, "the cursor is back"
+
+
+def test_no_colour_where_none_is_wanted(tmp_path: Path) -> None:
+    """NO_COLOR takes them from the bars."""
+    line = ours("simulate", "--out", tmp_path / "new", "--minutes", "1")
+    with Terminal(*line, streams=["stderr"], environment={"NO_COLOR": "1"}) as terminal:
+        assert terminal.end() == 0
+        assert b"samples" in terminal.sent
+        assert not re.search(rb"\x1b\[[\d;]*3[0-7][\d;]*m|\x1b\[[\d;]*38;", terminal.sent)
+
+
+LOGGING = "from gyrodrift.log import open_log; open_log().info('gap', missing=3)"
+
+
+@pytest.mark.parametrize(
+    ("environment", "is_coloured"),
+    [({}, True), ({"NO_COLOR": "1"}, False), ({"NO_COLOR": ""}, True), ({"NO_COLOR": "1", "FORCE_COLOR": "1"}, True)],
+)
+def test_the_log_on_a_terminal_has_the_colours_that_are_wanted(
+    environment: dict[str, str], *, is_coloured: bool
+) -> None:
+    """None where NO_COLOR says something, unless FORCE_COLOR does too."""
+    with Terminal(sys.executable, "-c", LOGGING, environment=environment) as terminal:
+        assert terminal.end() == 0
+        assert "missing=3" in terminal.text
+        assert (b"\x1b[3" in terminal.sent) == is_coloured
