@@ -41,6 +41,7 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
     return {
         "command": command,
         "version": __version__,
+        "filter": tuning.filter.name,
         "method": tuning.method,
         "seed": tuning.run.seed,
         "iterations": len(tuning.run.history),
