@@ -108,9 +108,9 @@ def tiles(parts: Sequence[str]) -> str:
     return f'<div class="tiles">\n{inside}\n</div>'
 
 
-def tile(heading: str, rows: Sequence[tuple[str, str]]) -> str:
-    """A few values under their names, which are HTML, the first one large."""
-    kinds = [' class="main"', *[""] * len(rows)]
+def tile(heading: str, rows: Sequence[tuple[str, str]], large: int = 1) -> str:
+    """A few values under their names, which are HTML, the first ones large: one, or as many as are said."""
+    kinds = [*[' class="main"'] * large, *[""] * len(rows)]
     inside = "".join(f"<dt>{name}</dt><dd{kind}>{value}</dd>" for (name, value), kind in zip(rows, kinds, strict=False))
     return f'<div class="tile"><h3>{text(heading)}</h3><dl>{inside}</dl></div>'
 

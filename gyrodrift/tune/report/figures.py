@@ -16,6 +16,7 @@ from gyrodrift.html.svg import (
     INK,
     PLAIN,
     QUIET,
+    ROLES,
     STEPS,
     TUNED,
     TWO,
@@ -24,6 +25,7 @@ from gyrodrift.html.svg import (
     label_factors,
     label_steps,
     styled,
+    switched,
     thinned,
 )
 from gyrodrift.tune.result import Run, Tuning
@@ -201,5 +203,6 @@ def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
 def _draw_errors(panel: Axes, curve: YawCurves) -> None:
     panel.axhline(0.0, color=QUIET, linewidth=0.6)
     for error_deg, colour in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
-        panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
+        (line,) = panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
+        switched(line, ROLES[colour])
     label_steps(panel.yaxis, 4)
