@@ -162,9 +162,10 @@ def _kinds(cells: int, words: int) -> list[str]:
     return ["", *[' class="number"'] * (cells - 1 - words), *[""] * words]
 
 
-def figure(caption: str, inside: str) -> str:
-    """A figure with its caption, which are HTML."""
-    return f"<figure>\n<figcaption>{caption}</figcaption>\n{inside}\n</figure>"
+def figure(caption: str, inside: str, kind: str = "") -> str:
+    """A figure with its caption, which are HTML; with a class of the style sheet: `compact` drawings fit any screen."""
+    opening = f'<figure class="{kind}">' if kind else "<figure>"
+    return f"{opening}\n<figcaption>{caption}</figcaption>\n{inside}\n</figure>"
 
 
 def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:

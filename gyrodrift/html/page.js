@@ -216,7 +216,6 @@ class Figure {
     this.names.forEach(name => this.arm(name));
     if (this.names.length > 1) this.names.at(-1).after(" ", this.button("all", true), " ", this.button("none", false));
     all(figure, ".panel > .name").forEach(name => name.prepend(this.enlarger(name.parentElement)));
-    if (this.drawings.length) figure.querySelector("figcaption").append(made("span", "hint", HINT));
   }
 
   arm(name) {
@@ -261,6 +260,8 @@ class Figure {
   }
 }
 
-addEventListener("DOMContentLoaded", () =>
-  all(document, "figure").filter(one => one.querySelector("[data-curve]")).forEach(one => new Figure(one)));
+addEventListener("DOMContentLoaded", () => {
+  const figures = all(document, "figure").filter(one => one.querySelector("[data-curve]")).map(one => new Figure(one));
+  figures[0]?.figure.querySelector("figcaption").append(made("span", "hint", HINT)); // said once
+});
 })();

@@ -13,7 +13,7 @@ from gyrodrift.tune.result import Pi, Tuning
 
 def search(tuning: Tuning) -> str:
     """The section of both figures and the table of the cost."""
-    cost = figure(f"{figure_name(1, published=6)} {_search_words(tuning)}", search_svg(tuning))
+    cost = figure(f"{figure_name(1, published=6)} {_search_words(tuning)}", search_svg(tuning), "compact")
     names = [_density_name(tuning, axis) for axis in tuning.axes]
     where = figure(f"{figure_name(2, published=7)} {_density_words(tuning)}", panels(names, density_svgs(tuning)))
     return section("The search", cost, _pi_table(tuning), where)
