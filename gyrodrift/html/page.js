@@ -6,6 +6,7 @@
 const HINT = "Click a name to switch its curves, with Shift for it alone. Drag across a panel to zoom into that time; " +
   "a double click shows all of it again. The vertical scale follows what is shown.";
 const MOST_TICKS = 6;
+const LEAST_APART = { x: 16, y: 9 }; // of marks, in units of the drawing
 const LEAST_SHARE = 1e-3; // of a panel's width: no deeper zoom
 const MARGIN = 0.06;
 
@@ -68,8 +69,17 @@ class Axis {
   show(low, high, isWhole) {
     this.extra.forEach(one => one.remove());
     this.drawn.forEach(one => one.classList.toggle("passed", !isWhole));
-    this.extra = isWhole || !this.drawn.length ? [] : marks(this.kind, this.value(low), this.value(high)).map(value =>
-      this.mark(value, this.begin + (this.pixel(value) - low) / (high - low) * (this.end - this.begin)));
+    this.extra = isWhole || !this.drawn.length ? [] : this.places(low, high).map(([value, at]) => this.mark(value, at));
+  }
+
+  /* Marks and where they come to stand, with room for what is written. */
+  places(low, high) {
+    const kept = [], least = LEAST_APART[this.group.dataset.axis];
+    for (const value of marks(this.kind, this.value(low), this.value(high))) {
+      const at = this.begin + (this.pixel(value) - low) / (high - low) * (this.end - this.begin);
+      if (kept.every(([, other]) => Math.abs(other - at) >= least)) kept.push([value, at]);
+    }
+    return kept;
   }
 
   mark(value, pixel) {
@@ -110,6 +120,7 @@ class Panel {
     this.x = new Axis(group.querySelector("[data-axis=x]"), left, right, x);
     this.y = new Axis(group.querySelector("[data-axis=y]"), bottom, top, y);
     this.curves = all(group, "[data-curve]").map(one => new Curve(one));
+    this.lines = all(group, "[data-line]").map(one => new Curve(one));
   }
 
   show(low, high) {
@@ -117,7 +128,7 @@ class Panel {
     const [bottom, top] = isWhole ? [this.bottom, this.top] : this.heights(low, high);
     const across = (this.right - this.left) / (high - low), up = (this.top - this.bottom) / (top - bottom);
     const map = isWhole ? null : (x, y) => [this.left + (x - low) * across, this.bottom + (y - bottom) * up];
-    this.curves.forEach(one => one.draw(map));
+    [...this.curves, ...this.lines].forEach(one => one.draw(map));
     this.x.show(low, high, isWhole);
     this.y.show(bottom, top, isWhole);
   }

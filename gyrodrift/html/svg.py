@@ -71,8 +71,8 @@ STEPS = (1, 2, 5, 10)
 """Between marks of a scale that is not logarithmic, times a power of ten."""
 
 
-CURVE = "curve."
-"""What the ids of switched curves begin with; keys are of letters, figures, _ and -."""
+CURVE, LINE = "curve.", "line."
+"""What the ids of switched curves and of other lines begin with; keys are of letters, figures, _ and -."""
 
 
 @contextmanager
@@ -110,6 +110,11 @@ def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
 def switched(curve: Artist, key: str) -> None:
     """Let the names with this key (see `html.switches`) switch a curve, and make its panel one to zoom into."""
     curve.set_gid(f"{CURVE}{key}")
+
+
+def follows(line: Artist) -> None:
+    """Let a line that is no curve, such as that at 0, follow where its panel is zoomed into."""
+    line.set_gid(f"{LINE}0")
 
 
 class Polyline(NamedTuple):
@@ -184,6 +189,7 @@ def _armed(svg: str, figure: Figure) -> str:
         name = "x" if number % 2 else "y"
         svg = svg.replace(f' id="matplotlib.axis_{number}"', f' data-axis="{name}"', 1)
     svg = re.sub(r' id="[xy]tick_\d+"', ' class="tick"', svg)
+    svg = re.sub(rf' id="{re.escape(LINE)}([\w-]+)"', r' data-line="\1"', svg)
     return re.sub(rf' id="{re.escape(CURVE)}([\w-]+)"', r' data-curve="\1"', svg)
 
 

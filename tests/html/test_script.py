@@ -12,7 +12,7 @@ from page_support import parsed, words
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.html.html import figure, header, page, panels, switches
-from gyrodrift.html.svg import TUNED, TWO, as_svg, canvas, label_steps, styled, switched
+from gyrodrift.html.svg import TUNED, TWO, as_svg, canvas, follows, label_steps, styled, switched
 
 HELPERS = """
 const svg = document.querySelector("svg[role=img]");
@@ -41,6 +41,7 @@ def two_curves() -> str:
         for key, highest, colour in (("small", 1.0, TUNED), ("large", 100.0, TWO)):
             (line,) = axes.plot(minutes, highest * minutes / 10.0, color=colour)
             switched(line, key)
+        follows(axes.axhline(50.0))
         axes.set(xlim=(0.0, 10.0), ylim=(0.0, 100.0))
         label_steps(axes.xaxis, 5)
         label_steps(axes.yaxis, 5)
@@ -68,10 +69,12 @@ said.none = both();
 all.click();
 said.all = both();
 
+said.level = document.querySelector("[data-line] path").getBBox().y;
 const line = () => paths("large").getAttribute("d");
 said.before = line();
 drag(0.4, 0.6);
 said.zoomed = [ticks("x"), ticks("y"), line()];
+said.followed = document.querySelector("[data-line] path").getBBox().y;
 svg.dispatchEvent(new MouseEvent("dblclick"));
 said.out = [ticks("x"), ticks("y"), line()];
 
@@ -131,6 +134,7 @@ def test_dragging_zooms_into_a_time_and_a_double_click_leaves_it(said: dict[str,
     assert {"4.5", "5", "5.5"} <= set(x) <= {"4", "4.5", "5", "5.5", "6"}
     assert y == ["0", "20", "40", "60"]
     assert line != said["before"]
+    assert said["followed"] < said["level"] - 20.0, "the line at 50 rises, since the panel ends at 60 now"
     assert said["out"] == [["0", "2", "4", "6", "8", "10"], said["drawn"][2], said["before"]]
 
 

@@ -22,6 +22,7 @@ from gyrodrift.html.svg import (
     TWO,
     as_svg,
     canvas,
+    follows,
     label_factors,
     label_steps,
     styled,
@@ -201,7 +202,7 @@ def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
 
 
 def _draw_errors(panel: Axes, curve: YawCurves) -> None:
-    panel.axhline(0.0, color=QUIET, linewidth=0.6)
+    follows(panel.axhline(0.0, color=QUIET, linewidth=0.6))
     for error_deg, colour in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
         (line,) = panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
         switched(line, ROLES[colour])
