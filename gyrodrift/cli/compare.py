@@ -17,7 +17,8 @@ from gyrodrift.cli import options
 from gyrodrift.files import check_writable
 
 if TYPE_CHECKING:
-    from gyrodrift.compare.comparison import Comparison, ComparisonRequest
+    from gyrodrift.compare.comparison import Comparison, ComparisonRequest, ConfigFile
+    from gyrodrift.config.model import Config
     from gyrodrift.progress import Progress
 
 EXAMPLES = """\
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
-        options.need_packages("compare", "cma", "matplotlib", "numba")
+        options.need_packages("compare", "cma", "matplotlib", "numba", "scipy")
         from gyrodrift.compare.comparison import compare
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
@@ -86,9 +87,19 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
         stills=frozenset(stills),
         iterations=arguments.iterations,
         seed=arguments.seed,
+        config=_config_file(arguments.config, config) if arguments.config else None,
         jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
     )
+
+
+def _config_file(path: Path, config: "Config") -> "ConfigFile":
+    """What the comparison tells of it."""
+    from gyrodrift.compare.comparison import ConfigFile
+    from gyrodrift.evaluation.dataset import digest_of
+    from gyrodrift.tune.provenance import read_provenance
+
+    return ConfigFile(str(path), digest_of(path), frozenset(config.blocks), read_provenance(path))
 
 
 def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
@@ -97,10 +108,12 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
     if arguments.out is not None:
         from gyrodrift.compare.report.page import report_html
         from gyrodrift.files import write_whole
+        from gyrodrift.html.provenance import Provenance, date_now, set_name
 
         command = shlex.join(arguments.command_line)
+        made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())
         write_json(arguments.out / "compare.json", comparison, command)
-        write_whole(arguments.out / "report.html", [report_html(comparison, command)])
+        write_whole(arguments.out / "report.html", [report_html(comparison, made)])
     for note in comparison.notes:
         print(f"gyrodrift: note: {note}", file=sys.stderr)
     for line in summary(comparison):

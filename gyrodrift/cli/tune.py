@@ -139,10 +139,13 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     write_config(arguments.out, tuning, command)
     if arguments.report is not None:
         from gyrodrift.files import write_whole
+        from gyrodrift.html.provenance import Provenance, date_now, set_name
         from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", tuning)
-        write_whole(arguments.report / "report.html", [report_html(tuning, command)])
+        given = [*arguments.paths, *arguments.still, *arguments.test]
+        made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
+        write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
     for line in summary(tuning):

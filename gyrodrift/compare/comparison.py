@@ -3,8 +3,10 @@
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 
+from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.compare.tuning import tuned
@@ -18,12 +20,36 @@ from gyrodrift.evaluation.dataset import (
     rates_differ,
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
+from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
 from gyrodrift.progress import OnProgress, untold
+from gyrodrift.tune.provenance import TuningProvenance
 
 CURVE_POINTS = 300
 PLOTTED = 24
 """Of more sessions than this, curves are kept of the first of each folder only."""
+
+
+class ParamsFrom(Enum):
+    """Where the parameters come from that a method runs with."""
+
+    DEFAULTS = "defaults"
+    CONFIG = "config"
+    TRAINING = "training"
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigFile:
+    """The config that was given: its name, the SHA-256 of its content, the filters it has parameters of.
+
+    tuning
+        Where `tune` found them; None where the file does not say.
+    """
+
+    name: str
+    sha256: str
+    filters: frozenset[str]
+    tuning: TuningProvenance | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +62,8 @@ class ComparisonRequest:
         Sessions to tune on; without any nothing is tuned.
     iterations, seed
         Of the search for each method.
+    config
+        Where parameters of the methods come from that are not their defaults.
     """
 
     paths: Sequence[Path]
@@ -44,32 +72,48 @@ class ComparisonRequest:
     stills: frozenset[Path] = frozenset()
     iterations: int = 3000
     seed: int = 0
+    config: ConfigFile | None = None
     jobs: int = 1
     progress: OnProgress = untold
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A row of the comparison: a method with the parameters it ran with."""
+    """A row of the comparison: a method with the parameters it ran with.
+
+    trained_on
+        SHA-256 of the sessions that these parameters were tuned on.
+    """
 
     method: Method
     params: Params
-    is_tuned: bool = False
+    source: ParamsFrom = ParamsFrom.DEFAULTS
+    trained_on: frozenset[str] = frozenset()
+
+    @property
+    def is_tuned(self) -> bool:
+        """In this comparison."""
+        return self.source is ParamsFrom.TRAINING
 
     @property
     def title(self) -> str:
         """For people."""
-        marks = [word for word, is_so in (("tuned", self.is_tuned), ("offline", self.method.is_offline)) if is_so]
-        return ", ".join([self.method.title, *marks])
+        source = {ParamsFrom.TRAINING: ["tuned"], ParamsFrom.CONFIG: ["by config"]}.get(self.source, [])
+        return ", ".join([self.method.title, *source, *["offline"] * self.method.is_offline])
 
 
 @dataclass(frozen=True, slots=True)
 class ComparedSession:
-    """A session with a score for every entry, in their order; `curves` have a yaw for each, where it is plotted."""
+    """A session with a score for every entry, in their order; `curves` have a yaw for each, where it is plotted.
+
+    uncertainties
+        Likewise; None of an entry that states none.
+    """
 
     session: SessionSummary
     folder: str
     scores: tuple[Score, ...]
+    uncertainties: tuple[Uncertainty | None, ...]
     curves: YawCurves | None = None
 
 
@@ -79,8 +123,10 @@ class Comparison:
 
     missing
         Methods that could not run, since their packages are not installed.
-    train
-        Names of the sessions that the tuned entries were tuned on, after that of their folder.
+    train, trained_on
+        Names of the sessions that the tuned entries were tuned on, after that of their folder; and the sessions.
+    config
+        The file that was given; None where none was.
     notes, seconds
         What should be known before believing it, a sentence each, and how long it took.
     """
@@ -89,6 +135,8 @@ class Comparison:
     missing: tuple[Method, ...]
     sessions: tuple[ComparedSession, ...]
     train: tuple[str, ...]
+    trained_on: tuple[SessionSummary, ...]
+    config: ConfigFile | None
     iterations: int
     seed: int
     notes: tuple[str, ...]
@@ -104,6 +152,25 @@ class Comparison:
         """Over the sessions of each folder, by entry."""
         names = dict.fromkeys(one.folder for one in self.sessions)
         return {name: _means([one for one in self.sessions if one.folder == name]) for name in names}
+
+    @property
+    def mean_uncertainties(self) -> tuple[Uncertainty | None, ...]:
+        """Over all sessions, by entry."""
+        return tuple(map(mean_uncertainty, zip(*(one.uncertainties for one in self.sessions), strict=True)))
+
+    @property
+    def ranked(self) -> tuple[int, ...]:
+        """Numbers of the entries, the one with the least mean E first."""
+        return tuple(sorted(range(len(self.entries)), key=lambda at: self.means[at].e_deg))
+
+    @property
+    def streaming(self) -> tuple[int, ...]:
+        """Those of them that a device can run, the best first."""
+        return tuple(at for at in self.ranked if not self.entries[at].method.is_offline)
+
+    def seen_by(self, entry: Entry) -> list[ComparedSession]:
+        """The sessions that the parameters of an entry were tuned on."""
+        return [one for one in self.sessions if one.session.digest in entry.trained_on]
 
 
 def _means(sessions: Sequence[ComparedSession]) -> tuple[Score, ...]:
@@ -122,19 +189,38 @@ def compare(asked: ComparisonRequest) -> Comparison:
     present = [method for method in asked.methods if method.is_installed]
     train = _loaded(asked)
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
-    entries = [Entry(method, method.defaults) for method in present]
-    entries += [Entry(method, found[method.key], is_tuned=True) for method in present if method.key in found]
+    digests = frozenset(one.description.digest for one in train)
+    entries = [_given(method, asked.config) for method in present]
+    entries += [_tuned_entry(entry, found[entry.method.key], digests) for entry in entries if entry.method.key in found]
     sessions, trained_in = _run(asked, entries), folder_names(asked.train)
     return Comparison(
         entries=tuple(entries),
         missing=tuple(method for method in asked.methods if not method.is_installed),
         sessions=tuple(sessions),
         train=tuple(f"{folder}/{path.stem}" for folder, path in zip(trained_in, asked.train, strict=True)),
+        trained_on=tuple(one.description for one in train),
+        config=asked.config,
         iterations=asked.iterations,
         seed=asked.seed,
-        notes=tuple(_notes(entries, sessions, train)),
+        notes=tuple(_notes(asked, entries, sessions, train)),
         seconds=time.monotonic() - begun_s,
     )
+
+
+def _given(method: Method, config: ConfigFile | None) -> Entry:
+    """A method as it comes: with its defaults, or with what a config says."""
+    if config is None or method.key not in config.filters:
+        return Entry(method, method.defaults)
+    tuning = config.tuning
+    is_tuned = tuning is not None and tuning.filter == method.key
+    seen = frozenset(session.sha256 for session in tuning.training) if tuning is not None and is_tuned else frozenset()
+    return Entry(method, method.defaults, ParamsFrom.CONFIG, seen)
+
+
+def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry:
+    """Where the search ended above the parameters that were there, these know the sessions that they were tuned on."""
+    known = given.trained_on if params == given.params else frozenset()
+    return Entry(given.method, params, ParamsFrom.TRAINING, digests | known)
 
 
 def _source(path: Path, asked: ComparisonRequest) -> Source:
@@ -180,13 +266,30 @@ def _compared(work: _Work) -> ComparedSession:
     loaded, known = load_with_reference(work.source), by_key()
     reference = loaded.reference
     yaws_deg = [known[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
-    scores = tuple(score_of(reference, yaw_deg) for yaw_deg in yaws_deg)
-    curves = yaw_curves(loaded, yaws_deg, CURVE_POINTS) if work.is_plotted else None
-    return ComparedSession(loaded.description, work.folder, scores, curves)
+    return ComparedSession(
+        session=loaded.description,
+        folder=work.folder,
+        scores=tuple(score_of(reference, yaw_deg) for yaw_deg in yaws_deg),
+        uncertainties=tuple(
+            _uncertainty(known[key], params, loaded, yaw_deg)
+            for (key, params), yaw_deg in zip(work.runs, yaws_deg, strict=True)
+        ),
+        curves=yaw_curves(loaded, yaws_deg, CURVE_POINTS) if work.is_plotted else None,
+    )
+
+
+def _uncertainty(method: Method, params: Params, loaded: LoadedSession, yaw_deg: Floats) -> Uncertainty | None:
+    if method.sigma is None:
+        return None
+    reference = loaded.reference
+    return uncertainty_of(reference, yaw_deg, method.sigma(loaded.t_s, reference.rate_dps, params))
 
 
 def _notes(
-    entries: Sequence[Entry], compared: Sequence[ComparedSession], train: Sequence[LoadedSession]
+    asked: ComparisonRequest,
+    entries: Sequence[Entry],
+    compared: Sequence[ComparedSession],
+    train: Sequence[LoadedSession],
 ) -> Iterator[str]:
     sessions, trained_on = [one.session for one in compared], [one.description for one in train]
     yield from (warning for session in sessions for warning in session.warnings)
@@ -194,6 +297,13 @@ def _notes(
     both = [session.name for session in sessions if session.digest in digests]
     if both:
         yield f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on"
+    for entry in entries:
+        known = [session.name for session in sessions if session.digest in entry.trained_on]
+        if known and entry.source is ParamsFrom.CONFIG and asked.config is not None:
+            yield (
+                f"the row {entry.title} flatters: {asked.config.name} was tuned on {', '.join(known)}, "
+                "which it is scored on"
+            )
     counting = " and of ".join(one.method.title for one in entries if one.is_tuned and one.method.counts_samples)
     if counting and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
         yield f"sample rates differ: tuned steps of {counting} count samples of one rate"

@@ -1,8 +1,12 @@
 """`gyrodrift compare`: tables, files, tuned rows, and every way to go wrong."""
 
 import json
+import re
 from dataclasses import replace
+from hashlib import sha256
+from math import pi, sqrt
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -11,6 +15,8 @@ from page_support import parsed, row, words
 from turntable_sessions import RATE_HZ, turntable, write_turntables
 
 from gyrodrift.cli import main
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
@@ -35,6 +41,23 @@ def told(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     arguments = ["--train", str(tables / "b"), "--iterations", "40", "--jobs", "2", "--out", str(out)]
     assert main(["compare", str(tables / "a"), str(tables / "b"), *arguments]) == 0
     return out
+
+
+@pytest.fixture(scope="module")
+def by_tune(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a config that `tune` found on the second folder, and what a comparison of both with it wrote."""
+    folder = tmp_path_factory.mktemp("by_tune")
+    arguments = ["--test", str(tables / "a"), "--iterations", "40", "--report", str(folder)]
+    assert main(["tune", str(tables / "b"), *arguments, "--out", str(folder / "c.yaml")]) == 0
+    both = [str(tables / "a"), str(tables / "b")]
+    assert main(["compare", *both, "--config", str(folder / "c.yaml"), "--jobs", "1", "--out", str(folder)]) == 0
+    return folder
+
+
+def first_cells(html: str) -> list[str]:
+    """Of the rows of the first table with its names."""
+    body = next(parsed(html).iter("tbody"))
+    return [" ".join("".join(one[0].itertext()).split()) for one in body]
 
 
 def numbers(folder: Path) -> dict[str, Any]:
@@ -93,11 +116,9 @@ def test_tuning_makes_no_method_worse_where_it_was_tuned(told: Path) -> None:
         assert tuned["pi_deg2"] <= plain["pi_deg2"]
 
 
-def test_the_search_is_the_one_of_tune(tables: Path, told: Path, tmp_path: Path) -> None:
+def test_the_search_is_the_one_of_tune(told: Path, by_tune: Path) -> None:
     """HDR comes out with the parameters that `tune` finds on the same sessions with the same budget."""
-    arguments = ["--test", str(tables / "a"), "--iterations", "40", "--report", str(tmp_path)]
-    assert main(["tune", str(tables / "b"), *arguments, "--out", str(tmp_path / "c.yaml")]) == 0
-    tuned = json.loads((tmp_path / "tune.json").read_text())["parameters"]
+    tuned = json.loads((by_tune / "tune.json").read_text())["parameters"]
     assert of(numbers(told)["methods"], "hdr", tuned=True)["parameters"] == pytest.approx(tuned, rel=1e-9)
 
 
@@ -105,12 +126,83 @@ def test_the_page_shows_all_of_it(told: Path) -> None:
     """One file, well formed, asking for nothing."""
     html = (told / "report.html").read_text()
     assert row(html, "Euler")[0] == "Euler"
-    assert row(html, "HDR, tuned")
+    assert "HDR, tuned ▲ tuned on 2 of these" in first_cells(html)
     assert "the tuned rows flatter: they were tuned on table-0, table-1 too" in words(html)
     assert row(html, "a/table-1")
-    drawn = [one for one in parsed(html).iter() if one.tag.endswith("}svg") and one.attrib.get("role") == "img"]
-    assert len(drawn) == 2 * 4
+    assert sum("data-scales" in one.attrib for one in parsed(html).iter()) == 2 * 4 * 2, "yaw and error, twice"
+    assert [one.text for one in parsed(html).iter("h2")][-1] == "Provenance"
+    assert parsed(html).findtext("head/title") == "Yaw drift compared on a and b"
+    (script,) = parsed(html).iter("script")
+    assert not script.attrib
     assert "http://" not in html.replace("http://www.w3.org", "")
+
+
+def test_rows_are_sorted_and_the_best_that_streams_is_marked(told: Path) -> None:
+    """By E; with the sessions as dots, on which side of the mean each lies."""
+    said, html = numbers(told), (told / "report.html").read_text()
+    ranked = sorted(said["methods"], key=lambda one: float(one["e_deg"]))
+    cells = first_cells(html)
+    assert [cell.partition(" ▲")[0].removesuffix(" best") for cell in cells] == [one["title"] for one in ranked]
+    best = next(one for one in ranked if not one["offline"])
+    assert [cell for cell in cells if "best" in cell.partition(" ▲")[0]] == [
+        cell for cell in cells if cell.startswith(f"{best['title']} best")
+    ]
+    assert said["best"] == best["method"]
+    dots = [one for one in parsed(html).iter() if one.tag.endswith("circle")]
+    assert len(dots) == 4 * len(ranked)
+
+
+def test_what_restlevel_says_of_its_yaw_is_held_against_the_reference(tables: Path, told: Path) -> None:
+    """Share within two standard deviations, and CRPS, by the filter itself, sample by sample; HDR states nothing."""
+    session = load_session(tables / "a" / "table-0.csv")
+    assert session.encoder_deg is not None
+    known, state = coefficients(RestlevelParams()), RestlevelState()
+    inside, scores = [], []
+    for t_s, rate_dps, angle_deg in zip(
+        session.t_device_s.tolist(), session.rate_dps.tolist(), session.encoder_deg.tolist(), strict=True
+    ):
+        step(known, state, t_s, rate_dps)
+        error_deg, sigma_deg = state.yaw_deg - (angle_deg - session.encoder_deg[0]), state.yaw_sigma_deg
+        inside.append(abs(error_deg) <= 2.0 * sigma_deg)
+        scores.append(abs(error_deg) if sigma_deg == 0.0 else crps(error_deg / sigma_deg) * sigma_deg)
+    first = numbers(told)["sessions"][0]["methods"]
+    assert of(first, "restlevel")["within_2_sigma"] == pytest.approx(np.mean(inside))
+    assert of(first, "restlevel")["crps_deg"] == pytest.approx(np.mean(scores), rel=1e-6)
+    assert of(first, "hdr")["within_2_sigma"] is of(first, "hdr")["crps_deg"] is None
+
+
+def crps(z: float) -> float:
+    """Of a standard normal distribution, by E|X − z| − E|X − X'|/2."""
+    normal = NormalDist()
+    return z * (2.0 * normal.cdf(z) - 1.0) + 2.0 * normal.pdf(z) - 1.0 / sqrt(pi)
+
+
+def test_a_config_that_tune_wrote_is_told_of_with_the_sessions_that_it_saw(by_tune: Path, tables: Path) -> None:
+    """By their content: the first folder has the same names. Nothing claims that nothing was tuned."""
+    said, html = numbers(by_tune), words((by_tune / "report.html").read_text())
+    config = by_tune / "c.yaml"
+    note = f"the row HDR, by config flatters: {config} was tuned on table-0, table-1, which it is scored on"
+    assert said["notes"] == [note]
+    assert note in html
+    assert f"HDR ran with the parameters of {config}, which tune found (40 evaluations, seed 0) on 2 sessions" in html
+    assert "2 of those compared are among them" in html
+    assert "Every other method ran with its defaults." in html
+    (cell,) = (one for one in first_cells((by_tune / "report.html").read_text()) if one.startswith("HDR"))
+    assert re.fullmatch("HDR, by config( best)? ▲ tuned on 2 of these", cell)
+    hdr = of(said["methods"], "hdr")
+    assert (hdr["parameters_from"], hdr["trained_on"]) == ("config", ["table-0", "table-1"])
+    assert of(said["methods"], "restlevel")["parameters_from"] == "defaults"
+    assert sha256(config.read_bytes()).hexdigest() in html
+
+
+def test_sessions_that_a_config_never_saw_flatter_nobody(
+    by_tune: Path, tables: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of the other folder were its test."""
+    assert main(["compare", str(tables / "a"), "--config", str(by_tune / "c.yaml"), "--jobs", "1"]) == 0
+    told = capsys.readouterr()
+    assert "none of those compared is among them" in told.out
+    assert "flatters" not in told.err
 
 
 def test_a_rate_that_differs_from_the_one_tuned_at_is_told(
@@ -132,13 +224,19 @@ def test_a_table_without_tuning_says_so_and_nothing_is_written(
     monkeypatch.chdir(tmp_path)
     assert main(["compare", str(tables / "a"), str(tables / "b"), "--jobs", "1"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("mean over 4 sessions; E and largest error in deg")
-    assert lines[1].split() == ["E", "NE", "PI", "largest"]
-    assert [line.split()[0] for line in lines[2:4]] == ["Euler", "start"]
+    assert lines[0].startswith("mean over 4 sessions; E, largest error and CRPS in deg")
+    assert lines[1].split() == ["E", "NE", "PI", "largest", "2σ", "CRPS"]
+    rows = lines[2 : 2 + len(installed())]
+    errors_deg = [float(re.split(r"  +", line.lstrip("* "))[1]) for line in rows]
+    assert errors_deg == sorted(errors_deg)
+    assert sum(line.startswith("* ") for line in rows) == 1
     at = lines.index("mean E by folder, deg")
     assert lines[at + 1].split() == installed()
     assert [line.split()[0] for line in lines[at + 2 : at + 4]] == ["a", "b"]
-    assert lines[-1] == "nothing is tuned here: give sessions to tune every method on with --train"
+    assert lines[-2:] == [
+        "Every method ran with its defaults.",
+        "Nothing was tuned for this comparison: --train gives sessions to tune every method on.",
+    ]
     assert not list(tmp_path.iterdir())
 
 
@@ -153,7 +251,7 @@ def test_a_package_that_is_missing_is_named(
     assert said["missing"] == [{"method": "vqf", "package": "vqf"}, {"method": "vqf_offline", "package": "vqf"}]
     assert not any(one["method"].startswith("vqf") for one in said["methods"])
     html = (tmp_path / "report.html").read_text()
-    assert row(html, "VQF") == ["VQF", "–", "–", "–", "–"]
+    assert row(html, "VQF") == ["VQF", *["–"] * 6, ""]
 
 
 def test_the_config_is_that_of_the_filter(tables: Path, tmp_path: Path) -> None:
@@ -164,6 +262,8 @@ def test_the_config_is_that_of_the_filter(tables: Path, tmp_path: Path) -> None:
     assert main(["compare", str(tables / "a"), *arguments]) == 0
     assert of(numbers(tmp_path)["methods"], "hdr")["parameters"]["theta_w_dps"] == 3.0
     assert of(numbers(tmp_path)["methods"], "hdr")["e_deg"] < 2.0
+    told = words((tmp_path / "report.html").read_text())
+    assert f"HDR ran with the parameters of {config}, which does not say where they come from." in told
 
 
 def test_a_still_needs_no_encoder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

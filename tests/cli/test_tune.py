@@ -95,10 +95,12 @@ def test_the_numbers_are_those_of_the_filter_itself(eight: Path, tuned: Path) ->
     assert told["pi_train"] < 0.01 * told["euler_pi_train"]
 
 
-def test_the_report_is_one_file(tuned: Path) -> None:
-    """With every session in it."""
+def test_the_report_is_one_file(eight: Path, tuned: Path) -> None:
+    """With every session and its hash in it."""
     page = (tuned / "report.html").read_text()
     assert all(one["name"] in page for one in numbers(tuned)["sessions"])
+    assert f"HDR tuned on {eight.resolve().name}" in page
+    assert all(sha256(path.read_bytes()).hexdigest() in page for path in eight.iterdir())
     assert "http://" not in page.replace("http://www.w3.org", "")
 
 

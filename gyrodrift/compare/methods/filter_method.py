@@ -2,6 +2,8 @@
 
 from dataclasses import asdict
 
+import numpy as np
+
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
@@ -16,6 +18,12 @@ def filter_method(chosen: Filter, params: FilterParams | None = None) -> Method:
     def run(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
         return kernel_of(chosen).yaw(steps_s(t_s), rate_dps, row_of(chosen.params(**params))[0])
 
+    def sigma(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
+        stated = kernel_of(chosen).sigma
+        if stated is None:
+            return np.full(len(t_s), np.nan)
+        return stated(steps_s(t_s), rate_dps, row_of(chosen.params(**params))[0])
+
     return Method(
         chosen.name,
         chosen.title or chosen.name,
@@ -24,6 +32,7 @@ def filter_method(chosen: Filter, params: FilterParams | None = None) -> Method:
         axes_of(chosen),
         about=chosen.about,
         counts_samples=chosen.counts_samples,
+        sigma=sigma,
         colour=chosen.colour,
         dash=chosen.dash,
     )

@@ -35,6 +35,9 @@ class Method:
         Where the defaults come from, and what a package cannot do. A sentence or two.
     counts_samples
         Its tuned parameters belong to the sample rate they were found at.
+    sigma
+        The standard deviation that it states of its yaw, deg, shape (n,), from what `run` takes; None where it states
+        none, and NaN likewise.
     colour, dash
         How it is drawn: a role of the page's style sheet, and `-` or `--`.
     """
@@ -48,6 +51,7 @@ class Method:
     is_offline: bool = False
     about: str = ""
     counts_samples: bool = False
+    sigma: Run | None = None
     colour: str = "ink"
     dash: str = "-"
 

@@ -18,8 +18,10 @@ from gyrodrift.html.svg import (
     STEPS,
     as_svg,
     canvas,
+    follows,
     label_steps,
     styled,
+    switched,
     thinned,
 )
 
@@ -47,28 +49,36 @@ def look_of(entry: Entry) -> Look:
     return Look(COLOURS[entry.method.colour], entry.method.dash)
 
 
-def session_svgs(
-    sessions: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int], name: str
-) -> list[str]:
+def key_of(entry: Entry) -> str:
+    """What its curves are switched by."""
+    return f"{entry.method.key}-{entry.source.value}"
+
+
+def session_svgs(sessions: Sequence[ComparedSession], entries: Sequence[Entry], shown: Sequence[int]) -> list[str]:
     """A panel a session that has curves, of some of the entries: yaw above, and below how far it is off."""
     with styled():
-        looks = [(at, look_of(entries[at])) for at in shown]
+        chosen = [(at, entries[at]) for at in shown]
         return [
-            _session_svg(one.curves, looks, f"{name}-{number}")
+            _session_svg(one.curves, chosen, f"{chosen[0][1].source.value}-{number}")
             for number, one in enumerate(sessions)
             if one.curves is not None
         ]
 
 
-def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Look]], name: str) -> str:
+def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Entry]], name: str) -> str:
     figure = canvas(3.1, 2.7, left=0.22, bottom=0.13, top=0.97, right=0.97)
     above, below = figure.subplots(2, 1, sharex=True)
-    below.axhline(0.0, color=QUIET, linewidth=0.6)
+    follows(below.axhline(0.0, color=QUIET, linewidth=0.6))
     errors_deg = curves.errors_deg
-    for at, look in lines:
-        for panel, line in ((above, curves.yaw_deg[at]), (below, errors_deg[at])):
-            panel.plot(*thinned(curves.minutes, line), color=look.colour, linestyle=look.dash, linewidth=1.0)
-    above.plot(*thinned(curves.minutes, curves.reference_deg), color=INK, linestyle=":", linewidth=1.2)
+    for at, entry in reversed(lines):  # the best one on top
+        look = look_of(entry)
+        for panel, yaw_deg in ((above, curves.yaw_deg[at]), (below, errors_deg[at])):
+            (line,) = panel.plot(
+                *thinned(curves.minutes, yaw_deg), color=look.colour, linestyle=look.dash, linewidth=1.0
+            )
+            switched(line, key_of(entry))
+    (line,) = above.plot(*thinned(curves.minutes, curves.reference_deg), color=INK, linestyle=":", linewidth=1.2)
+    switched(line, "reference")
     label_steps(above.yaxis, 4)
     above.set_ylabel("yaw, deg")
     _scale_errors(below, [errors_deg[at] for at, _ in lines])

@@ -3,14 +3,17 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry
+from gyrodrift.compare.comparison import ComparedSession, Comparison, ConfigFile, Entry
 from gyrodrift.compare.methods.method import Method
+from gyrodrift.compare.report.sources import sources
 from gyrodrift.evaluation.score import Score
+from gyrodrift.evaluation.uncertainty import Uncertainty
 from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
 
@@ -31,7 +34,9 @@ def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
         "train": list(comparison.train),
         "iterations": comparison.iterations if comparison.train else None,
         "seed": comparison.seed if comparison.train else None,
-        "methods": [_entry(*pair) for pair in zip(comparison.entries, comparison.means, strict=True)],
+        "config": _config(comparison.config),
+        "best": comparison.entries[best_of(comparison)].method.key,
+        "methods": [_entry(comparison, at) for at in range(len(comparison.entries))],
         "missing": [{"method": method.key, "package": method.package} for method in comparison.missing],
         "folders": [
             {"folder": name, "methods": _scores(comparison.entries, means)}
@@ -44,7 +49,15 @@ def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
     write_whole(path, [json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False), "\n"])
 
 
-def _entry(entry: Entry, mean: Score) -> dict[str, Any]:
+def _config(config: ConfigFile | None) -> dict[str, Any] | None:
+    if config is None:
+        return None
+    tuning = None if config.tuning is None else {"filter": config.tuning.filter, "command": config.tuning.command}
+    return {"name": config.name, "sha256": config.sha256, "filters": sorted(config.filters), "tuning": tuning}
+
+
+def _entry(comparison: Comparison, at: int) -> dict[str, Any]:
+    entry, stated = comparison.entries[at], comparison.mean_uncertainties[at]
     return {
         "method": entry.method.key,
         "title": entry.title,
@@ -54,7 +67,10 @@ def _entry(entry: Entry, mean: Score) -> dict[str, Any]:
         "version": entry.method.version or None,
         "about": entry.method.about,
         "parameters": dict(entry.params),
-        **_numbers(mean),
+        "parameters_from": entry.source.value,
+        "trained_on": [one.session.name for one in comparison.seen_by(entry)],
+        **_numbers(comparison.means[at]),
+        **_stated(stated),
     }
 
 
@@ -72,7 +88,18 @@ def _session(entries: Sequence[Entry], one: ComparedSession) -> dict[str, Any]:
         "sha256": one.session.digest,
         "minutes": one.session.minutes,
         "sample_rate_hz": one.session.sample_rate_hz,
-        "methods": _scores(entries, one.scores),
+        "methods": [
+            {**score, **_stated(stated)}
+            for score, stated in zip(_scores(entries, one.scores), one.uncertainties, strict=True)
+        ],
+    }
+
+
+def _stated(stated: Uncertainty | None) -> dict[str, float | None]:
+    """Null for a method that states no uncertainty."""
+    return {
+        "within_2_sigma": None if stated is None else stated.coverage,
+        "crps_deg": None if stated is None else stated.crps_deg,
     }
 
 
@@ -81,19 +108,37 @@ def _numbers(score: Score) -> dict[str, float | None]:
 
 
 def summary(comparison: Comparison) -> list[str]:
-    """The table of means over all sessions, with several folders that of E by folder, and what is not in them."""
+    """The table of means over all sessions, the best first; with several folders that of E by folder; what ran."""
     sessions = len(comparison.sessions)
-    lines = [
-        f"mean over {sessions} session{'s' * (sessions > 1)}; E and largest error in deg, NE in deg/min, PI in deg²"
-    ]
-    rows = [[entry.title, *cells(mean)] for entry, mean in zip(comparison.entries, comparison.means, strict=True)]
-    lines += _aligned([["", "E", "NE", "PI", "largest"], *rows])
+    counted = f"mean over {sessions} session{'s' * (sessions > 1)}; E, largest error and CRPS in deg"
+    lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best that streams"]
+    lines += _aligned(
+        [["", "E", "NE", "PI", "largest", "2σ", "CRPS"], *map(partial(_line, comparison), comparison.ranked)]
+    )
     lines += [f"{method.title}: {absence(method)}" for method in comparison.missing]
     if len(comparison.folders) > 1:
         lines += ["", "mean E by folder, deg", *_by_folder(comparison)]
-    if not comparison.train:
-        lines += ["", "nothing is tuned here: give sessions to tune every method on with --train"]
-    return lines
+    return [*lines, "", *sources(comparison)]
+
+
+def _line(comparison: Comparison, at: int) -> list[str]:
+    """A row of the terminal's table; the best of what streams is marked."""
+    mark = "* " if at == best_of(comparison) else "  "
+    return [
+        mark + comparison.entries[at].title,
+        *cells(comparison.means[at]),
+        *uncertainty_cells(comparison.mean_uncertainties[at]),
+    ]
+
+
+def best_of(comparison: Comparison) -> int:
+    """Number of the entry with the least mean E, of those that a device can run; of all where there is no such."""
+    return (*comparison.streaming, *comparison.ranked)[0]
+
+
+def uncertainty_cells(stated: Uncertainty | None) -> list[str]:
+    """The share within two standard deviations, and CRPS."""
+    return ["–", "–"] if stated is None else [f"{100.0 * stated.coverage:.0f} %", significant(stated.crps_deg, DIGITS)]
 
 
 def cells(score: Score) -> list[str]:

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.kernels.stepped import stepped_sums, stepped_yaw
+from gyrodrift.evaluation.kernels.stepped import stepped_sigma, stepped_sums, stepped_yaw
 from gyrodrift.filters.filter import Filter
 
 GROUP = 8
@@ -25,11 +25,14 @@ class Kernel:
         largest absolute error in deg; inf where yaw left the floats.
     yaw
         From steps, rates and one candidate, shape (parameters,), to yaw in deg, shape (n,).
+    sigma
+        From the same to the standard deviation of yaw in deg, shape (n,); None for a filter that does not state it.
     """
 
     prepare: Callable[[Floats], Any]
     sums: Callable[[Floats, Floats, Floats, Floats, Any], Floats]
     yaw: Callable[[Floats, Floats, Floats], Floats]
+    sigma: Callable[[Floats, Floats, Floats], Floats] | None = None
 
 
 def kernel_of(chosen: Filter) -> Kernel:
@@ -42,6 +45,7 @@ def kernel_of(chosen: Filter) -> Kernel:
         lambda _group: None,
         lambda dt_s, rate_dps, reference_deg, group, _: stepped_sums(chosen, dt_s, rate_dps, reference_deg, group),
         lambda dt_s, rate_dps, candidate: stepped_yaw(chosen, dt_s, rate_dps, candidate),
+        lambda dt_s, rate_dps, candidate: stepped_sigma(chosen, dt_s, rate_dps, candidate),
     )
 
 

@@ -36,6 +36,12 @@ def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
     return yaw_deg
 
 
+def sigma(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
+    """Standard deviation of the yaw of one parameter vector, deg, shape (n,)."""
+    sigma_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()))[1]
+    return sigma_deg
+
+
 def _coefficients(row: list[float]) -> Any:
     return array_of(coefficients(RestlevelParams(*row)))
 
@@ -68,4 +74,5 @@ KERNEL = Kernel(
     lambda _group: None,
     lambda dt_s, rate_dps, reference_deg, group, _: sums(dt_s, rate_dps, reference_deg, group),
     yaw,
+    sigma,
 )

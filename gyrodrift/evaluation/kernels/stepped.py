@@ -7,16 +7,28 @@ from gyrodrift.filters.filter import Filter
 
 
 def stepped_yaw(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats) -> Floats:
-    """Yaw of one candidate, deg, shape (n,).
+    """Yaw of one candidate, deg, shape (n,)."""
+    yaw_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate)[0]
+    return yaw_deg
+
+
+def stepped_sigma(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats) -> Floats:
+    """Standard deviation of the yaw of one candidate, deg, shape (n,); NaN of a filter that does not state it."""
+    sigma_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate)[1]
+    return sigma_deg
+
+
+def _stepped(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats) -> Floats:
+    """Yaw and its standard deviation, deg, shape (2, n).
 
     A step takes times, not their differences: they are added up from 0, which may round the last digit of a step.
     """
     state, coefficients = chosen.state(), chosen.coefficients(chosen.params(*candidate.tolist()))
-    yaw_deg = np.empty(len(dt_s))
+    found = np.empty((2, len(dt_s)))
     for n, (t_s, dps) in enumerate(zip(np.cumsum(dt_s).tolist(), rate_dps.tolist(), strict=True)):
         chosen.step(coefficients, state, t_s, dps)
-        yaw_deg[n] = state.yaw_deg
-    return yaw_deg
+        found[:, n] = state.yaw_deg, state.yaw_sigma_deg
+    return found
 
 
 def stepped_sums(chosen: Filter, dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:

@@ -16,14 +16,17 @@ from gyrodrift.html.svg import (
     INK,
     PLAIN,
     QUIET,
+    ROLES,
     STEPS,
     TUNED,
     TWO,
     as_svg,
     canvas,
+    follows,
     label_factors,
     label_steps,
     styled,
+    switched,
     thinned,
 )
 from gyrodrift.tune.result import Run, Tuning
@@ -44,14 +47,14 @@ WORTH_A_ZOOM = 0.5
 def search_svg(tuning: Tuning) -> str:
     """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
     with styled():
-        figure = canvas(9.6, 3.7, left=0.065, bottom=0.115, top=0.98)
+        figure = canvas(5.4, 3.0, left=0.11, bottom=0.135, top=0.98)
         axes = figure.add_subplot()
         axes.set_yscale("log")
         _draw_costs(axes, tuning)
         axes.set_xlim(0.0, len(tuning.run.history) + 1.0)
         _limit_costs(axes, tuning)
         axes.xaxis.set_major_locator(MaxNLocator(8, steps=STEPS, integer=True))
-        axes.set_xlabel("iteration (evaluation of the cost)")
+        axes.set_xlabel("iteration (evaluation of the cost)", labelpad=1.0)
         axes.set_ylabel("PI, deg²")
         return as_svg(figure, "search", "Cost by iteration on a logarithmic scale")
 
@@ -199,7 +202,8 @@ def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
 
 
 def _draw_errors(panel: Axes, curve: YawCurves) -> None:
-    panel.axhline(0.0, color=QUIET, linewidth=0.6)
+    follows(panel.axhline(0.0, color=QUIET, linewidth=0.6))
     for error_deg, colour in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
-        panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
+        (line,) = panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
+        switched(line, ROLES[colour])
     label_steps(panel.yaxis, 4)

@@ -36,11 +36,18 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
     write_whole(path, [f"{line}\n" for line in head])
 
 
+def config_text(tuning: Tuning) -> str:
+    """What `serve` takes of the config, without where it comes from."""
+    content = {"filter": tuning.filter.name, tuning.filter.name: asdict(tuning.run.params)}
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).strip()
+
+
 def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
     """Where the parameters come from, and what they were worth; `serve` passes it by."""
     return {
         "command": command,
         "version": __version__,
+        "filter": tuning.filter.name,
         "method": tuning.method,
         "seed": tuning.run.seed,
         "iterations": len(tuning.run.history),

@@ -1,7 +1,6 @@
-"""How it was done, in the report of a tuning: method, cost, seeds, time, and the command to do it again."""
+"""How it was done, in the report of a tuning: method, cost, seeds and time."""
 
-from gyrodrift import __version__
-from gyrodrift.html.html import command_line, facts, headings, paragraph, section, table, text
+from gyrodrift.html.html import facts, headings, paragraph, section, table, text
 from gyrodrift.html.numbers import significant
 from gyrodrift.tune.report.parameters import found
 from gyrodrift.tune.report.search import pi_cells
@@ -23,8 +22,8 @@ COST = (
 )
 
 
-def how_it_was_done(tuning: Tuning, command: str) -> str:
-    """The last section of the page."""
+def how_it_was_done(tuning: Tuning) -> str:
+    """The section of the method."""
     rows = [
         ("Method", _method(tuning.method)),
         ("Cost", COST),
@@ -32,10 +31,9 @@ def how_it_was_done(tuning: Tuning, command: str) -> str:
         ("Seed", _seed_words(tuning)),
         ("Sample rate", f"{tuning.sample_rate_hz:.6g} Hz"),
         ("Took", f"{significant(tuning.seconds, 3)} s"),
-        ("Made by", f"gyrodrift {text(__version__)}"),
     ]
-    note = paragraph("Figures and tables have the numbers that they have in the published method.", "note")
-    return section("How it was done", facts(rows), _seeds_table(tuning), command_line(command), note)
+    note = paragraph("Published: the number that a figure or table has in the published method.", "note")
+    return section("How it was done", facts(rows), _seeds_table(tuning), note)
 
 
 def _method(name: str) -> str:

@@ -1,40 +1,56 @@
 """The report of a tuning: one HTML file for a person, with what was found, how good it is, and how it was done."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.html.html import header, page, paragraph, tile, tiles, warnings
 from gyrodrift.html.numbers import degrees, mean, significant
+from gyrodrift.html.provenance import Provenance, UsedFile, provenance
+from gyrodrift.tune.report.files import config_text
 from gyrodrift.tune.report.method import how_it_was_done
 from gyrodrift.tune.report.parameters import parameter, parameters
 from gyrodrift.tune.report.search import search
 from gyrodrift.tune.report.sessions import by_session, over_time
 from gyrodrift.tune.result import SessionScore, Tuning
 
+USES = {Split.TRAIN: "training", Split.TEST: "test"}
 
-def report_html(tuning: Tuning, command: str = "") -> str:
-    """The page of a tuning, with the command that made it; the same for the same tuning."""
+
+def report_html(tuning: Tuning, made: Provenance) -> str:
+    """The page of a tuning, and where it comes from; the same for the same of both."""
     body = [
-        _verdict(tuning),
+        _verdict(tuning, made.set_name),
         parameters(tuning),
         search(tuning),
         over_time(tuning),
         by_session(tuning),
-        how_it_was_done(tuning, command),
+        how_it_was_done(tuning),
+        provenance(_made(tuning, made)),
     ]
-    return page("Tuning report", body)
+    return page(
+        f"{tuning.filter.title or tuning.filter.name} tuned on {made.set_name}", [part for part in body if part]
+    )
 
 
-def _verdict(tuning: Tuning) -> str:
+def _made(tuning: Tuning, made: Provenance) -> Provenance:
+    """With the sessions and what they were used for, and the config that was found."""
+    used = [UsedFile(one.session.name, one.session.digest, USES[one.split]) for one in tuning.scores]
+    return replace(made, sessions=used, config_text=config_text(tuning))
+
+
+def _verdict(tuning: Tuning, set_name: str) -> str:
     plain_deg, tuned_deg, where = judged(tuning)
+    count = len(tuning.scores)
     return header(
-        "gyrodrift tune · report",
+        f"gyrodrift tune · {tuning.filter.title or tuning.filter.name} on {set_name}, "
+        f"{count} session{'s' * (count > 1)}",
         _headline(plain_deg, tuned_deg, where),
         warnings("Before believing it", tuning.warnings),
         paragraph(_in_words(tuning)),
-        tiles([_tile(tuning, split) for split in (Split.TEST, Split.TRAIN)]),
+        tiles([part for part in (_held_out_tile(tuning), _training_tile(tuning)) if part]),
         paragraph(_what_to_do(tuning, is_better=tuned_deg < plain_deg)),
     )
 
@@ -96,21 +112,38 @@ def _times(factor: float) -> str:
     return f"{factor:.1f} times less" if factor < 10.0 else f"{significant(factor, 2)} times less"
 
 
-def _tile(tuning: Tuning, split: Split) -> str:
-    scores = tuning.scores_on(split)
+def _held_out_tile(tuning: Tuning) -> str:
+    """The error to expect of a new session, large; nothing where no session was held out."""
+    scores = tuning.scores_on(Split.TEST)
+    if scores:
+        return tile(f"Held out: mean E of {_counted(len(scores))}", _tile_rows(tuning, scores))
+    held_out = tuning.cross_validation
+    if not held_out:
+        return ""
+    plain_deg, tuned_deg, _ = judged(tuning)
+    rows = [("tuned on the others", degrees(tuned_deg)), ("plain integration", degrees(plain_deg))]
+    return tile(f"Each held out in turn: mean E of {_counted(len(held_out))}", rows)
+
+
+def _training_tile(tuning: Tuning) -> str:
+    """The error where it was tuned, which is no promise; never large."""
+    scores = tuning.scores_on(Split.TRAIN)
     if not scores:
         return ""
-    plain_deg, tuned_deg = tuning.mean_e_deg(split)
-    kind = "Test" if split is Split.TEST else "Training"
-    rows = [
-        ("tuned filter", degrees(tuned_deg)),
-        ("plain integration", degrees(plain_deg)),
-        (
-            f"filter with {tuning.filter.reduced_model.title} tuned",
-            degrees(mean([score.reduced.e_deg for score in scores])),
-        ),
+    return tile(f"Training: mean E of {_counted(len(scores))}", _tile_rows(tuning, scores), large=0)
+
+
+def _tile_rows(tuning: Tuning, scores: Sequence[SessionScore]) -> list[tuple[str, str]]:
+    reduced_deg = mean([score.reduced.e_deg for score in scores])
+    return [
+        ("tuned filter", degrees(mean([score.tuned.e_deg for score in scores]))),
+        ("plain integration", degrees(mean([score.euler.e_deg for score in scores]))),
+        (f"filter with {tuning.filter.reduced_model.title} tuned", degrees(reduced_deg)),
     ]
-    return tile(f"{kind}: mean E of {len(scores)} session{'s' * (len(scores) > 1)}", rows)
+
+
+def _counted(count: int) -> str:
+    return f"{count} session{'s' * (count > 1)}"
 
 
 def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:

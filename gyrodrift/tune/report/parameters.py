@@ -3,6 +3,7 @@
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import headings, paragraph, section, span, table, text
 from gyrodrift.html.numbers import Numbers, significant
+from gyrodrift.tune.report.numbering import table_name
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import bound_of
 
@@ -22,7 +23,7 @@ def parameters(tuning: Tuning) -> str:
     spread = [f"over {1 + len(tuning.others)} seeds"] if tuning.others else []
     head = headings(["parameter", "found", *spread, "searched", "where in its range", "what it does"], words=2)
     rows = [_row(tuning, axis) for axis in tuning.axes]
-    caption = "<b>Table 1.</b> The parameters found."
+    caption = f"{table_name(1, published=1)} The parameters found."
     if any(bound_of(axis, found(tuning.run, axis)) for axis in tuning.axes):
         caption += (
             " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "

@@ -1,4 +1,4 @@
-"""The search in the report of a tuning: Figure 6, what it cost; Figure 7, where it looked."""
+"""The search in the report of a tuning: Figure 1, what it cost; Figure 2, where it looked."""
 
 import numpy as np
 
@@ -6,15 +6,16 @@ from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import figure, headings, legend, panels, section, span, table, text
 from gyrodrift.html.numbers import significant
 from gyrodrift.tune.report.figures import DOTS, density_svgs, highest_drawn, search_svg
+from gyrodrift.tune.report.numbering import figure_name, table_name
 from gyrodrift.tune.report.parameters import parameter
 from gyrodrift.tune.result import Pi, Tuning
 
 
 def search(tuning: Tuning) -> str:
     """The section of both figures and the table of the cost."""
-    cost = figure(f"<b>Figure 6.</b> {_search_words(tuning)}", search_svg(tuning))
+    cost = figure(f"{figure_name(1, published=6)} {_search_words(tuning)}", search_svg(tuning), "compact")
     names = [_density_name(tuning, axis) for axis in tuning.axes]
-    where = figure(f"<b>Figure 7.</b> {_density_words(tuning)}", panels(names, density_svgs(tuning)))
+    where = figure(f"{figure_name(2, published=7)} {_density_words(tuning)}", panels(names, density_svgs(tuning)))
     return section("The search", cost, _pi_table(tuning), where)
 
 
@@ -69,7 +70,7 @@ def _pi_table(tuning: Tuning) -> str:
     has_test = any(pi.test is not None for _, pi in rows)
     head = headings(["PI, deg²", "training", *["test"] * has_test])
     cells = [[name, *pi_cells(pi, has_test=has_test)] for name, pi in rows]
-    return table("The cost: mean over the sessions of the mean squared yaw error.", head, cells)
+    return table(f"{table_name(2)} The cost: mean over the sessions of the mean squared yaw error.", head, cells)
 
 
 def pi_cells(pi: Pi, *, has_test: bool) -> list[str]:

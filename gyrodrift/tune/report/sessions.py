@@ -1,26 +1,27 @@
-"""The sessions in the report of a tuning: Figures 8 and 9, yaw error over time; Tables 2 and 3, its mean."""
+"""The sessions in the report of a tuning: from Figure 3 on yaw error over time, from Table 3 on its mean."""
 
 from collections.abc import Sequence
 
 from gyrodrift.evaluation.dataset import Split
-from gyrodrift.html.html import figure, headings, legend, panels, paragraph, section, span, table, text
+from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, switches, table, text
 from gyrodrift.html.numbers import Numbers, degrees, even, mean
 from gyrodrift.tune.report.figures import drift_svgs, heights
+from gyrodrift.tune.report.numbering import figure_name, table_name
 from gyrodrift.tune.result import SessionScore, Tuning
 
 PANELS = 12
 """Sessions in a figure; with more of them the page would be long and say no more."""
 
-LEGEND = legend([("plain", "key", "plain integration"), ("tuned", "key", "tuned filter")])
+LEGEND = switches([("plain", "plain", "key", "plain integration"), ("tuned", "tuned", "key", "tuned filter")])
 
 
 def over_time(tuning: Tuning) -> str:
     """The section of the figures; nothing where there are no curves."""
-    numbered = ((8, "training", Split.TRAIN), (9, "test", Split.TEST))
+    published = ((8, "training", Split.TRAIN), (9, "test", Split.TEST))
+    drawn = [each for each in published if any(score.curves is not None for score in tuning.scores_on(each[2]))]
     parts = [
-        _drift_figure(f"<b>Figure {number}.</b> Yaw error over time, {kind} sessions.", tuning.scores_on(split))
-        for number, kind, split in numbered
-        if any(score.curves is not None for score in tuning.scores_on(split))
+        _drift_figure(f"{figure_name(number, known_as)} Yaw error over time, {kind} sessions.", tuning.scores_on(split))
+        for number, (known_as, kind, split) in enumerate(drawn, 3)
     ]
     return section("Yaw error over time", *parts) if parts else ""
 
@@ -50,15 +51,15 @@ def _panel_name(score: SessionScore) -> str:
 def by_session(tuning: Tuning) -> str:
     """The section of the tables."""
     train, test = tuning.scores_on(Split.TRAIN), tuning.scores_on(Split.TEST)
+    given = [each for each in ((2, "Training", train), (3, "Test", test)) if each[2]]
     parts = [
-        _scores_table(f"<b>Table {number}.</b> {kind} sessions.", scores, tuning.filter.reduced_model.title)
-        for number, kind, scores in ((2, "Training", train), (3, "Test", test))
-        if scores
+        _scores_table(f"{table_name(number, known_as)} {kind} sessions.", scores, tuning.filter.reduced_model.title)
+        for number, (known_as, kind, scores) in enumerate(given, 3)
     ]
     words = (
         "E is the mean absolute yaw error in degrees, NE is E divided by the session's minutes, in degrees a minute."
     )
-    return section("Session by session", paragraph(words), *parts, _cross_validation_table(tuning))
+    return section("Session by session", paragraph(words), *parts, _cross_validation_table(tuning, 3 + len(parts)))
 
 
 def _scores_table(caption: str, scores: Sequence[SessionScore], reduced_title: str) -> str:
@@ -76,11 +77,11 @@ def _scores_table(caption: str, scores: Sequence[SessionScore], reduced_title: s
 
 
 def _scores_head(reduced_title: str) -> str:
-    group = (
-        '<tr><th></th><th></th><th colspan="2" class="number plain">plain integration</th>'
-        f'<th colspan="2" class="number tuned">tuned filter</th><th class="number two">{reduced_title}</th></tr>\n'
+    plain, tuned, reduced = (
+        span(title, colour)
+        for title, colour in (("plain integration", "plain"), ("tuned filter", "tuned"), (reduced_title, "two"))
     )
-    return group + headings(["session", "minutes", "E", "NE", "E", "NE", "E"])
+    return headings(["session", "minutes", f"{plain} E", f"{plain} NE", f"{tuned} E", f"{tuned} NE", f"{reduced} E"])
 
 
 def _session_name(score: SessionScore) -> str:
@@ -100,7 +101,7 @@ def _with_means(caption: str, head: str, names: Sequence[str], columns: Sequence
     return table(caption, head, rows, means)
 
 
-def _cross_validation_table(tuning: Tuning) -> str:
+def _cross_validation_table(tuning: Tuning, number: int) -> str:
     scores = [score for score in tuning.scores if score.session.name in tuning.cross_validation]
     if not scores:
         return ""
@@ -111,7 +112,7 @@ def _cross_validation_table(tuning: Tuning) -> str:
     ]
     head = headings(["session", "plain integration", "tuned on all", "tuned on the others"])
     caption = (
-        "<b>Leave-one-session-out cross-validation.</b> E in degrees of each session under parameters tuned on all "
-        "others: what to expect of a new session."
+        f"{table_name(number)} Leave-one-session-out cross-validation. E in degrees of each session under parameters "
+        "tuned on all others: what to expect of a new session."
     )
     return _with_means(caption, head, [text(score.session.name) for score in scores], columns)

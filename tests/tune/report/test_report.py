@@ -10,26 +10,29 @@ from page_support import parsed, row, words
 from tuning_support import curve, curve_of, of_e, run, score, tuning
 
 from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.space import axes_of, linear
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.html.provenance import Provenance
 from gyrodrift.tune.result import Pi, Tuning
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.tune.report.page import judged, report_html
 
 AXES = axes_of(HDR)
+MADE = Provenance("walks", "gyrodrift tune walks", "2026-01-02 03:04:05 UTC")
 
 
 @pytest.fixture(scope="module", autouse=True)
 def has_fonts() -> None:
     """The fonts of a picture are opened once in a process and stay open."""
-    report_html(tuning())
+    report_html(tuning(), MADE)
 
 
 def test_it_begins_with_the_verdict() -> None:
     """The error on sessions that the search never saw, and what to do next."""
-    html = report_html(tuning(), "gyrodrift tune <here>")
+    html = report_html(tuning(), replace(MADE, command="gyrodrift tune <here>"))
     assert "Yaw error falls from 56.4° to 0.500° on sessions that the tuning never saw" in words(html)
     assert "110 times less" in words(html)
     assert "gyrodrift serve --port PORT --config FILE.yaml" in words(html)
@@ -37,36 +40,70 @@ def test_it_begins_with_the_verdict() -> None:
     assert "100 Hz" in words(html)
 
 
+def large(html: str) -> list[str]:
+    """The figures that catch the eye."""
+    return ["".join(one.itertext()) for one in parsed(html).iter("dd") if one.get("class") == "main"]
+
+
+def test_the_large_figure_is_the_held_out_error() -> None:
+    """And not the one of the sessions that it was tuned on, however much less that is."""
+    usual = tuning()
+    scores = [replace(one, tuned=of_e(0.5 if one.split is Split.TRAIN else 1.25)) for one in usual.scores]
+    html = report_html(replace(usual, scores=tuple(scores)), MADE)
+    assert large(html) == ["1.25°"]
+    assert "Training: mean E of 2 sessions" in words(html)
+
+
+def test_it_ends_with_where_it_comes_from() -> None:
+    """Sessions with their hashes and uses, command, date, and the config that was found."""
+    first, *others = tuning().scores
+    known = replace(first, session=replace(first.session, digest="ab" * 32))
+    html = report_html(replace(tuning(), scores=(known, *others)), MADE)
+    assert row(html, "walk-0")
+    rows = [["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")]
+    assert ["walk-0", "training", "ab" * 32] in rows
+    assert ["check-1", "test", ""] in rows
+    told = words(html)
+    assert "HDR tuned on walks" in (parsed(html).findtext("head/title") or "")
+    for part in ("2026-01-02 03:04:05 UTC", "walks (4 sessions)", "gyrodrift tune walks", "i_c_dps: 0.000457"):
+        assert part in told
+
+
 def test_tables_hold_the_numbers() -> None:
     """Minutes, E and NE of both, E of the two-parameter filter; means; the cost on both splits."""
-    html = report_html(tuning())
+    html = report_html(tuning(), MADE)
     assert row(html, "walk-0") == ["walk-0", "20.0", "56.4", "2.82", "0.500", "0.0250", "0.750"]
     assert row(html, "check-1")[1:] == row(html, "mean")[1:] == row(html, "walk-0")[1:]
     assert row(html, "plain integration") == ["plain integration", "6877", "2008"]
     assert row(html, "tuned filter") == ["tuned filter", "0.1775", "0.2838"]
     assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000001 – 0.1"]
     assert row(html, "c2")[3] == "at the lower bound"
-    assert all(f"Figure {number}." in words(html) for number in (6, 7, 8, 9))
-    assert all(f"Table {number}." in words(html) for number in (1, 2, 3))
+    told = words(html)
+    figures = re.findall(r"Figure (\d)\. \(published: Figure (\d)\)", told)
+    assert figures == [("1", "6"), ("2", "7"), ("3", "8"), ("4", "9")]
+    assert re.findall(r"Table (\d)\. \(published: Table (\d)\)", told) == [("1", "1"), ("3", "2"), ("4", "3")]
+    assert "Table 2. The cost" in told
 
 
 def test_without_test_sessions_it_says_so() -> None:
     """And shows no columns, table or figure of them."""
-    html = report_html(tuning(train=1, test=0))
+    html = report_html(tuning(train=1, test=0), MADE)
     assert "on the sessions it was tuned on" in words(html)
     assert "No sessions were held out" in words(html)
-    assert "Figure 9" not in words(html)
-    assert "Table 3" not in words(html)
+    assert "Figure 4" not in words(html)
+    assert "Table 4" not in words(html)
     assert row(html, "tuned filter") == ["tuned filter", "0.1775"]
+    assert large(html) == []
 
 
 def test_sessions_held_out_in_turn_are_the_verdict_without_others() -> None:
     """They were not seen by their own tuning."""
     left = replace(tuning(test=0), cross_validation={"walk-0": of_e(1.5), "walk-1": of_e(2.5)})
     assert judged(left) == (56.4, 2.0, "on sessions held out in turn")
-    html = report_html(left)
+    html = report_html(left, MADE)
     assert "Yaw error falls from 56.4° to 2.00° on sessions held out in turn" in words(html)
-    assert "Leave-one-session-out cross-validation." in words(html)
+    assert "Table 4. Leave-one-session-out cross-validation." in words(html)
+    assert large(html) == ["2.00°"]
     assert ["walk-1", "56.4", "0.500", "2.50"] in [
         ["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")
     ]
@@ -75,7 +112,7 @@ def test_sessions_held_out_in_turn_are_the_verdict_without_others() -> None:
 def test_a_filter_that_is_worse_is_not_praised() -> None:
     """Neither in the headline, nor in what to do, nor in its table."""
     worse = replace(tuning(test=0), scores=(score("walk-0", e_tuned_deg=70.0),))
-    html = report_html(worse)
+    html = report_html(worse, MADE)
     assert "No gain on the sessions it was tuned on: yaw error 70.0° tuned, 56.4° by plain integration" in words(html)
     assert "keep the config you have" in words(html)
     assert "▲ worse" in words(html)
@@ -84,7 +121,7 @@ def test_a_filter_that_is_worse_is_not_praised() -> None:
 def test_other_seeds_show_how_far_the_numbers_spread() -> None:
     """In the table of parameters, and in one of their own."""
     other = replace(run(7, pi=Pi(0.21, 0.19)), params=HdrParams(0.0009, 0.02, 0.2, 1.0, 2.0))
-    html = report_html(replace(tuning(), others=(other,)))
+    html = report_html(replace(tuning(), others=(other,)), MADE)
     assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000457 – 0.0009"]
     assert row(html, "7")[:3] == ["7", "0.21", "0.19"]
     assert "over 2 seeds" in words(html)
@@ -92,7 +129,7 @@ def test_other_seeds_show_how_far_the_numbers_spread() -> None:
 
 def test_warnings_stand_before_the_numbers() -> None:
     """Each as it was said."""
-    told = words(report_html(replace(tuning(), warnings=("Two sessions are <few>.", "The rates differ."))))
+    told = words(report_html(replace(tuning(), warnings=("Two sessions are <few>.", "The rates differ.")), MADE))
     assert told.index("Two sessions are <few>.") < told.index("The rates differ.") < told.index("Yaw error is how far")
 
 
@@ -109,10 +146,10 @@ NAMES = [
 def test_any_name_is_only_text(name: str) -> None:
     """Marks of HTML, letters that the figures' font has not, characters that no page may hold."""
     odd = replace(tuning(test=0), scores=(score(name),), cross_validation={name: of_e(1.0)}, method=name)
-    html = report_html(odd, name)
+    html = report_html(odd, replace(MADE, command=name, set_name=name))
     html.encode()
     assert re.sub("[\x00\x1b\udc80\ufffe]", "\ufffd", name) in "".join(parsed(html).itertext())
-    assert "<script" not in html
+    assert html.count("<script") == 1, "the page's own"
 
 
 def numbers_of(svg: str) -> str:
@@ -156,19 +193,21 @@ def odd_tunings() -> dict[str, Tuning]:
 @pytest.mark.parametrize("case", odd_tunings())
 def test_whatever_a_search_ends_as_there_is_a_whole_page(case: str) -> None:
     """Without a warning, and with no number that is none."""
-    html = report_html(odd_tunings()[case])
-    assert "Figure 7." in words(html)
+    html = report_html(odd_tunings()[case], MADE)
+    assert "Figure 2." in words(html)
     assert not re.search(r"\b(nan|inf|None)\b", words(html), re.IGNORECASE)
     assert not re.search(r"nan|inf", numbers_of(html), re.IGNORECASE)
 
 
-def test_it_asks_for_nothing_and_runs_nothing() -> None:
+def test_it_asks_for_nothing_and_runs_its_own_script_alone() -> None:
     """No address is in an attribute but those that name what SVG is, and every reference stays in the page."""
-    html = report_html(tuning())
+    html = report_html(tuning(), MADE)
+    (script,) = parsed(html).iter("script")
+    assert not script.attrib
     names: list[str] = []
     references: list[str] = []
     for element in parsed(html).iter():
-        assert element.tag.rpartition("}")[2] not in {"script", "link", "img", "image", "iframe", "object"}
+        assert element.tag.rpartition("}")[2] not in {"link", "img", "image", "iframe", "object"}
         for key, value in element.attrib.items():
             assert "//" not in value
             assert not key.startswith("on")
@@ -182,7 +221,7 @@ def test_it_asks_for_nothing_and_runs_nothing() -> None:
 
 def test_figures_take_their_colours_from_the_page() -> None:
     """Not one is left that light or dark would hide."""
-    html = report_html(tuning())
+    html = report_html(tuning(), MADE)
     svgs = re.findall(r"<svg.*?</svg>", html, re.DOTALL)
     assert len(svgs) == 1 + 5 + 4 + len(AXES)
     used = set(re.findall(r"var\(--(\w+)\)", "".join(svgs)))
@@ -194,9 +233,9 @@ def test_the_same_tuning_gives_the_same_bytes() -> None:
     """However matplotlib is set to, which it is again afterwards."""
     import matplotlib as mpl  # noqa: PLC0415 - after the question whether it can be
 
-    first = report_html(tuning(), "gyrodrift tune x")
+    first = report_html(tuning(), MADE)
     with mpl.rc_context({"lines.color": "red", "font.size": 30.0, "axes.grid": False, "axes.facecolor": "black"}):
-        assert report_html(tuning(), "gyrodrift tune x") == first
+        assert report_html(tuning(), MADE) == first
         assert mpl.rcParams["font.size"] == 30.0
 
 
@@ -212,7 +251,7 @@ def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables
         )
         for number, one in enumerate(many.scores)
     )
-    html = report_html(replace(many, run=run(evaluations=20_000), scores=scores))
+    html = report_html(replace(many, run=run(evaluations=20_000), scores=scores), MADE)
     assert len(html.encode()) < 3_000_000
     shown = [name.attrib["title"] for name in parsed(html).iter("b") if "title" in name.attrib]
     assert shown == [f"{kind}-{number}" for kind in ("walk", "check") for number in range(39, 27, -1)]
