@@ -1,11 +1,26 @@
-"""A page for a person: HTML in one file, with its style sheet, that asks the network for nothing and runs nothing."""
+"""A page for a person: HTML in one file, with its style sheet and its one script, that asks the network for nothing."""
 
+import re
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from unicodedata import category
 
 STYLE_SHEET = Path(__file__).with_name("page.css")
+SCRIPT = Path(__file__).with_name("page.js")
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+"""What a browser lets the page do: it holds all that it needs, and nothing is fetched."""
+
+LISTED = 3
+"""From so many chapters on, they are listed at the top."""
+
+CHAPTER = re.compile(r'<section id="([^"]+)">\n<h2>(.*?)</h2>')
+HEADING = re.compile(r"<th[^>]*>(.*?)</th>", re.DOTALL)
+TAG = re.compile(r"<[^>]*>")
+
+NARROW = 4
+"""Tables with more columns than this become lists on a narrow screen."""
 
 FORBIDDEN = ("Cc", "Cs", "Cn")
 """Control characters, halves of characters, and what is no character."""
@@ -17,17 +32,20 @@ def text(value: str) -> str:
 
 
 def page(title: str, body: Sequence[str]) -> str:
-    """The file, of a title and the HTML of its parts."""
-    style, parts = STYLE_SHEET.read_text(encoding="utf-8"), "\n".join(body)
+    """The file, of a title and the HTML of its parts: the head of the page, then its chapters, which are listed."""
+    style = STYLE_SHEET.read_text(encoding="utf-8")
+    head, *chapters = body
+    parts = "\n".join(part for part in (head, _contents(chapters), *chapters) if part)
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
+<meta http-equiv="Content-Security-Policy" content="{POLICY}"/>
 <title>{text(title)}</title>
 <style>
 {style}</style>
-</head>
+{_script(parts)}</head>
 <body>
 <main>
 {parts}
@@ -37,6 +55,22 @@ def page(title: str, body: Sequence[str]) -> str:
 """
 
 
+def _script(parts: str) -> str:
+    """Where there are curves to be switched."""
+    if "data-curve=" not in parts:
+        return ""
+    return f"<script>//<![CDATA[\n{SCRIPT.read_text(encoding='utf-8')}//]]></script>\n"
+
+
+def _contents(chapters: Sequence[str]) -> str:
+    """The list of the chapters; nothing of a few."""
+    found = CHAPTER.findall("\n".join(chapters))
+    if len(found) < LISTED:
+        return ""
+    inside = "".join(f'<li><a href="#{name}">{heading}</a></li>' for name, heading in found)
+    return f'<nav class="contents" aria-label="Contents"><ol>{inside}</ol></nav>'
+
+
 def header(kicker: str, headline: str, *parts: str) -> str:
     """What a page opens with: a line above its headline, the headline, and HTML."""
     inside = "\n".join(parts)
@@ -44,9 +78,10 @@ def header(kicker: str, headline: str, *parts: str) -> str:
 
 
 def section(heading: str, *parts: str) -> str:
-    """A chapter."""
+    """A chapter, to be linked to by its heading, of which no two of a page are the same."""
     inside = "\n".join(part for part in parts if part)
-    return f"<section>\n<h2>{text(heading)}</h2>\n{inside}\n</section>"
+    name = re.sub(r"[^a-z0-9]+", "-", heading.lower()).strip("-")
+    return f'<section id="{name}">\n<h2>{text(heading)}</h2>\n{inside}\n</section>'
 
 
 def paragraph(html: str, kind: str = "") -> str:
@@ -94,12 +129,15 @@ def command_line(command: str) -> str:
 def table(caption: str, head: str, rows: Sequence[Sequence[str]], foot: Sequence[str] = (), words: int = 0) -> str:
     """A table of cells, which are HTML, with its rows of headings; the first cell of a row names it.
 
-    The last `words` columns hold words, all others numbers.
+    The last `words` columns hold words, all others numbers. On a narrow screen a table of many columns becomes a list
+    of its rows, each value under the heading of its column: those of the last row of headings.
     """
-    body = "\n".join(_row(row, words) for row in rows)
-    last = f"<tfoot>\n{_row(foot, words)}\n</tfoot>\n" if foot else ""
+    labels = [TAG.sub(" ", cell).strip() for cell in HEADING.findall(head.splitlines()[-1])]
+    body = "\n".join(_row(row, words, labels) for row in rows)
+    last = f"<tfoot>\n{_row(foot, words, labels)}\n</tfoot>\n" if foot else ""
+    kind = "table lists" if len(labels) > NARROW else "table"
     return (
-        f'<div class="table">\n<table>\n<caption>{caption}</caption>\n<thead>\n{head}\n</thead>\n'
+        f'<div class="{kind}">\n<table>\n<caption>{caption}</caption>\n<thead>\n{head}\n</thead>\n'
         f"<tbody>\n{body}\n</tbody>\n{last}</table>\n</div>"
     )
 
@@ -111,10 +149,12 @@ def headings(cells: Sequence[str], words: int = 0) -> str:
     return f"<tr>{inside}</tr>"
 
 
-def _row(cells: Sequence[str], words: int) -> str:
+def _row(cells: Sequence[str], words: int, labels: Sequence[str]) -> str:
     first, *others = cells
-    kinds = _kinds(len(cells), words)[1:]
-    inside = "".join(f"<td{kind}>{cell}</td>" for cell, kind in zip(others, kinds, strict=True))
+    kinds, names = _kinds(len(cells), words)[1:], [*labels[1:], *[""] * len(cells)]
+    inside = "".join(
+        f'<td{kind} data-label="{name}">{cell}</td>' for cell, kind, name in zip(others, kinds, names, strict=False)
+    )
     return f'<tr><th scope="row">{first}</th>{inside}</tr>'
 
 
@@ -139,3 +179,11 @@ def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:
 def legend(marks: Sequence[tuple[str, str, str]]) -> str:
     """What the marks of a figure are: of each its colour and its shape, as classes of the style sheet, and its name."""
     return " &#160; ".join(span(f"{span('', shape)} {name}", colour) for colour, shape, name in marks)
+
+
+def switches(marks: Sequence[tuple[str, str, str, str]]) -> str:
+    """A legend whose names switch curves: of each the key of its curves (see `svg.switched`), and as in `legend`."""
+    return " ".join(
+        f'<span class="switch {colour}" data-switch="{key}">{span("", shape)} {name}</span>'
+        for key, colour, shape, name in marks
+    )

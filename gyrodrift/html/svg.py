@@ -1,5 +1,6 @@
 """Figures as inline SVG, in colours that the page around them sets; matplotlib comes with `[lab]`."""
 
+import json
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -8,6 +9,8 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis as Scale
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
@@ -68,6 +71,10 @@ STEPS = (1, 2, 5, 10)
 """Between marks of a scale that is not logarithmic, times a power of ten."""
 
 
+CURVE = "curve."
+"""What the ids of switched curves begin with; keys are of letters, figures, _ and -."""
+
+
 @contextmanager
 def styled() -> Iterator[None]:
     """Our style, whatever matplotlib is set to here; afterwards that again."""
@@ -98,6 +105,11 @@ def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
         scale.set_major_locator(LogLocator(numticks=labels + 1))
     scale.set_minor_locator(NullLocator())
     scale.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
+
+
+def switched(curve: Artist, key: str) -> None:
+    """Let the names with this key (see `html.switches`) switch a curve, and make its panel one to zoom into."""
+    curve.set_gid(f"{CURVE}{key}")
 
 
 class Polyline(NamedTuple):
@@ -137,7 +149,7 @@ def as_svg(figure: Figure, name: str, says: str) -> str:
     says
         For who cannot see it.
     """
-    svg = _named(_saved(figure, name))
+    svg = _named(_armed(_saved(figure, name), figure))
     svg = re.sub(r'(?<= d=")[^"]+', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)  # 0.01 pt
     svg = re.sub(r"\s*\n\s*", "\n", svg)
     for colour, role in ROLES.items():
@@ -159,3 +171,32 @@ def _named(svg: str) -> str:
     """Only with ids that are referred to: the others are the same in every figure."""
     called = set(re.findall(r"#([\w-]+)[\")]", svg))
     return re.sub(r' id="([\w.-]+)"', lambda found: found[0] if found[1] in called else "", svg)
+
+
+def _armed(svg: str, figure: Figure) -> str:
+    """With what the page's script needs to know of panels that have curves to be switched."""
+    wide_pt, high_pt = (72.0 * float(inches) for inches in figure.get_size_inches())
+    for number, axes in enumerate(figure.axes, 1):
+        if any((line.get_gid() or "").startswith(CURVE) for line in axes.lines):
+            scales = json.dumps(_scales(axes, wide_pt, high_pt), separators=(",", ":")).replace('"', "&quot;")
+            svg = svg.replace(f' id="axes_{number}"', f' data-scales="{scales}"', 1)
+    for number in range(1, 2 * len(figure.axes) + 1):
+        name = "x" if number % 2 else "y"
+        svg = svg.replace(f' id="matplotlib.axis_{number}"', f' data-axis="{name}"', 1)
+    svg = re.sub(r' id="[xy]tick_\d+"', ' class="tick"', svg)
+    return re.sub(rf' id="{re.escape(CURVE)}([\w-]+)"', r' data-curve="\1"', svg)
+
+
+def _scales(axes: Axes, wide_pt: float, high_pt: float) -> dict[str, Any]:
+    """Where a panel lies, in the units of the drawing: left, top, right, bottom; and its two scales."""
+    place = axes.get_position()
+    box = (place.x0 * wide_pt, high_pt * (1.0 - place.y1), place.x1 * wide_pt, high_pt * (1.0 - place.y0))
+    return {
+        "box": [round(edge_pt, 3) for edge_pt in box],
+        "x": _scale(axes.get_xscale(), axes.get_xlim()),
+        "y": _scale(axes.get_yscale(), axes.get_ylim()),
+    }
+
+
+def _scale(kind: str, ends: tuple[float, float]) -> dict[str, Any]:
+    return {"kind": kind, "low": float(f"{ends[0]:.7g}"), "high": float(f"{ends[1]:.7g}")}

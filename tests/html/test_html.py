@@ -13,6 +13,7 @@ from gyrodrift.html.html import (
     panels,
     paragraph,
     section,
+    switches,
     table,
     text,
     tile,
@@ -69,7 +70,7 @@ def test_all_parts_together_are_a_page() -> None:
 def test_what_is_empty_leaves_no_mark() -> None:
     """No box without warnings, no command without one, and no part of a section."""
     assert warnings("First", []) == command_line("") == ""
-    assert section("Empty", "", "<p>x</p>", "") == "<section>\n<h2>Empty</h2>\n<p>x</p>\n</section>"
+    assert section("Empty", "", "<p>x</p>", "") == '<section id="empty">\n<h2>Empty</h2>\n<p>x</p>\n</section>'
 
 
 def test_numbers_of_a_table_stand_to_the_right() -> None:
@@ -80,6 +81,39 @@ def test_numbers_of_a_table_stand_to_the_right() -> None:
     assert row(html, "mean") == ["mean", "1", "2", ""]
     for cells in parsed(html).iter("tr"):
         assert [cell.get("class") for cell in cells] == [None, "number", "number", None]
+
+
+def test_chapters_are_listed_from_three_on() -> None:
+    """Each with a link to it; fewer are seen at once."""
+    chapters = [section("The <first>", "x"), section("Second", "y"), section("Third", "z")]
+    assert "Contents" not in page("T", [header("k", "h"), *chapters[:2]])
+    root = parsed(page("T", [header("k", "h"), *chapters]))
+    links = {str(link.get("href")).removeprefix("#"): link.text for link in root.iter("a")}
+    assert links == {"the-first": "The <first>", "second": "Second", "third": "Third"}
+    assert [one.get("id") for one in root.iter("section")] == list(links)
+
+
+def test_values_of_a_wide_table_know_their_headings() -> None:
+    """A narrow screen shows them as a list: with the last row of headings, without its tags."""
+    group = '<tr><th></th><th colspan="4">all</th></tr>\n'
+    head = group + headings(["name", "E,<br/>deg", "NE", "PI", "largest"])
+    root = parsed(page("T", [table("", head, [["a", "1", "2", "3", "4"]])]))
+    assert [cell.get("data-label") for cell in root.iter("td")] == ["E, deg", "NE", "PI", "largest"]
+    assert [one.get("class") for one in root.iter("div")] == ["table lists"]
+
+
+def test_a_page_fetches_nothing_and_has_a_script_only_for_curves() -> None:
+    """A browser is told so too."""
+    plain = parsed(page("T", [header("k", "h")]))
+    assert [one.get("content") for one in plain.iter("meta") if one.get("http-equiv") == "Content-Security-Policy"] == [
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+    ]
+    assert not list(plain.iter("script"))
+    curves = page(
+        "T", [header("k", "h"), figure(switches([("a", "two", "key", "A")]), '<svg><g data-curve="a"/></svg>')]
+    )
+    (script,) = parsed(curves).iter("script")
+    assert "addEventListener" in (script.text or "")
 
 
 def test_the_first_value_of_a_tile_is_large() -> None:
