@@ -21,8 +21,8 @@ from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.twin import Subject
 
-FILE = "report/next-profile.yaml"
-"""Beside `rig.yaml`, by the name under which a person finds it."""
+FILE = "next-profile.yaml"
+"""Beside `rig.yaml`."""
 
 SEED = 0
 MINUTES = (1.0, 4.0)

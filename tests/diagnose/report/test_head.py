@@ -122,10 +122,13 @@ def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
 
 def test_a_baseline_is_told_in_the_head_and_is_no_doubt(scaled: Diagnosis) -> None:
     """Other remarks stay in the box."""
-    remarks = ("baseline: the rig lacks warmup already there; only what is new since is told", "session-01: short")
+    remarks = (
+        "baseline: it shows warmup already, which the rig lacks; only what is new since then is told",
+        "session-01: short",
+    )
     shown = seen(verdict(replace(scaled, remarks=remarks)))
     assert "Compared with a baseline." in shown
-    assert "About the baseline: the rig lacks warmup already there" in shown
+    assert "About the baseline: it shows warmup already, which the rig lacks" in shown
     assert "Before believing it session-01: short" in shown
     assert "Compared with a baseline." not in seen(verdict(scaled))
 
