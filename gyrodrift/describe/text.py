@@ -141,28 +141,32 @@ def _stretches(description: SessionDescription) -> Iterator[TableLine]:
         yield TableLine("stretches", "none: the bias cannot be told", is_odd=True)
         return
     lengths_s = [one.end_s - one.start_s for one in stretches]
-    yield TableLine("stretches", f"{len(stretches)}, {sum(lengths_s):.1f} s in all, longest {max(lengths_s):.1f} s")
+    yield TableLine("stretches", f"{len(stretches)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
     shown = sorted(
         sorted(stretches, key=lambda one: one.start_s - one.end_s)[:STRETCHES_SHOWN], key=lambda o: o.start_s
     )
     for one in shown:
-        bias = f"{one.mean_dps:+.4f} deg/s, scatter {one.std_dps:.4f}"
+        bias = f"mean rate {one.mean_dps:+.4f} deg/s, standard deviation {one.std_dps:.4f} deg/s"
         yield TableLine(f"{one.start_s:.1f} – {one.end_s:.1f} s", bias, one.std_dps > LOUD_DPS)
     if len(shown) < len(stretches):
         means = [one.mean_dps for one in stretches]
-        yield TableLine(f"all {len(stretches)}", f"{min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json")
+        yield TableLine(
+            f"all {len(stretches)}", f"mean rate {min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json"
+        )
 
 
 def _noise(allan: Allan | None) -> Iterator[TableLine]:
     if allan is None:
-        yield TableLine("unknown", "no stretch of 30 s without motion")
+        yield TableLine("unknown", "there is no stretch of 30 s without motion to measure it over")
         return
     walk, floor, tau_s = allan.angle_random_walk_deg_rts, allan.bias_instability_dps, allan.bias_instability_tau_s
-    yield TableLine("over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
+    yield TableLine("measured over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
     white = "no slope of −1/2 to read it from" if walk is None else f"{walk:.4g} deg/√s"
-    yield TableLine("random walk", white)
+    yield TableLine("angle random walk", white)
     flicker = "none seen: the stretch is too short, or the noise is white"
-    yield TableLine("instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s")
+    yield TableLine(
+        "bias instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s"
+    )
 
 
 def _kept(session: Session) -> Iterator[Group]:

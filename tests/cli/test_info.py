@@ -67,9 +67,9 @@ def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.C
     assert " ppm, clock of the device against the host's" in line_of(lines, "drift")
     assert line_of(lines, "encoder").endswith("  12.5 deg, never moves")
     assert line_of(lines, "temperature").endswith("20.00 … 23.00 °C, 20.00 → 23.00 °C from start to end")
-    assert line_of(lines, "stretches").split()[1:3] == ["1,", "39.9"]
+    assert line_of(lines, "stretches").split()[1:3] == ["1:", "39.9"]
     assert "still, by the encoder" in lines
-    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert line_of(lines, "angle random walk").endswith(" deg/√s")
     assert [line for line in lines if line.startswith("!")] == [line_of(lines, "gaps")]
 
 
@@ -276,5 +276,5 @@ def test_real_recordings_are_told_and_drawn(
 ) -> None:
     """All three have half a minute of rest, and noise."""
     lines = told(capsys, recordings.data / f"{name}.csv", "--picture", tmp_path / "s.png")
-    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert line_of(lines, "angle random walk").endswith(" deg/√s")
     assert (tmp_path / "s.png").stat().st_size > 10_000
