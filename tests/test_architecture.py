@@ -21,7 +21,7 @@ ROOMS = {
     "link": BASE,
     "html": BASE,
     "config": f"{BASE} filters",
-    "describe": f"{BASE} session",
+    "describe": f"{BASE} evaluation filters html session",
     "recording": f"{BASE} link session",
     "service": f"{BASE} config filters link recording",
     "evaluation": f"{BASE} filters session",

@@ -8,6 +8,7 @@ import argparse
 import shlex
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
@@ -18,6 +19,9 @@ gyrodrift diagnose sessions --out report
 gyrodrift diagnose sessions --rig my-rig.yaml --out report
 gyrodrift diagnose today --baseline last-month --out difference
 """
+if TYPE_CHECKING:
+    from firmware_sim.rig import Rig
+    from gyrodrift.html.provenance import Provenance
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,10 +85,33 @@ def run(arguments: argparse.Namespace) -> int:
         )
         progress.evaluated(REPORT, 0, 0)
         write_files(arguments.out, diagnosis)
-        page = report_html(diagnosis, arguments.out, shlex.join(arguments.command_line))
+        page = report_html(diagnosis, arguments.out, _provenance(arguments, rig))
     write_whole(arguments.out / "report.html", [page])
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)
     for line in summary(diagnosis):
         print(line)
     return 0
+
+
+def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":
+    """What the page says of where it comes from; its config is the rig."""
+    from gyrodrift.evaluation.dataset import digest_of
+    from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
+    from gyrodrift.session.files import session_paths
+    from gyrodrift.simulation.sessions import rig_yaml
+
+    uses = {"diagnosed": arguments.paths, "baseline": arguments.baseline}
+    used = [
+        UsedFile(str(path), digest_of(path), use if arguments.baseline else "")
+        for use, paths in uses.items()
+        for path in (session_paths(paths) if paths else [])
+    ]
+    return Provenance(
+        set_name=set_name(arguments.paths),
+        command=shlex.join(arguments.command_line),
+        date=date_now(),
+        sessions=used,
+        config=f"the rig {arguments.rig}" if arguments.rig else "the shipped rig, config/rig.yaml",
+        config_text=rig_yaml(rig),
+    )

@@ -2,13 +2,15 @@
 
 What is worth a second look has a ! in front. Bias and noise are those of the stretches in which the device stood still:
 by the encoder, or, without one, where the rate is steady, which a constant spin is as well. Times of stretches are s
-after the first sample. --picture needs pip install 'gyrodrift[lab]'.
+after the first sample. --out and --picture draw yaw too, raw and corrected by a filter, and need
+pip install 'gyrodrift[lab]'.
 """
 
 import argparse
 import dataclasses
 import json
-from collections.abc import Mapping
+import shlex
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from math import isfinite
 from pathlib import Path
@@ -16,9 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable, whole_file, write_whole
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
 if TYPE_CHECKING:
+    from gyrodrift.config.model import Config
+    from gyrodrift.describe.text import Group
     from gyrodrift.describe.values import SessionDescription
+    from gyrodrift.html.provenance import Provenance
     from gyrodrift.progress import Progress
     from gyrodrift.session.session import Session
 
@@ -26,6 +33,7 @@ PICTURES = (".png", ".svg", ".pdf")
 
 EXAMPLES = """\
 gyrodrift info sessions
+gyrodrift info sessions --out report
 gyrodrift info session.mcap --picture session.png
 gyrodrift info sessions --json
 """
@@ -42,7 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="a JSON object a session instead, on one line")
     parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder for report.html, a page of all sessions (default: none)"
+    )
+    parser.add_argument(
         "--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf; default: none)"
+    )
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects (default: restlevel)"
     )
 
 
@@ -53,48 +67,98 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.session.files import session_paths
 
         paths = session_paths(arguments.sessions)
-        if arguments.picture is not None:
-            _check_picture(arguments.picture, len(paths))
+        drawing = _drawing(arguments, len(paths))
         for number, path in enumerate(paths):
             progress.evaluated("sessions", number, len(paths))
-            _tell(arguments, path, progress, is_first=number == 0)
+            _tell(arguments, path, drawing, progress, is_first=number == 0)
+        if drawing is not None and drawing.page is not None:
+            page = drawing.page.html(_provenance(arguments, drawing.config, paths))
+            write_whole(arguments.out / "report.html", [page])
     return 0
 
 
-def _tell(arguments: argparse.Namespace, path: Path, progress: "Progress", *, is_first: bool) -> None:
+def _tell(
+    arguments: argparse.Namespace, path: Path, drawing: "_Drawing | None", progress: "Progress", *, is_first: bool
+) -> None:
     from gyrodrift.describe.describe import describe
-    from gyrodrift.describe.text import text_of
+    from gyrodrift.describe.text import groups_of, lines_of
     from gyrodrift.session.files import load_session
+    from gyrodrift.session.mcap.raw import raw_size
 
-    session = load_session(path)
+    session, raw = load_session(path), raw_size(path)
     description = describe(session)
+    groups = groups_of(session, description, raw)
     with progress.aside():
         if arguments.json:
-            about = {"session": str(path), **_plain(description), "metadata": _plain(session.metadata)}
+            kept = None if raw is None else raw._asdict()
+            about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:
-            print(*[""] * (not is_first), path, *text_of(session, description), sep="\n")
+            print(*[""] * (not is_first), path, *lines_of(groups), sep="\n")
+    if drawing is not None:
+        drawing.take(session, description, groups)
+
+
+def _drawing(arguments: argparse.Namespace, sessions: int) -> "_Drawing | None":
+    """What draws the sessions; None where nothing is to be drawn. All that could be wrong is found beforehand."""
+    if arguments.picture is None and arguments.out is None:
+        if arguments.config is not None:
+            raise UsageError("--config is the filter that --out and --picture draw; give one of them")
+        return None
     if arguments.picture is not None:
-        _draw(session, description, arguments.picture)
+        _check_picture(arguments.picture, sessions)
+    options.need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
+    if arguments.out is not None:
+        check_writable(arguments.out)
+    return _Drawing(arguments)
 
 
 def _check_picture(path: Path, sessions: int) -> None:
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")
     if sessions > 1:
-        raise UsageError(f"--picture shows one session, {sessions} were given")
-    try:
-        import matplotlib as mpl  # noqa: F401 - asked for before the session is read
-    except ImportError as error:
-        raise UsageError("--picture needs matplotlib: pip install 'gyrodrift[lab]'") from error
+        raise UsageError(f"--picture shows one session, {sessions} were given; --out DIR makes a page of all")
 
 
-def _draw(session: "Session", description: "SessionDescription", path: Path) -> None:
-    from gyrodrift.describe.picture import draw
-    from gyrodrift.files import whole_file
+class _Drawing:
+    """Sessions as a picture and as a page, as far as they are asked for."""
 
-    with whole_file(path) as file:
-        draw(session, description, file, path.suffix.removeprefix("."))
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        from gyrodrift.config.model import Config, load_config
+        from gyrodrift.describe.report import SessionsPage
+
+        self.config = load_config(arguments.config) if arguments.config else Config(filter=RESTLEVEL.name)
+        self.page = None if arguments.out is None else SessionsPage()
+        self._picture = arguments.picture
+
+    def take(self, session: "Session", description: "SessionDescription", groups: "Sequence[Group]") -> None:
+        """The next session."""
+        from gyrodrift.describe.panels import Seen
+        from gyrodrift.describe.picture import draw
+        from gyrodrift.describe.yaw import yaw_history_of
+
+        seen = Seen(session, description, yaw_history_of(session, self.config.chosen, self.config.params))
+        if self.page is not None:
+            self.page.add(seen, groups)
+        if self._picture is not None:
+            with whole_file(self._picture) as file:
+                draw(seen, file, self._picture.suffix.removeprefix("."))
+
+
+def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequence[Path]") -> "Provenance":
+    """What the page says of where it comes from."""
+    from gyrodrift.evaluation.dataset import digest_of
+    from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
+
+    given = arguments.config
+    return Provenance(
+        set_name=set_name(arguments.sessions),
+        command=shlex.join(arguments.command_line),
+        date=date_now(),
+        sessions=[UsedFile(str(path), digest_of(path)) for path in paths],
+        config=f"{config.filter} of {given}" if given else f"{config.filter} at its defaults",
+        config_text=given.read_text(encoding="utf-8") if given else "",
+    )
 
 
 def _plain(value: Any) -> dict[str, object]:

@@ -1,9 +1,10 @@
 """The description of a session as text: groups of lines, and a ! in front of what is worth a second look."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription
+from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
 
 STRETCHES_SHOWN = 6
@@ -36,14 +37,24 @@ class Group(NamedTuple):
     lines: list[TableLine]
 
 
-def text_of(session: Session, description: SessionDescription) -> Iterator[str]:
-    """The lines of the table, with what was kept beside the samples at its end."""
-    groups = [*_groups(description), *_kept(session)]
+def lines_of(groups: Sequence[Group]) -> Iterator[str]:
+    """The lines of the table."""
     width = max(len(line.name) for group in groups for line in group.lines)
     for heading, lines in groups:
         yield from ("", heading)
         for name, value, is_odd in lines:
             yield f"{'!' if is_odd else ' '} {name:{width}}  {value}"
+
+
+def groups_of(session: Session, description: SessionDescription, raw: RawSize | None = None) -> list[Group]:
+    """All that is told of a session, with what was kept beside the samples at its end; `raw` is of its link's bytes."""
+    return [*_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
+
+
+def _raw(raw: RawSize | None) -> TableLine:
+    if raw is None:
+        return TableLine("raw", "none kept; record --raw keeps them")
+    return TableLine("raw", f"{raw.reads} reads, {raw.total_bytes / 1000.0:.4g} kB; replay --raw plays them again")
 
 
 def _groups(description: SessionDescription) -> Iterator[Group]:
@@ -68,9 +79,9 @@ def _samples(description: SessionDescription) -> Iterator[TableLine]:
         is_odd = description.jitter_s * description.rate_hz > JITTER_ODD
         yield TableLine("jitter", f"{_milliseconds(description.jitter_s)}, scatter of the time steps", is_odd)
     gaps = description.gaps
-    missing = f", {gaps.missing} samples missing" if gaps.count or gaps.missing else ""
-    longest = f", longest {gaps.longest_s:.3g} s" if gaps.count else ""
-    yield TableLine("gaps", f"{gaps.count}{missing}{longest}", bool(missing))
+    missing = f": {gaps.missing} samples missing" if gaps.count or gaps.missing else ""
+    longest = f", the longest gap {gaps.longest_s:.3g} s" if gaps.count else ""
+    yield TableLine("gaps", f"{gaps.count or 'none'}{missing}{longest}", bool(missing))
     if description.steps_not_forward:
         yield TableLine(
             "time", f"{description.steps_not_forward} steps do not go forward; the filter passes them by", is_odd=True
@@ -95,7 +106,8 @@ def _host(host: HostClock | None) -> Iterator[TableLine]:
         is_odd = abs(host.drift_ppm) > DRIFT_ODD_PPM or host.drift_sd_ppm > DRIFT_DOUBT_PPM
         digits = 0 if host.drift_sd_ppm > DRIFT_ROUGH_PPM else 2
         drift = f"{host.drift_ppm:.{digits}f} ± {host.drift_sd_ppm:.{digits}f}"
-        yield TableLine("drift", f"{drift} ppm, device against host", is_odd)
+        uneven = "; too uneven for a drift, so one of them may have been set" * (host.drift_sd_ppm > DRIFT_DOUBT_PPM)
+        yield TableLine("drift", f"{drift} ppm, clock of the device against the host's{uneven}", is_odd)
     late = f"95 of 100 samples within {_milliseconds(host.delay_p95_s)} of the soonest possible"
     yield TableLine("delay", late, host.delay_p95_s > DELAY_ODD_S)
 
@@ -129,28 +141,32 @@ def _stretches(description: SessionDescription) -> Iterator[TableLine]:
         yield TableLine("stretches", "none: the bias cannot be told", is_odd=True)
         return
     lengths_s = [one.end_s - one.start_s for one in stretches]
-    yield TableLine("stretches", f"{len(stretches)}, {sum(lengths_s):.1f} s in all, longest {max(lengths_s):.1f} s")
+    yield TableLine("stretches", f"{len(stretches)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
     shown = sorted(
         sorted(stretches, key=lambda one: one.start_s - one.end_s)[:STRETCHES_SHOWN], key=lambda o: o.start_s
     )
     for one in shown:
-        bias = f"{one.mean_dps:+.4f} deg/s, scatter {one.std_dps:.4f}"
+        bias = f"mean rate {one.mean_dps:+.4f} deg/s, standard deviation {one.std_dps:.4f} deg/s"
         yield TableLine(f"{one.start_s:.1f} – {one.end_s:.1f} s", bias, one.std_dps > LOUD_DPS)
     if len(shown) < len(stretches):
         means = [one.mean_dps for one in stretches]
-        yield TableLine(f"all {len(stretches)}", f"{min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json")
+        yield TableLine(
+            f"all {len(stretches)}", f"mean rate {min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json"
+        )
 
 
 def _noise(allan: Allan | None) -> Iterator[TableLine]:
     if allan is None:
-        yield TableLine("unknown", "no stretch of 30 s without motion")
+        yield TableLine("unknown", "there is no stretch of 30 s without motion to measure it over")
         return
     walk, floor, tau_s = allan.angle_random_walk_deg_rts, allan.bias_instability_dps, allan.bias_instability_tau_s
-    yield TableLine("over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
+    yield TableLine("measured over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
     white = "no slope of −1/2 to read it from" if walk is None else f"{walk:.4g} deg/√s"
-    yield TableLine("random walk", white)
+    yield TableLine("angle random walk", white)
     flicker = "none seen: the stretch is too short, or the noise is white"
-    yield TableLine("instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s")
+    yield TableLine(
+        "bias instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s"
+    )
 
 
 def _kept(session: Session) -> Iterator[Group]:

@@ -83,9 +83,11 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     remarks = [f"baseline: {remark}" for remark in remarks]
     if causes:
         names = ", ".join(cause.effect.name for cause in causes)
-        remarks.append(f"baseline: the rig lacks {names} already there; only what is new since is told")
+        remarks.append(f"baseline: it shows {names} already, which the rig lacks; only what is new since then is told")
     else:
-        remarks.append(f"baseline: no cause stands out in its {len(of_baseline)} recordings; what is new since is told")
+        remarks.append(
+            f"baseline: no cause stands out in its {len(of_baseline)} recordings; what is new since then is told"
+        )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
     return ExplainedBaseline(rig, baseline, [*remarks, *differ])

@@ -17,11 +17,12 @@ from gyrodrift.diagnose.next_recording.profiles import profile_yaml
 from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
 from gyrodrift.diagnose.next_recording.sentence import sentence
 from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion
+from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.twin import Subject
 
-FILE = "report/next-profile.yaml"
-"""Beside `rig.yaml`, by the name under which a person finds it."""
+FILE = "next-profile.yaml"
+"""Beside `rig.yaml`."""
 
 SEED = 0
 MINUTES = (1.0, 4.0)
@@ -120,5 +121,8 @@ def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sess
         )
     if verdict.unexplained:
         worst = verdict.unexplained[0]
-        return f"Record more of what is left over ({worst.regime}: {worst.says}), at several speeds and temperatures."
-    return "These sessions separate what they show; record again after the next change of the rig."
+        return (
+            f"Record more in which the unexplained shows ({worst.says}, {WHEN[worst.regime]}), at several speeds and "
+            "temperatures."
+        )
+    return "Nothing more is needed: these sessions tell apart what they show. Record again after a change."

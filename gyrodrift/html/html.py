@@ -115,6 +115,12 @@ def tile(heading: str, rows: Sequence[tuple[str, str]], large: int = 1) -> str:
     return f'<div class="tile"><h3>{text(heading)}</h3><dl>{inside}</dl></div>'
 
 
+def columns(parts: Sequence[str]) -> str:
+    """Parts of words below each other, in two columns where there is room."""
+    inside = "\n".join(f"<div>{part}</div>" for part in parts)
+    return f'<div class="columns">\n{inside}\n</div>'
+
+
 def facts(rows: Sequence[tuple[str, str]]) -> str:
     """Names, and what is to be said of each, which is HTML."""
     inside = "\n".join(f"<dt>{name}</dt><dd>{words}</dd>" for name, words in rows)

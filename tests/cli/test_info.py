@@ -1,6 +1,7 @@
-"""`gyrodrift info`: the table, the JSON and the picture of what sessions hold."""
+"""`gyrodrift info`: the table, the JSON, the picture and the page of what sessions hold."""
 
 import json
+import re
 import sys
 from itertools import chain
 from pathlib import Path
@@ -8,10 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from page_support import row, words
 from support import Recordings
 
 from gyrodrift.cli import main
+from gyrodrift.sample import Sample
 from gyrodrift.session.files import write_session
+from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import Session
 
 ABOUT = {
@@ -59,13 +63,13 @@ def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.C
     assert line_of(lines, "duration").endswith("  39.99 s")
     assert any(line.startswith("  rate ") and line.endswith("  100 Hz") for line in lines)
     assert line_of(lines, "gaps").startswith("! gaps")
-    assert line_of(lines, "gaps").endswith("  3, 12 samples missing, longest 0.11 s")
-    assert " ppm, device against host" in line_of(lines, "drift")
+    assert line_of(lines, "gaps").endswith("  3: 12 samples missing, the longest gap 0.11 s")
+    assert " ppm, clock of the device against the host's" in line_of(lines, "drift")
     assert line_of(lines, "encoder").endswith("  12.5 deg, never moves")
     assert line_of(lines, "temperature").endswith("20.00 … 23.00 °C, 20.00 → 23.00 °C from start to end")
-    assert line_of(lines, "stretches").split()[1:3] == ["1,", "39.9"]
+    assert line_of(lines, "stretches").split()[1:3] == ["1:", "39.9"]
     assert "still, by the encoder" in lines
-    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert line_of(lines, "angle random walk").endswith(" deg/√s")
     assert [line for line in lines if line.startswith("!")] == [line_of(lines, "gaps")]
 
 
@@ -89,6 +93,22 @@ def test_what_was_kept_beside_the_samples_is_shown_in_brief(tmp_path: Path, caps
     assert line_of(lines, "rig").endswith("  base:  (3 lines)")
     assert line_of(lines, "long").endswith("x…")
     assert max(map(len, lines)) < 130
+
+
+def test_the_bytes_of_the_link_are_mentioned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """How many were kept; and how to keep them, where none were."""
+    with (tmp_path / "raw.mcap").open("wb") as file:
+        writer = McapWriter(file)
+        writer.add(Sample(0, 1.0, 5.0, 2.0))
+        for content in (b"\x00" * 300, b"\x01" * 1200):
+            writer.add_read(content, 5.0)
+        writer.finish()
+    assert line_of(told(capsys, tmp_path / "raw.mcap"), "raw").endswith(
+        "  2 reads, 1.5 kB; replay --raw plays them again"
+    )
+    assert line_of(told(capsys, written(tmp_path)), "raw").endswith("  none kept; record --raw keeps them")
+    (line,) = told(capsys, "--json", tmp_path / "raw.mcap")
+    assert json.loads(line)["raw"] == {"reads": 2, "total_bytes": 1500}
 
 
 def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -166,6 +186,28 @@ def test_a_picture_is_drawn_beside_the_table(
     assert picture.read_bytes().startswith(magic)
 
 
+def test_the_page_shows_all_sessions_and_where_it_comes_from(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Yaw by the filter that is asked for, restlevel where none is."""
+    paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.csv")]
+    config = tmp_path / "my.yaml"
+    config.write_text("filter: hdr\nhdr: {i_c_dps: 0.0045, tau_s: 0.001, theta_w_dps: 0.7, c1: 0, c2: 1}\n")
+    told(capsys, *paths, "--out", tmp_path / "page")
+    html = (tmp_path / "page" / "report.html").read_text()
+    said = words(html)
+    assert said.strip().startswith("gyrodrift info · 2 sessions, 1.33 minutes a and b: mean yaw error ")
+    assert "corrected by restlevel" in said
+    assert row(html, "1. a")[1:4] == ["0.666", "100", "12"]
+    assert "Worth a second look gaps: 3: 12 samples missing, the longest gap 0.11 s" in said
+    assert f"Command gyrodrift info {paths[0]} {paths[1]} --out {tmp_path / 'page'}" in said
+    told(capsys, paths[0], "--out", tmp_path / "page", "--config", config)
+    said = words((tmp_path / "page" / "report.html").read_text())
+    assert "corrected by hdr" in said
+    assert f"Config hdr of {config}" in said
+    assert "theta_w_dps: 0.7" in said
+
+
 @pytest.mark.parametrize(
     "table",
     [
@@ -177,22 +219,23 @@ def test_a_picture_is_drawn_beside_the_table(
     ],
 )
 def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One sample, no numbers, a rate that never changes, columns that are empty."""
+    """One sample, no numbers, a rate that never changes, columns that are empty; on the page too."""
     (tmp_path / "s.csv").write_text(table)
-    told(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png")
-    assert (tmp_path / "s.png").stat().st_size > 10_000
+    told(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png", "--out", tmp_path)
+    assert (tmp_path / "s.png").stat().st_size > 5_000
+    assert not re.search(r"\b(nan|None|inf)\b", words((tmp_path / "report.html").read_text()))
 
 
 def test_thinning_keeps_spikes() -> None:
     """Of a hundred thousand points one is high, and one low."""
-    picture = pytest.importorskip("gyrodrift.describe.picture", reason="pictures need the workstation extra")
+    panels = pytest.importorskip("gyrodrift.describe.panels", reason="pictures need the workstation extra")
     y = np.zeros(100_001)
     y[[12_345, 100_000]] = 7.0, -5.0
     y[50_000] = np.nan
-    x, low, mean, high = picture.thinned(np.arange(100_001.0), y)
-    assert len(x) <= picture.POINTS
+    x, low, mean, high = panels.in_parts(np.arange(100_001.0), y)
+    assert len(x) <= panels.PARTS
     assert (np.max(high), np.min(low)) == (7.0, -5.0)
-    assert abs(x[int(np.argmax(high))] - 12_345) <= 51
+    assert abs(x[int(np.argmax(high))] - 12_345) <= 251
     assert np.isfinite(mean).all()
 
 
@@ -203,7 +246,10 @@ def test_without_matplotlib_the_extra_is_named(
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert main(["info", str(small), "--picture", str(tmp_path / "s.png")]) == 2
     shown = capsys.readouterr()
-    assert (shown.out, shown.err) == ("", "gyrodrift: --picture needs matplotlib: pip install 'gyrodrift[lab]'\n")
+    assert (shown.out, shown.err) == (
+        "",
+        "gyrodrift: --picture needs the package matplotlib: pip install 'gyrodrift[lab]'\n",
+    )
 
 
 def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -215,6 +261,9 @@ def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pyt
         ((small, "--picture", tmp_path / "s.gif"), 2),
         ((small, other, "--picture", tmp_path / "s.png"), 2),
         ((small, "--picture", tmp_path / "no" / "s.png"), 2),
+        ((small, "--config", tmp_path / "none.yaml"), 2),
+        ((small, "--config", tmp_path / "none.yaml", "--out", tmp_path), 2),
+        ((small, "--out", small), 2),
     ):
         assert main(["info", *map(str, arguments)]) == status
         assert len(capsys.readouterr().err.splitlines()) == 1
@@ -227,5 +276,5 @@ def test_real_recordings_are_told_and_drawn(
 ) -> None:
     """All three have half a minute of rest, and noise."""
     lines = told(capsys, recordings.data / f"{name}.csv", "--picture", tmp_path / "s.png")
-    assert line_of(lines, "random walk").endswith(" deg/√s")
+    assert line_of(lines, "angle random walk").endswith(" deg/√s")
     assert (tmp_path / "s.png").stat().st_size > 10_000

@@ -19,8 +19,8 @@ FACTS = {
 """What the rig states, and what the recordings show instead."""
 
 PUT_RIGHT = (
-    "All below is worked out with the counts per turn and the step of the rates that the recordings show, where they "
-    "show them; <code>rig.yaml</code> states them so."
+    "Where the recordings show the counts per turn or the step of the rates, everything below uses those values, and "
+    "<code>rig.yaml</code> states them."
 )
 
 
@@ -29,7 +29,7 @@ def against(diagnosis: Diagnosis) -> str:
     if not diagnosis.contradictions:
         return ""
     said = [f"{one.fact}: {one.says}" for one in diagnosis.contradictions]
-    return warnings("The rig contradicts the recordings", said) + paragraph(PUT_RIGHT)
+    return warnings("The rig file contradicts the recordings", said) + paragraph(PUT_RIGHT)
 
 
 def headline_of(diagnosis: Diagnosis, otherwise: str) -> str:
@@ -48,14 +48,14 @@ def baseline(diagnosis: Diagnosis) -> str:
     if not said:
         return ""
     return paragraph(
-        "<b>Beside a baseline.</b> What these recordings and those of the baseline both differ from the simulator by "
-        f"is no gap. Of the baseline: {text('; '.join(said))}."
+        "<b>Compared with a baseline.</b> What the baseline recordings show already is taken out: a difference to the "
+        f"simulator that both sets have does not count. About the baseline: {text('; '.join(said))}."
     )
 
 
 def doubts(diagnosis: Diagnosis) -> str:
     """What limits the result, in a box."""
     linear = diagnosis.linear_model
-    disagrees = [f"the linear model, by likelihood alone, {linear.says}"] if linear.agrees is False else []
+    disagrees = [f"the second judge, a linear model of the rate error, {linear.says}"] if linear.agrees is False else []
     remarks = [one for one in diagnosis.remarks if not one.startswith(OF_BASELINE)]
     return warnings("Before believing it", [*remarks, *disagrees])

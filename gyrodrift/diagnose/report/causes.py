@@ -14,7 +14,7 @@ PAIRS = 8
 def causes(diagnosis: Diagnosis) -> str:
     """The section."""
     return section(
-        "Which effect it is",
+        "Which effect explains it" if diagnosis.verdict.where else "What each effect would explain",
         paragraph(_introduction(diagnosis)),
         _ranking_table(diagnosis),
         _linear_model(diagnosis),
@@ -24,15 +24,13 @@ def causes(diagnosis: Diagnosis) -> str:
 
 def _introduction(diagnosis: Diagnosis) -> str:
     beside = (
-        " What still gains beside the named causes would be named too, from that on."
-        if diagnosis.verdict.acting
-        else ""
+        " An effect that still gains so much beside the named causes is named too." if diagnosis.verdict.acting else ""
     )
     return (
-        "Each effect of the simulator was tried at all plausible sizes. The gain is how much more likely it makes the "
-        f"recordings, as a natural logarithm; {GAIN:g} on held-out sessions is the least that counts. A wrong effect "
-        "may gain too, by making everything uncertain: a true one also takes away the deviations, and leaves nothing "
-        f"to gain for the others.{beside}"
+        "Every effect of the simulator was tried at all plausible sizes. The gain is the increase of the "
+        f"log-likelihood of the recordings (natural logarithm); {GAIN:g} on held-out sessions is the least that "
+        "counts. A wrong effect may gain too, by making the prediction uncertain. The right one also explains the "
+        f"deviations, and leaves nothing to gain for the others.{beside}"
     )
 
 
@@ -43,8 +41,8 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
     named = {cause.effect.name for cause in diagnosis.verdict.causes}
     tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
     most = max([one.gain for one in ranked] + [GAIN])
-    beside = ["gain beside<br/>the causes"] * has_causes
-    head = headings(["effect", "", "gain alone", *beside, "takes away", "best size", "group"], words=1)
+    beside = ["gain beside the<br/>named causes"] * has_causes
+    head = headings(["effect", "", "gain alone", *beside, "deviations<br/>explained", "best size", "group"], words=1)
     rows = []
     for one in ranked:
         mark = (
@@ -61,8 +59,9 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
         numbers = _numbers(one, has_causes=has_causes)
         rows.append([span(f"{name}{quiet(mark)}", "word"), _bar(one.gain / most), fixed(one.gain, 1), *numbers, group])
     caption = (
-        "The candidates, the best by itself first. Takes away: share of the deviations; below 0 where it adds to it. "
-        "The size is the one that fits best by itself. Effects of one group are easily taken for each other."
+        "The effects, largest gain first, each taken alone. Deviations explained: the share that it takes away, below "
+        "0 where it adds to them. Best size: the one that fits best alone. Effects of one group are easily mistaken "
+        "for each other."
     )
     return table(caption, head, rows, words=1)
 
@@ -91,25 +90,27 @@ def _linear_model(diagnosis: Diagnosis) -> str:
         between = f"{number(linear.low)} to {number(linear.high)}"
         found = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
     return paragraph(
-        f"<b>The linear model {text(linear.says)}{found}.</b> It is a generalised least-squares regression of the rate "
-        "error alone, under a bias that may walk; it uses neither the simulator nor the features, and knows only "
-        "effects that are linear. What it finds below twice the relevance threshold of an effect (0.06 % of scale) is "
-        "practically negligible, and not named."
+        f"<b>A second judge, the linear model, {text(linear.says)}{found}.</b> It is a generalised least-squares "
+        "regression of the rate error, with a bias that may walk at random. It uses neither the simulator nor the "
+        "features, and knows only the effects that are linear. It leaves out what is too small to matter for yaw, such "
+        "as 0.06 % of scale."
     )
 
 
 def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """What else is to be known of the candidates."""
-    rows = [(f"Tied with {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes]
+    rows = [
+        (f"Fits as well as {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
+    ]
     alike = [f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.lookalikes[:PAIRS]]
     untestable = [f"{text(one.effect)}: {text(one.why)}" for one in diagnosis.untestable]
     return [
         *rows,
-        ("Look alike in these sessions", "; ".join(alike) or "no two"),
+        ("Hard to tell apart here", f"{'; '.join(alike)} (cosine between what they do)" if alike else "no two"),
         ("Could not be tried", "; ".join(untestable) or "none"),
-        ("Withheld", ", ".join(map(text, diagnosis.withheld)) or "none"),
+        ("Left out by --withhold", ", ".join(map(text, diagnosis.withheld)) or "none"),
     ]
 
 
 def _tied(names: tuple[str, ...]) -> str:
-    return ", ".join(map(text, names)) or "nothing"
+    return ", ".join(map(text, names)) or "no other"

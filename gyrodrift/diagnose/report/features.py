@@ -4,23 +4,31 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.deviations import UNEXPLAINED, Deviation
+from gyrodrift.diagnose.inference.deviations import UNEXPLAINED, WORST_Z, Deviation
 from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
+from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.report.figures import feature_svgs
-from gyrodrift.diagnose.report.text import deviates, marks, number, percent
+from gyrodrift.diagnose.report.text import NAMES, deviates, marks, number, percent
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, table, text
+
+MEASURED = (
+    f"The simulator was driven through the motion of each recording, and {len(FEATURES)} features were measured on "
+    "both: single numbers, such as by how much the rate error grows with the rate. The deviation of a feature is the "
+    "difference between the two in units of σ, the standard deviation that it has between two runs of the simulator "
+    "alone, enlarged by what is too small to matter for yaw."
+)
 
 
 def features(diagnosis: Diagnosis) -> str:
     """The section."""
     compared = _listed(diagnosis)
     if not compared:
-        return section("Where they differ", paragraph(_nowhere(diagnosis)))
+        return section("Where recordings and simulator differ", paragraph(_nowhere(diagnosis)))
     return section(
-        "Where they differ",
+        "Where recordings and simulator differ",
         paragraph(_introduction(diagnosis)),
         _table(diagnosis, compared),
         _charts(diagnosis, compared),
@@ -36,40 +44,43 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
 
 
 def _introduction(diagnosis: Diagnosis) -> str:
+    corrected = (
+        f", or by more than {number(UNEXPLAINED * diagnosis.stands_out)} σ from the corrected simulator, in which the "
+        "named causes act at their fitted sizes"
+    )
     return (
-        f"{len(FEATURES)} features were measured on each recording and on the simulator driven through the same "
-        "motion. A feature is one number, such as how the rate error grows with the rate. Listed is every one that "
-        f"deviates by more than {number(diagnosis.stands_out)} times what chance does over all sessions (a standard "
-        "deviation, from simulations without any gap, with the relevance threshold below which a feature does not "
-        f"matter for yaw), or by more than {number(UNEXPLAINED * diagnosis.stands_out)} times after the causes are "
-        f"added. {_family_wise(diagnosis)}"
+        f"{MEASURED} Listed is every feature that deviates by more than {number(diagnosis.stands_out)} σ over all "
+        f"sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"
     )
 
 
 def _family_wise(diagnosis: Diagnosis) -> str:
     """Where the threshold comes from."""
     return (
-        f"The {number(diagnosis.stands_out)} belong to this rig, these motions and this number of sessions: in "
-        f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions without a gap, chance takes even one of all "
-        "features further."
+        f"Chance alone takes any of the {len(FEATURES)} beyond {number(diagnosis.stands_out)} σ in "
+        f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
     )
 
 
 def _nowhere(diagnosis: Diagnosis) -> str:
     worst = max(diagnosis.features, key=lambda one: abs(one.z_before))
     return (
-        f"Nowhere. Of {len(FEATURES)} features measured on each recording and on the simulator driven through the "
-        f"same motion, the largest deviates by {deviates(worst.z_before)} times what chance does "
-        f"({text(worst.feature.says)}); {number(diagnosis.stands_out)} count as a deviation. {_family_wise(diagnosis)}"
+        f"Nowhere. {MEASURED} The largest deviation is {deviates(worst.z_before)} σ ({text(worst.feature.says)}); only "
+        f"more than {number(diagnosis.stands_out)} σ counts. {_family_wise(diagnosis)}"
     )
 
 
 def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
     has_causes = bool(diagnosis.verdict.acting)
-    after = ["unexplained", "share"] * has_causes
-    head = headings(["what it says", "times chance", "share", *after, "feature", "stage", "when"], words=3)
-    caption = "Worst first. Share: of the squares of all deviations, each held at 20 times chance."
-    return table(caption, head, [_row(diagnosis.verdict, one) for one in compared], words=3)
+    after = [f"{NAMES[2]}, σ", "share"] * has_causes
+    first = f"{NAMES[1]}, σ" if has_causes else "deviation, σ"
+    head = headings(["what deviates", first, "share", *after, "stage, when, name"], words=1)
+    caption = (
+        "Deviations, the largest first. Share: of the sum of squares of all deviations, each limited to "
+        f"{WORST_Z:g} σ. The last column says which stage of the rig the feature speaks of, when, and what "
+        "<code>gap.json</code> calls it."
+    )
+    return table(caption, head, [_row(diagnosis.verdict, one) for one in compared], words=1)
 
 
 def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
@@ -78,7 +89,7 @@ def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
     if verdict.acting:
         after = deviates(one.z_after)
         cells += [span(after, "mark") if left else after, left]
-    return [*cells, f"<code>{text(one.feature.name)}</code>", one.feature.stage, one.feature.regime]
+    return [*cells, f"{one.feature.stage}, {WHEN[one.feature.regime]}, <code>{text(one.feature.name)}</code>"]
 
 
 def _share(every: Sequence[Deviation], name: str) -> str:
@@ -88,21 +99,21 @@ def _share(every: Sequence[Deviation], name: str) -> str:
 
 def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
     has_causes = bool(diagnosis.verdict.acting)
-    apart = "; the causes are fitted on the other sessions" if has_causes and len(diagnosis.sessions) > 1 else ""
+    apart = has_causes and len(diagnosis.sessions) > 1
+    fitted = " The correction of each session is fitted on the other sessions." * apart
     words = (
-        "A dot is a recording. A bar is what the simulator gives on the same motion, with the range that chance leaves "
-        f"to it (two standard deviations){apart}. A dot inside a bar is explained."
+        "A dot is a recording, a line what the simulator gives for the same motion, and the bar around it ± 2 σ of "
+        f"chance. A dot inside a bar is explained.{fitted}"
     )
     legend = marks(has_causes=has_causes, has_left=False)
     names = [_name(one, has_causes=has_causes) for one in compared]
     return figure(
-        f"<b>Real beside simulated.</b> {words}<br/>{legend}",
+        f"<b>Each deviating feature, session by session.</b> {words}<br/>{legend}",
         panels(names, feature_svgs(compared, has_causes=has_causes)),
     )
 
 
 def _name(one: FeatureComparison, *, has_causes: bool) -> str:
-    after = f" → {deviates(one.z_after)}" if has_causes else ""
-    off = f"off {deviates(one.z_before)}{after} times chance"
-    where = f"{text(one.feature.stage)}, {text(one.feature.name)}"
-    return f"<strong>{text(one.feature.says)}</strong><br/>{span(f'{where}: {off}', 'note')}"
+    corrected = f"; corrected {deviates(one.z_after)} σ" if has_causes else ""
+    off = f"{text(one.feature.name)}: {deviates(one.z_before)} σ{corrected}"
+    return f"<strong>{text(one.feature.says)}</strong><br/>{span(off, 'note')}"

@@ -1,7 +1,7 @@
 """The figures of a diagnosis: features by session, and rate errors against all sorts of things."""
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +18,7 @@ from gyrodrift.html.svg import (
     INK,
     PLAIN,
     QUIET,
+    ROLES,
     TUNED,
     TWO,
     as_svg,
@@ -25,6 +26,7 @@ from gyrodrift.html.svg import (
     label_factors,
     label_steps,
     styled,
+    switched,
     thinned,
 )
 
@@ -40,8 +42,31 @@ SHOWN = (2.0, 98.0)
 LEAST_DPS = 0.01
 """A scale reaches so far at least: what is smaller should look small."""
 
+UNITS = {
+    "times its middle": "variance, over that of 4- to 8-sample means at rest",
+    "times what it leaves": "variance of the best sine, over what it leaves",
+    "times as by chance": "share of the variance, over that by chance",
+    "times as at rest": "scatter, over that at rest",
+    "times its neighbours": "power, over that of neighbouring frequencies",
+    "times as usual": "variance of the noisiest seconds, over the median",
+    "of the encoder's": "largest rate, over that of the encoder",
+    "standard errors": "largest step, in standard errors",
+    "jumps": "jumps of the angle",
+    "samples": "samples missing in a row",
+}
+"""Readings of features as the axis of a figure names them, where their unit alone says too little."""
+
+ZERO = "zero"
+"""The key of what no name switches, and moves along."""
+
 SMOOTH_SECONDS = 5
 WIDE_IN = 3.1
+WIDE_BAR, NARROW_BAR = 0.64, 0.36
+"""Of the simulator as it is and corrected, in sessions: a dot stands before both."""
+
+LONGEST_LABEL = 40
+"""Letters below an axis; a longer one is its unit alone, under the panel's name."""
+
 ERRORS = 2.0
 MARGIN = 0.05
 FEW = 4
@@ -56,15 +81,15 @@ def feature_svgs(compared: Sequence[FeatureComparison], *, has_causes: bool) -> 
 
 
 def _feature_svg(compared: FeatureComparison, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
-    figure = canvas(WIDE_IN, 1.45, left=0.22, bottom=0.2, top=0.96, right=0.98)
+    figure = canvas(WIDE_IN, 1.6, left=0.15, bottom=0.2, top=0.88, right=0.98)
     axes = figure.add_subplot()
     sessions = np.arange(1.0, len(compared.real) + 1.0)
-    aside = 0.2 if has_causes else 0.0
-    _draw_band(axes, sessions - aside, compared.before, BEFORE)
+    _draw_band(axes, sessions, compared.before, BEFORE, WIDE_BAR)
     if has_causes:
-        _draw_band(axes, sessions + aside, compared.after, AFTER)
+        _draw_band(axes, sessions, compared.after, AFTER, NARROW_BAR)
     axes.plot(sessions, compared.real, "o", color=INK, markersize=3.6, markeredgewidth=0)
-    axes.set(xlim=(0.4, len(sessions) + 0.6), ylabel=compared.unit)
+    axes.set_xlim(0.4, len(sessions) + 0.6)
+    axes.set_title(UNITS.get(compared.unit, compared.unit), loc="left", fontsize=8.0, color=QUIET, pad=3.0)
     axes.grid(visible=False, axis="x")
     axes.xaxis.set_major_locator(_whole_numbers(len(sessions)))
     axes.set_xlabel("session", labelpad=1.0)
@@ -76,8 +101,7 @@ def _whole_numbers(count: int) -> FixedLocator:
     return FixedLocator(list(range(1, count + 1, max(1, -(-count // 10)))))
 
 
-def _draw_band(axes: Axes, x: Floats, band: Band, colour: str) -> None:
-    width = 0.34
+def _draw_band(axes: Axes, x: Floats, band: Band, colour: str, width: float) -> None:
     axes.bar(x, band.high - band.low, width, band.low, color=colour, alpha=0.25, linewidth=0.0)
     axes.hlines(band.middle, x - width / 2.0, x + width / 2.0, color=colour, linewidth=1.8)
 
@@ -98,7 +122,8 @@ def _dependence_svg(one: Dependence, name: str, has_causes: bool) -> str:  # noq
     for line, colour in lines:
         _draw_medians(above, line, colour)
     _draw_medians(below, one.left, LEFT)
-    _label_two(figure, one.unit)
+    label = f"{one.name}, {one.unit}"
+    _label_two(figure, label if len(label) <= LONGEST_LABEL else one.unit)
     return as_svg(figure, name, f"Rate error against {one.name}")
 
 
@@ -111,7 +136,7 @@ def _two(figure: Figure) -> tuple[Axes, Axes]:
 
 def _label_two(figure: Figure, x_label: str) -> None:
     above, below = figure.axes
-    for axes, label in ((above, "error, deg/s"), (below, "unexplained")):
+    for axes, label in ((above, "error, deg/s"), (below, "residual, deg/s")):
         label_steps(axes.yaxis, 4)
         axes.set_ylabel(label)
     figure.align_ylabels([above, below])
@@ -120,8 +145,13 @@ def _label_two(figure: Figure, x_label: str) -> None:
 
 
 def _lines(real: T, before: T, after: T, has_causes: bool) -> list[tuple[T, str]]:  # noqa: FBT001 - handed on
-    """What is drawn with its colours, the most important last; without causes after is before."""
-    return [(before, BEFORE), *([(after, AFTER)] if has_causes else []), (real, INK)]
+    """What is drawn with its colours, the recordings lowest; without causes after is before."""
+    return [(real, INK), (before, BEFORE), *([(after, AFTER)] if has_causes else [])]
+
+
+def _stroke(colour: str) -> dict[str, Any]:
+    """Recordings are drawn wide, so that they are seen under a simulator that agrees with them."""
+    return {"linewidth": 3.2, "alpha": 0.55} if colour == INK else {"linewidth": 1.2}
 
 
 def _draw_cloud(axes: Axes, x: Floats, y: Floats, lines: Sequence[Floats]) -> None:
@@ -146,7 +176,7 @@ def _draw_medians(axes: Axes, line: Medians, colour: str) -> None:
     if len(line.x) < FEW:  # a line through few points looks like a slope
         axes.plot(line.x, line.y, "o", color=colour, markersize=4.0, markeredgewidth=0)
     else:
-        axes.plot(line.x, line.y, color=colour, linewidth=1.4)
+        axes.plot(line.x, line.y, color=colour, **_stroke(colour))
 
 
 def over_time_svgs(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> list[str]:
@@ -158,15 +188,19 @@ def over_time_svgs(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> l
 def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
+    switched(below.lines[0], ZERO)
     for values, colour in _lines(session.real_dps, session.before_dps, session.after_dps, has_causes):
-        above.plot(*thinned(session.minutes, _smooth(values)), color=colour, linewidth=1.1)
-    below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=LEFT, linewidth=1.1)
+        (line,) = above.plot(*thinned(session.minutes, _smooth(values)), color=colour, **_stroke(colour))
+        switched(line, ROLES[colour])
+    (line,) = below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=LEFT, linewidth=1.1)
+    switched(line, ROLES[LEFT])
     for axes in (above, below):
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_DPS), max(high, LEAST_DPS))
     for one in session.change_points:
-        below.axvline(float(session.minutes[one.second]), color=LEFT, linestyle=":", linewidth=1.0)
-    _label_two(figure, "minutes")
+        line = below.axvline(float(session.minutes[one.second]), color=LEFT, linestyle=":", linewidth=1.0)
+        switched(line, ROLES[LEFT])
+    _label_two(figure, "time, min")
     return as_svg(figure, f"over-time-{session.number}", f"Rate error of session {session.number} over time")
 
 
@@ -178,18 +212,27 @@ def _smooth(values: Floats) -> Floats:
     return smooth
 
 
-def spectrum_svg(parts: Sequence[Spectra], *, has_causes: bool) -> str:
-    """Amplitude densities of the rate error, real and simulated, in ranges of frequency that do not overlap."""
+def spectrum_svgs(parts: Sequence[Spectra], *, has_causes: bool) -> list[str]:
+    """Amplitude densities of the rate error, real and simulated: a panel a range of frequency, all level in scale."""
     with styled():
-        figure = canvas(9.6, 3.2, left=0.07, bottom=0.14, top=0.97)
-        axes = figure.add_subplot(xscale="log", yscale="log")
-        for one in parts:
-            for values, colour in _lines(one.real, one.before, one.after, has_causes):
-                axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, linewidth=1.4)
-        axes.set_xlim(parts[0].hz[0], parts[-1].hz[-1])
-        label_factors(axes.xaxis, *axes.get_xlim(), 8)
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, max(high, DECADE * low))
-        label_factors(axes.yaxis, *axes.get_ylim(), 5)
-        axes.set(xlabel="frequency, Hz", ylabel="rate error, deg/s/√Hz")
-        return as_svg(figure, "spectrum", "Spectrum of the rate error, real and simulated")
+        figures = [_spectrum(one, has_causes) for one in parts]
+        ends = np.array([axes.get_ylim() for figure in figures for axes in figure.axes])
+        low, high = float(ends[:, 0].min(initial=np.inf)), float(ends[:, 1].max(initial=0.0))
+        for figure in figures:
+            figure.axes[0].set_ylim(low, max(high, DECADE * low))
+            label_factors(figure.axes[0].yaxis, *figure.axes[0].get_ylim(), 5)
+        names = [f"spectrum-{at}" for at in range(len(parts))]
+        return [as_svg(one, name, "Spectrum of the rate error") for one, name in zip(figures, names, strict=True)]
+
+
+def _spectrum(one: Spectra, has_causes: bool) -> Figure:  # noqa: FBT001 - handed on
+    figure = canvas(WIDE_IN, 2.2, left=0.22, bottom=0.16, top=0.97, right=0.97)
+    axes = figure.add_subplot(xscale="log", yscale="log")
+    for values, colour in _lines(one.real, one.before, one.after, has_causes):
+        (line,) = axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, **_stroke(colour))
+        switched(line, ROLES[colour])
+    axes.set_xlim(one.hz[0], one.hz[-1])
+    label_factors(axes.xaxis, *axes.get_xlim(), 5)
+    axes.set_xlabel("frequency, Hz", labelpad=1.0)
+    axes.set_ylabel("rate error, deg/s/√Hz")
+    return figure

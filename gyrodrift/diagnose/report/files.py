@@ -1,6 +1,7 @@
 """The files of a diagnosis, and its verdict in ten lines."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 
 from gyrodrift.diagnose.inference.deviations import Deviation
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
+from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
 
@@ -109,20 +111,25 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         f"  negligible: {said(one.cause)}; costs {one.yaw_deg:.2g} deg of yaw" for one in verdict.negligible[:SHOWN]
     ]
     if verdict.where:
-        lines.append("where: " + "; ".join(f"{one.says} ({one.stage}, {one.regime})" for one in verdict.where[:SHOWN]))
+        lines.append(f"where: {_listed(verdict.where)}")
     if verdict.causes and verdict.unexplained:
-        lines.append("unexplained: " + "; ".join(f"{one.says} ({one.stage})" for one in verdict.unexplained[:SHOWN]))
-    shrink = "" if gap.shrink is None else f", {100.0 * gap.shrink:.0f} % of what can be closed"
-    gaps = f"{gap.before:.2f} before, {gap.after:.2f} after, {gap.floor:.2f} without one"
+        lines.append(f"unexplained: {_listed(verdict.unexplained)}")
+    corrected = bool(verdict.causes)
+    shrink = "" if gap.shrink is None or not corrected else f"; {100.0 * gap.shrink:.0f} % of the gap closed"
+    gaps = f"{gap.before:.2f} σ simulator as it is, " + f"{gap.after:.2f} σ corrected, " * corrected
     judged = "held-out sessions" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
-    lines.append(f"gap on {judged}: {gaps}{shrink}")
-    lines.append(
-        f"yaw error: {impact.e_real_deg:.3g} deg real; simulated {impact.e_sim_before_deg:.3g} before, "
-        f"{impact.e_sim_after_deg:.3g} after"
-    )
-    lines.append(f"linear model, by likelihood alone: {diagnosis.linear_model.says}")
+    lines.append(f"gap, RMS of all features on {judged}: {gaps}{gap.floor:.2f} σ by chance{shrink}")
+    yaws = f"{impact.e_real_deg:.3g} deg recordings, {impact.e_sim_before_deg:.3g} deg simulator as it is"
+    lines.append(f"mean yaw error, one filter: {yaws}" + f", {impact.e_sim_after_deg:.3g} deg corrected" * corrected)
+    lines.append(f"second judge, a linear model: {diagnosis.linear_model.says}")
     lines.append(f"next: {diagnosis.next_step}")
     return lines
+
+
+def _listed(found: Sequence[Deviation]) -> str:
+    """The worst, and how many there are beside."""
+    more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return "; ".join(f"{one.says} ({one.stage}, {WHEN[one.regime]})" for one in found[:SHOWN]) + more
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -153,7 +160,7 @@ def said(cause: NamedCause) -> str:
     if cause.in_rig is not None:
         has = f" in the rig with {getattr(cause.in_rig, first.name):.4g} {first.unit}, the sessions say"
     phase = ", a phase of its own in each session" if cause.cause.response.phases_deg is not None else ""
-    tied = f"; could as well be {', '.join(cause.tied_with)}" if cause.tied_with else ""
+    tied = f"; could as well be {' or '.join(cause.tied_with)}" if cause.tied_with else ""
     return (
         f"{cause.effect.name}: {first.name}{has} {first.value:.4g} {first.unit} ({first.low:.4g} to {first.high:.4g})"
         f"{phase}, probability {cause.probability:.2f}{tied}"

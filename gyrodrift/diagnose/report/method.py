@@ -1,55 +1,67 @@
 """The end of a report: the rig beside the recordings, the recordings themselves, and what words mean."""
 
+from collections.abc import Sequence
 from math import floor, isfinite, log10
 from typing import NamedTuple
 
-from gyrodrift import __version__
-from gyrodrift.diagnose.report.text import fixed, quiet
+from gyrodrift.diagnose.inference.deviations import WORST_Z
+from gyrodrift.diagnose.report.text import fixed
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
-from gyrodrift.html.html import command_line, facts, headings, paragraph, section, table, text
+from gyrodrift.html.html import facts, headings, paragraph, section, table, text
 from gyrodrift.html.numbers import even, significant
 
 
 class BaseUnit(NamedTuple):
-    """How a base value is told to a person: its unit, how many of it the rig's own unit is, and most decimals."""
+    """How a base value is told to a person: its name with the unit, how many of it the rig's own is, most decimals."""
 
-    unit: str
+    name: str
     times: float = 1.0
     decimals: int = 5
 
 
 SHOWN = {
-    "sample_rate_hz": BaseUnit("Hz", decimals=3),
-    "noise_dps_rthz": BaseUnit("deg/s/√Hz"),
-    "bias_dps": BaseUnit("deg/s", decimals=4),
-    "host_delay_s": BaseUnit("ms", 1e3, 2),
-    "host_jitter_s": BaseUnit("ms", 1e3, 2),
-    "encoder_phase_deg": BaseUnit("deg", decimals=2),
+    "sample_rate_hz": BaseUnit("sample rate, Hz", decimals=3),
+    "noise_dps_rthz": BaseUnit("white noise, deg/s/√Hz"),
+    "bias_dps": BaseUnit("bias, deg/s", decimals=4),
+    "host_delay_s": BaseUnit("delay until the host has a sample, ms", 1e3, 2),
+    "host_jitter_s": BaseUnit("scatter of that delay (jitter), ms", 1e3, 2),
+    "encoder_phase_deg": BaseUnit("encoder angle at the start (phase), deg", decimals=2),
 }
 UNKNOWN = "none seen"
 
+RIG = (
+    "The description of the simulator, a YAML file: base values of the gyro and the encoder, and effects such as "
+    "<code>scale_factor</code>."
+)
+CORRECTED = "The rig with the named causes switched on at their fitted sizes, as <code>rig.yaml</code> has it."
 GAP = (
-    "The root mean square over all features of how many times chance each deviates, at most 20 each. Without a gap it "
-    "is what the simulator scores against itself. Closed is how much of what lies above that went away."
+    f"The root mean square of the deviations of all features in σ, each limited to {WORST_Z:g} σ. The simulator "
+    "against itself shows what chance alone makes; closed is the share of the rest that the correction takes away."
 )
 HELD_OUT = (
-    "Leave-one-session-out cross-validation: for each session in turn the causes are fitted on all others; it is "
-    "judged by what they leave unexplained of it."
+    "Leave-one-session-out cross-validation: for each session in turn the causes are fitted on all others, and judged "
+    "by what they leave unexplained of it."
 )
 PROBABILITY = (
-    "How sure it is that this effect acts: by what would be lost without it, and what others would do as well."
+    "That the effect acts: by how much worse the recordings are explained without it, and how well others would do in "
+    "its place."
 )
-YAW = "The mean absolute difference of filtered yaw and encoder, with one set of filter parameters."
+YAW = (
+    "The mean absolute difference between filtered yaw and encoder, with the filter parameters that were tuned in the "
+    "simulator as it is."
+)
 TRANSFER = (
-    "Sim-to-real transfer, what the gap costs: the filter is tuned on simulated sessions or on real ones, and scored "
-    "on real ones held out. Where all three numbers are alike, this gap needs no repair for tuning."
+    "Sim-to-real transfer, what the gap costs: the filter is tuned on simulated sessions, or on recordings, and scored "
+    "on other recordings. Where all numbers are alike, tuning in the simulator loses nothing by the gap."
 )
 GLOSSARY = (
-    ("Gap", GAP),
-    ("Held out", HELD_OUT),
+    ("Rig", RIG),
+    ("Corrected simulator", CORRECTED),
+    ("Sim-to-real gap", GAP),
+    ("Held-out sessions", HELD_OUT),
     ("Probability", PROBABILITY),
-    ("Mean yaw error", YAW),
-    ("Tuned on", TRANSFER),
+    ("Mean absolute yaw error", YAW),
+    ("Filter tuned in simulation", TRANSFER),
 )
 
 
@@ -57,15 +69,16 @@ def calibration(diagnosis: Diagnosis) -> str:
     """The section of base values of the rig."""
     rows = [_base_row(one) for one in diagnosis.calibration]
     words = (
-        "These may differ from the rig's without being a fault of the simulator, and are no cause: bias, noise and "
-        "sample rate, how late the host has a sample (delay) and by how much that scatters (jitter), and the angle at "
-        "which the encoder begins (phase). They were fitted to each session first. Noise and bias are fitted through "
-        "the rig with its effects: each is moved until the simulator, driven through the same motion, measures what "
-        "was recorded. Copy them into the rig if it is to stand for this device. No delay is seen where the clocks of "
-        "host and device have no common zero, and no jitter where arrivals do not scatter as behind a scheduler."
+        "These values differ from device to device and from day to day. They were fitted to each session first, so "
+        "that they are no cause of the gap; noise and bias by moving them until the simulator measures what was "
+        "recorded. Copy the recordings' values into the rig if it is to stand for this device. The delay is known only "
+        "where the clocks of host and device have a common zero, and the jitter where arrivals scatter as they do "
+        "behind a scheduler of the host."
     )
-    head = headings(["base value", "rig", "recordings", "least", "most"])
-    return section("The rig beside the recordings", paragraph(words), table("Median of all sessions.", head, rows))
+    head = headings(["base value", "rig", "recordings, median", "least", "most"])
+    return section(
+        "Base values of the rig and of the recordings", paragraph(words), table("Over all sessions.", head, rows)
+    )
 
 
 def _base_row(one: BaseValue) -> list[str]:
@@ -74,18 +87,22 @@ def _base_row(one: BaseValue) -> list[str]:
     known = [value * shown.times for value in (one.rig, one.data, one.low, one.high) if value is not None]
     sizes = [abs(value) for value in known if isfinite(value) and abs(value) >= 10.0**-shown.decimals]
     decimals = min(max(2 - floor(log10(max(sizes))), 0), shown.decimals) if sizes else 0
-    unit = f" {quiet(shown.unit)}" if shown.unit else ""
-    return [f"{text(one.name)}{unit}", *[*(fixed(value, decimals) for value in known), *[UNKNOWN] * 3][:4]]
+    key = f"<code>{text(one.name)}</code>"
+    return [f"{shown.name} {key}".strip(), *[*(fixed(value, decimals) for value in known), *[UNKNOWN] * 3][:4]]
 
 
-def how_it_was_done(diagnosis: Diagnosis, command: str) -> str:
-    """The last section."""
-    done = [("Took", f"{significant(diagnosis.seconds, 3)} s"), ("Made by", f"gyrodrift {text(__version__)}")]
-    return section("How it was done", facts([*GLOSSARY, *done]), _sessions(diagnosis), command_line(command))
+def words_used() -> str:
+    """The section of what words mean."""
+    return section("Words used here", facts(GLOSSARY))
 
 
-def _sessions(diagnosis: Diagnosis) -> str:
-    sessions = diagnosis.sessions
+def sessions(diagnosis: Diagnosis) -> str:
+    """The section of what was diagnosed, and how long it took."""
+    took = f"The diagnosis took {significant(diagnosis.seconds, 3)} s."
+    return section("The sessions", _table(diagnosis.sessions), paragraph(took))
+
+
+def _table(sessions: Sequence[DiagnosedSession]) -> str:
     numbers = [
         even([session.minutes for session in sessions]),
         even([session.sample_rate_hz for session in sessions]),
@@ -97,8 +114,8 @@ def _sessions(diagnosis: Diagnosis) -> str:
         [f"{at}. {text(session.name)}", *row, _has(session)]
         for at, (session, row) in enumerate(zip(sessions, columns, strict=True), 1)
     ]
-    head = headings(["session", "minutes", "Hz", "bias, deg/s", "noise, deg/s/√Hz", "beside rate and angle"], words=1)
-    return table("The sessions, with the numbers that they have in the figures.", head, rows, words=1)
+    head = headings(["session", "minutes", "Hz", "bias, deg/s", "noise, deg/s/√Hz", "also holds"], words=1)
+    return table("Numbered as in the figures.", head, rows, words=1)
 
 
 def _has(session: DiagnosedSession) -> str:

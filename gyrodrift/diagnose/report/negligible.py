@@ -12,9 +12,9 @@ def negligible(diagnosis: Diagnosis) -> str:
     if not found:
         return ""
     words = (
-        "These effects are real, and are no causes: each is smaller than what begins to matter, and moves the yaw of "
-        f"the integrated rate by less than {number(NEGLIGIBLE_DEG)}° in the mean over a session. <code>rig.yaml</code> "
-        "is not changed by them."
+        "These effects are real but no causes: each is below the size at which it begins to matter, and moves the yaw "
+        f"of the integrated rate by less than {number(NEGLIGIBLE_DEG)}° on average over a session. "
+        "<code>rig.yaml</code> leaves them as they are."
     )
     rows = []
     for one in found:
@@ -32,5 +32,6 @@ def negligible(diagnosis: Diagnosis) -> str:
                 in_rig_now,
             ]
         )
-    head = headings(["effect", "size", "interval", "probability", "costs, yaw", "in the rig"])
-    return section("Seen, and negligible", paragraph(words), table("What they would cost.", head, rows))
+    head = headings(["effect", "size", "fits nearly as well", "probability", "yaw error it causes", "in the rig"])
+    caption = "Size: the best, and those that fit nearly as well. Probability: that it acts."
+    return section("Real, but negligible", paragraph(words), table(caption, head, rows))

@@ -14,19 +14,21 @@ def detectable(diagnosis: Diagnosis) -> str:
     """The section of the smallest effects."""
     rows = []
     for one in diagnosis.detectable:
-        smallest, parameter = "at no size that was tried", ""
+        smallest, parameter = "none that was tried", ""
         if one.value is not None:
             smallest, parameter = size(one.value, one.unit), one.parameter
         rows.append([text(one.effect), smallest, quiet(text(parameter)), one.stage])
     rows += [[text(one.effect), "–", quiet(text(one.why)), ""] for one in diagnosis.untestable]
     words = (
-        "The smallest effect of each kind that these sessions would have shown. What is smaller may be there: this is "
-        "what it means that an effect is not named. Longer sessions and richer motion show smaller ones. Steps, "
-        "dead bands and limits are read off the recordings themselves: only what was read was tried."
+        "The smallest size of each effect that these sessions would have shown. That an effect is not named means that "
+        "it is smaller than this, not that it is absent. Longer sessions and more varied motion show smaller ones. "
+        "Steps, dead bands and limits are read off the recordings: only the size that was read was tried."
     )
     head = headings(["effect", "smallest", "parameter", "stage"], words=2)
     return section(
-        "How small it could have been", paragraph(words), table("One effect at a time.", head, rows, words=2)
+        "The smallest effects these sessions would show",
+        paragraph(words),
+        table("Each effect acting alone.", head, rows, words=2),
     )
 
 
@@ -35,11 +37,11 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
     rig, home = shlex.quote(str(folder / "rig.yaml")), folder
     simulated, tuned = shlex.quote(str(home / "simulated")), shlex.quote(str(home / "tuned.yaml"))
     steps = [
-        ("Sessions of that rig, without waiting for real time:", f"gyrodrift simulate --rig {rig} --out {simulated}"),
-        ("The filter tuned on them:", f"gyrodrift tune {simulated} --out {tuned}"),
-        ("The same rig as a device on a serial port:", f"python -m firmware_sim --link /tmp/gyro --rig {rig}"),
+        ("Simulate sessions of that rig, faster than real time:", f"gyrodrift simulate --rig {rig} --out {simulated}"),
+        ("Tune the filter on them:", f"gyrodrift tune {simulated} --out {tuned}"),
+        ("Run the same rig as a device on a serial port:", f"python -m firmware_sim --link /tmp/gyro --rig {rig}"),
         (
-            "Recordings made after this one, asked whether anything is left beside that rig:",
+            "Diagnose later recordings against that rig, to see whether anything is left:",
             f"gyrodrift diagnose MORE --rig {rig} --out {shlex.quote(str(home / 'again'))}",
         ),
     ]
@@ -47,16 +49,16 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
         profile, more = shlex.quote(str(home / PROFILE)), shlex.quote(str(home / "more"))
         steps += [
             (
-                "The motion that decides what is open, for a table of your own; a simulated device plays it so:",
+                "Play the motion that decides what is open on your own table; a simulated device plays it so:",
                 f"python -m firmware_sim --link /tmp/gyro --rig {rig} --profile {profile}",
             ),
             (
-                "Recordings of it in a folder, diagnosed with those that there are:",
+                "Diagnose recordings of it, in a folder MORE, together with these:",
                 f"gyrodrift diagnose SESSIONS MORE --out {more}",
             ),
         ]
     parts = [part for words, command in steps for part in (paragraph(words), command_line(command))]
-    return section("How to go on", paragraph(_rig_words(diagnosis)), *parts)
+    return section("What to do next", paragraph(_rig_words(diagnosis)), *parts)
 
 
 def _rig_words(diagnosis: Diagnosis) -> str:
@@ -71,11 +73,11 @@ def _rig_words(diagnosis: Diagnosis) -> str:
         return f"{here}{as_it_was}: there is nothing to switch on."
     doubt = ""
     if diagnosis.verdict.kind is Kind.UNKNOWN:
-        doubt = " It does not explain the recordings: do not rely on what is tuned with it."
+        doubt = " It does not explain the recordings: do not rely on filters tuned with it."
     if diagnosis.verdict.kind is Kind.PARTLY:
-        doubt = " Something is unexplained, as said above: it is nearer to the real thing, and not the same."
+        doubt = " Something stays unexplained, as said above: it is nearer to the real device, and not the same."
     said = [f"with {new} switched on at the fitted size"] * bool(new)
-    said += [f"with the fitted size of {changed} instead of its own (without it, where nearly nothing is left)"] * bool(
+    said += [f"with {changed} at the fitted size instead of its own (switched off where hardly any is left)"] * bool(
         changed
     )
     return f"{here} {' and '.join(said)}{facts}.{doubt}"

@@ -5,18 +5,19 @@ from pathlib import Path
 from gyrodrift.diagnose.report.causes import causes
 from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.diagnose.report.method import calibration, how_it_was_done
+from gyrodrift.diagnose.report.method import calibration, sessions, words_used
 from gyrodrift.diagnose.report.negligible import negligible
 from gyrodrift.diagnose.report.next_steps import detectable, next_steps
 from gyrodrift.diagnose.report.residuals import residuals
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import page
+from gyrodrift.html.provenance import Provenance, provenance
 
 
-def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
-    """The page of a diagnosis whose files stand in a folder, with the command that made it."""
+def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance) -> str:
+    """The page of a diagnosis whose files stand in a folder."""
     body = [
-        verdict(diagnosis),
+        verdict(diagnosis, made.set_name),
         negligible(diagnosis),
         features(diagnosis),
         residuals(diagnosis),
@@ -24,6 +25,8 @@ def report_html(diagnosis: Diagnosis, folder: Path, command: str = "") -> str:
         detectable(diagnosis),
         calibration(diagnosis),
         next_steps(diagnosis, folder),
-        how_it_was_done(diagnosis, command),
+        words_used(),
+        sessions(diagnosis),
+        provenance(made),
     ]
-    return page("Sim-to-real gap", body)
+    return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), body)

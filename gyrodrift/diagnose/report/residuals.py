@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from gyrodrift.diagnose.predictive_checks.dependences import Dependence
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
-from gyrodrift.diagnose.report.figures import dependence_svgs, over_time_svgs, spectrum_svg
-from gyrodrift.diagnose.report.text import marks, number
+from gyrodrift.diagnose.report.figures import dependence_svgs, over_time_svgs, spectrum_svgs
+from gyrodrift.diagnose.report.text import NAMES, marks, number, switched_marks
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import figure, panels, paragraph, section, span, text
 from gyrodrift.html.numbers import significant
@@ -18,8 +18,8 @@ angle or direction, `features/history_columns.py`."""
 
 CHANGE_POINTS_TOLD = 4
 RANDOM = (
-    "Some of what is named is random: the simulator's realisation is not that of the real thing, so that the two agree "
-    "in kind and not second by second. What is unexplained below still holds it."
+    "A named cause is random: the simulator draws a course of its own, so that it agrees with the recordings in its "
+    "statistics and not second by second. The residual still holds it."
 )
 
 
@@ -28,7 +28,7 @@ def residuals(diagnosis: Diagnosis) -> str:
     checks, has_causes = diagnosis.residuals, bool(diagnosis.verdict.causes)
     is_random = any(cause.cause.is_random for cause in diagnosis.verdict.causes)
     return section(
-        "What the difference looks like" if diagnosis.verdict.where else "What rate errors look like",
+        "What the difference looks like" if diagnosis.verdict.where else "What the rate errors look like",
         paragraph(_introduction(diagnosis, checks.sessions)),
         paragraph(RANDOM if is_random else _depends(checks.dependences, has_causes=has_causes)),
         _dependence_figure(checks.dependences, has_causes=has_causes),
@@ -53,15 +53,18 @@ def _time_figure(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> str
 
 def _spectrum_figure(spectra: Sequence[Spectra], *, has_causes: bool) -> str:
     words = _spectrum_words(has_causes=has_causes)
-    return figure(words, spectrum_svg(spectra, has_causes=has_causes)) if spectra else ""
+    names = [f"<strong>{one.hz[0]:.2g} to {one.hz[-1]:.2g} Hz</strong>" for one in spectra]
+    return figure(words, panels(names, spectrum_svgs(spectra, has_causes=has_causes))) if spectra else ""
 
 
 def _introduction(diagnosis: Diagnosis, sessions: Sequence[ResidualSeries]) -> str:
     total = len(diagnosis.sessions)
-    some = f" Drawn are {len(sessions)} of {total} sessions." if total > len(sessions) else ""
+    some = f" {len(sessions)} of {total} sessions are drawn." if total > len(sessions) else ""
+    simulated = f"{NAMES[1]} and from the {NAMES[2]}" if diagnosis.verdict.causes else "simulator"
     return (
-        "The rate error is the mean rate of a second less that of the encoder, without the bias of the session. Each "
-        f"figure shows it as it was recorded, and as the simulator gives it on the same motion.{some}"
+        "The rate error is the rate of the gyro minus that of the encoder, each averaged over a second, without the "
+        f"mean bias of the session. Each figure shows it from the recordings and, for the same motion, from the "
+        f"{simulated}. The residual is what remains: recordings minus simulator.{some}"
     )
 
 
@@ -69,23 +72,24 @@ def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
     """On what the rate error depends more than the simulator's does."""
     left = sorted(((one.follows_dps, one.name) for one in every), reverse=True)
     told = [f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in left[:NAMED] if dps > NEGLIGIBLE_DPS]
-    what = "What is unexplained" if has_causes else "The difference"
+    what = f"The residual of the {NAMES[2]}" if has_causes else "The residual"
     if not told:
-        return f"<b>{what} depends on</b> nothing that is drawn here, by {NEGLIGIBLE_DPS:g} deg/s RMS or more."
+        return f"<b>{what} depends on</b> nothing that is drawn here by more than {NEGLIGIBLE_DPS:g} deg/s RMS."
     return f"<b>{what} depends on</b> {'; '.join(told)}. Each is taken by itself, the strongest first."
 
 
 def _dependence_words(*, has_causes: bool) -> str:
     return (
-        "<b>Rate error against what it may depend on.</b> Dots are seconds of the recordings, lines are medians. Below "
-        "in each panel: recordings less simulator, enlarged, with the range of two standard errors. A line that stays "
-        f"on 0 is explained.<br/>{marks(has_causes=has_causes)}"
+        "<b>Rate error against what it may depend on.</b> Grey dots are single seconds of the recordings, lines are "
+        "medians. Below, on a scale of its own, the residual, with ± 2 standard errors as a band: where the band holds "
+        f"0, the residual does not depend on it.<br/>{marks(has_causes=has_causes)}"
     )
 
 
 def _dependence_name(one: Dependence, *, has_causes: bool) -> str:
     amounts = f"{_dps(one.follows_before_dps)} → {_dps(one.follows_dps)}" if has_causes else _dps(one.follows_dps)
-    return f"<strong>{text(one.name)}</strong><br/>{span(f'follows it: {amounts} deg/s RMS', 'note')}"
+    follows = span(f"part of the residual that follows it: {amounts} deg/s RMS", "note")
+    return f"<strong>{text(one.name)}</strong><br/>{follows}"
 
 
 def _dps(value: float) -> str:
@@ -94,8 +98,9 @@ def _dps(value: float) -> str:
 
 def _time_words(*, has_causes: bool) -> str:
     return (
-        "<b>Rate error over time.</b> Medians of five seconds. Dotted: change points, where what is unexplained goes "
-        f"from one level to another at once.<br/>{marks(has_causes=has_causes)}"
+        "<b>Rate error over time</b>, as medians of five seconds. Below, on a scale of its own, the residual; a dotted "
+        "line marks a change point, where it jumps from one level to another (by so many deg/s)."
+        f"<br/>{switched_marks(has_causes=has_causes)}"
     )
 
 
@@ -118,7 +123,7 @@ def _change_points(session: ResidualSeries) -> str:
 
 def _spectrum_words(*, has_causes: bool) -> str:
     return (
-        "<b>Spectrum of the rate error</b>, above half a hertz while it rests, or else turns steadily. Noise of the "
-        "sensor is a level line; a bias that wanders rises to the left; a vibration is a peak."
-        f"<br/>{marks(has_causes=has_causes, has_left=False)}"
+        "<b>Amplitude spectral density of the rate error.</b> Above 0.5 Hz it is measured while the device rests, or "
+        "else turns steadily. White noise of the sensor is a level line, a wandering bias rises to the left, a "
+        f"vibration is a peak.<br/>{switched_marks(has_causes=has_causes, has_left=False)}"
     )

@@ -4,14 +4,14 @@ from math import isfinite
 
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.html.html import legend, span, text
+from gyrodrift.html.html import legend, span, switches, text
 from gyrodrift.html.numbers import significant
 
-NAMES = ("recordings", "simulated before", "simulated after")
-"""What is compared, in all figures and tables: before and after the causes are added to the rig."""
+NAMES = ("recordings", "simulator as it is", "corrected simulator")
+"""What is compared, in all figures and tables; corrected is the rig with the named causes at their fitted sizes."""
 
-REAL, BEFORE, AFTER = zip(("", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
-LEFT = ("two", "key", "unexplained")
+REAL, BEFORE, AFTER = zip(("ink", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
+LEFT = ("two", "key", "residual: recordings − simulator")
 UNKNOWN = "–"
 """In the place of a number that there is not."""
 
@@ -24,9 +24,19 @@ UNITS = {"1/h": "per hour"}
 
 
 def marks(*, has_causes: bool, has_left: bool = True) -> str:
-    """The legend of all figures."""
-    simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulated")]
-    return legend([REAL, *simulated, *[LEFT] * has_left])
+    """The legend of a figure."""
+    return legend(_marks(has_causes=has_causes, has_left=has_left))
+
+
+def switched_marks(*, has_causes: bool, has_left: bool = True) -> str:
+    """The legend of a figure whose curves it switches, by the names of their colours."""
+    return switches([(mark[0], *mark) for mark in _marks(has_causes=has_causes, has_left=has_left)])
+
+
+def _marks(*, has_causes: bool, has_left: bool) -> list[tuple[str, str, str]]:
+    simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulator")]
+    left = (*LEFT[:2], f"residual: recordings − {AFTER[2]}") if has_causes else LEFT
+    return [REAL, *simulated, *[left] * has_left]
 
 
 def size(value: float, unit: str) -> str:
@@ -40,13 +50,13 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def interval(parameter: Parameter) -> str:
-    """Sizes that would do nearly as well."""
+    """Sizes that fit nearly as well."""
     low, high = number(parameter.low), number(parameter.high)
-    return f"{low} to {high}" if low != high else "no other as good"
+    return f"{low} to {high}" if low != high else "no other"
 
 
 def fitted(cause: NamedCause) -> str:
-    """Parameters of a cause in a line."""
+    """Parameters of a cause in a line, the first with the range that fits nearly as well."""
     first, phase = cause.parameters[0], ["a phase that is " + FREE_PHASE] * has_free_phase(cause)
     held = [f"{text(one.name)} {size(one.value, one.unit)}" for one in others_of(cause)]
     return ", ".join([f"{text(first.name)} {size(first.value, first.unit)} ({interval(first)})", *held, *phase])
@@ -71,10 +81,15 @@ def in_rig(cause: NamedCause) -> str:
 
 
 def deviates(z: float) -> str:
-    """How many times chance something is off."""
+    """How many standard deviations of chance something is off."""
     if not isfinite(z):
         return UNKNOWN
     return f"{abs(z):.1f}" if abs(z) < 100.0 else f"{abs(z):.0f}"
+
+
+def sigmas(z: float) -> str:
+    """So many standard deviations of chance."""
+    return f"{fixed(z, 2)} σ" if isfinite(z) else UNKNOWN
 
 
 def percent(share: float) -> str:

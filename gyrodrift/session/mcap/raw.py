@@ -22,6 +22,34 @@ class Read(NamedTuple):
     content: bytes
 
 
+class RawSize(NamedTuple):
+    """How much of the link a recording kept: reads of the port, and their bytes."""
+
+    reads: int
+    total_bytes: int
+
+
+class _NoRawBytesError(DataError):
+    """A recording that did not keep them."""
+
+
+def raw_size(path: Path) -> RawSize | None:
+    """How much of the link a session kept; None where it kept nothing of it.
+
+    Raises
+    ------
+    DataError
+        Where the file cannot be read.
+    """
+    if path.suffix != ".mcap":
+        return None
+    try:
+        sizes = [len(one.content) for one in read_raw(path)]
+    except _NoRawBytesError:
+        return None
+    return RawSize(len(sizes), sum(sizes))
+
+
 def read_raw(path: Path) -> Iterator[Read]:
     """The reads of a session in their order, one at a time.
 
@@ -49,7 +77,7 @@ def read_raw(path: Path) -> Iterator[Read]:
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     if not found:
-        raise DataError(f"{path}: no raw bytes were kept in it; record with --raw")
+        raise _NoRawBytesError(f"{path}: no raw bytes were kept in it; record with --raw")
 
 
 def _read(body: bytes) -> Read:

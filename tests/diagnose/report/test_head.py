@@ -22,6 +22,7 @@ from gyrodrift.diagnose.report.next_steps import next_steps
 from gyrodrift.diagnose.report.page import report_html
 from gyrodrift.diagnose.result import BaseValue, Diagnosis
 from gyrodrift.html.html import page
+from gyrodrift.html.provenance import Provenance
 
 COUNTS = Contradiction("encoder_cpr", 1000.0, 4096.0, "counts per turn", "the rig has 1000, the angles 4096")
 
@@ -88,12 +89,12 @@ def test_a_wrong_size_in_the_rig_is_told_with_both_sizes(scaled: Diagnosis) -> N
     found = with_causes(scaled, cause_of(scaled, ScaleFactor(error_percent=1.2)))
     shown = seen(verdict(found))
     assert "The sessions differ from the simulator by another size of scale_factor" in shown
-    assert "It is in the rig with 1.2 %; the recordings say error_percent 0.4 % (0.38 to 0.42)" in shown
-    assert "in the rig 1.2 %" in shown
+    assert "The rig has it with 1.2 %; the recordings show error_percent 0.4 % (0.38 to 0.42)" in shown
+    assert "in the rig so far 1.2 %" in shown
     assert said(found.verdict.causes[0]).startswith(
         "scale_factor: error_percent in the rig with 1.2 %, the sessions say 0.4 % (0.38 to 0.42), probability"
     )
-    assert "with the fitted size of scale_factor instead of its own" in seen(next_steps(found, Path("out")))
+    assert "with scale_factor at the fitted size instead of its own" in seen(next_steps(found, Path("out")))
 
 
 def test_a_free_phase_is_no_number(scaled: Diagnosis) -> None:
@@ -110,23 +111,26 @@ def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
     found = with_negligible(scaled)
     assert headline(found) == "none: the simulator explains these sessions, but for scale_factor, negligible in yaw"
     shown = seen(verdict(found))
-    assert "Seen, and negligible: scale_factor costs 0.022° of yaw" in shown
+    assert "Real, but negligible: scale_factor costs 0.022° of yaw" in shown
     assert "none is named" not in shown
     listed = row(page("", [negligible(found)]), "scale_factor error_percent")
     assert listed[1:] == ["0.4 %", "0.38 to 0.42", f"{found.verdict.negligible[0].cause.probability:.2f}", "0.022°",
                           "not in it"]  # fmt: skip
-    assert "there is nothing to switch on" in words(report_html(found, Path("out")))
+    assert "there is nothing to switch on" in words(report_html(found, Path("out"), Provenance()))
     assert negligible(scaled) == ""
 
 
 def test_a_baseline_is_told_in_the_head_and_is_no_doubt(scaled: Diagnosis) -> None:
     """Other remarks stay in the box."""
-    remarks = ("baseline: the rig lacks warmup already there; only what is new since is told", "session-01: short")
+    remarks = (
+        "baseline: it shows warmup already, which the rig lacks; only what is new since then is told",
+        "session-01: short",
+    )
     shown = seen(verdict(replace(scaled, remarks=remarks)))
-    assert "Beside a baseline." in shown
-    assert "Of the baseline: the rig lacks warmup already there" in shown
+    assert "Compared with a baseline." in shown
+    assert "About the baseline: it shows warmup already, which the rig lacks" in shown
     assert "Before believing it session-01: short" in shown
-    assert "Beside a baseline." not in seen(verdict(scaled))
+    assert "Compared with a baseline." not in seen(verdict(scaled))
 
 
 def test_calibration_is_told_in_units_and_digits_for_a_person(scaled: Diagnosis) -> None:
@@ -139,8 +143,13 @@ def test_calibration_is_told_in_units_and_digits_for_a_person(scaled: Diagnosis)
         BaseValue("sample_rate_hz", 100.0, 99.98765, 99.9, 100.1),
     )
     html = page("", [calibration(replace(scaled, calibration=values))])
-    assert row(html, "host_delay_s ms")[1:] == ["2.00", "2.00", "1.80", "2.10"]
-    assert row(html, "host_jitter_s ms")[1:] == ["0", "none seen", "none seen", "none seen"]
-    assert row(html, "encoder_phase_deg deg")[1:] == ["0", "0", "0", "0"]
-    assert row(html, "noise_dps_rthz deg/s/√Hz")[1:] == ["0.00350", "0.00344", "0.00325", "0.00375"]
-    assert row(html, "sample_rate_hz Hz")[1:] == ["100", "100", "100", "100"]
+    assert row(html, "delay until the host has a sample, ms host_delay_s")[1:] == ["2.00", "2.00", "1.80", "2.10"]
+    assert row(html, "scatter of that delay (jitter), ms host_jitter_s")[1:] == [
+        "0",
+        "none seen",
+        "none seen",
+        "none seen",
+    ]
+    assert row(html, "encoder angle at the start (phase), deg encoder_phase_deg")[1:] == ["0", "0", "0", "0"]
+    assert row(html, "white noise, deg/s/√Hz noise_dps_rthz")[1:] == ["0.00350", "0.00344", "0.00325", "0.00375"]
+    assert row(html, "sample rate, Hz sample_rate_hz")[1:] == ["100", "100", "100", "100"]

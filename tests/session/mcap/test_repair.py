@@ -23,7 +23,7 @@ from gyrodrift.sample import Sample
 from gyrodrift.session.mcap import interrupted as looking
 from gyrodrift.session.mcap.interrupted import interrupted
 from gyrodrift.session.mcap.layout import MESSAGE
-from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.session.mcap.raw import raw_size, read_raw
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
@@ -152,6 +152,7 @@ def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:
     path.write_bytes(written()[:-20])
     repair(path)
     assert [read.content for read in read_raw(path)] == [b"x" * number for number in (4, 9, 14, 19)]
+    assert raw_size(path) == (4, 46)
     with path.open("rb") as file:
         events = [json.loads(message.data) for _, _, message in make_reader(file).iter_messages(["/link"])]
     assert [event["missing"] for event in events] == [4, 9, 14, 19]
