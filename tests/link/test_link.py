@@ -21,6 +21,7 @@ from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.sample import Sample
 
 RIG = Rig()
+DETECTED = [name for name in ENCODERS if PROTOCOLS[name].is_detected]
 
 
 class Host:
@@ -55,7 +56,7 @@ def spoken(protocol: str) -> Iterator[bytes]:
     return (frame.content for frame in frames(protocol))
 
 
-@pytest.mark.parametrize("protocol", ENCODERS)
+@pytest.mark.parametrize("protocol", DETECTED)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""
     with speaking_on(port) as device:
@@ -84,7 +85,7 @@ def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
 
 
 @pytest.mark.parametrize("baud", [9600, 921600])
-@pytest.mark.parametrize("protocol", ENCODERS)
+@pytest.mark.parametrize("protocol", DETECTED)
 def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
     """Bytes at the wrong rate are garbage."""
     with speaking_on(port) as device:
