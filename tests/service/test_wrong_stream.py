@@ -112,4 +112,4 @@ def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Pa
             assert serve.stop() == 0
     assert serve.log.count("event=rate_unit_differs unit=rad/s odds=") == 1
     assert "to 1" in serve.log
-    assert '--columns "t_us, rate:rads"' in serve.log
+    assert "--columns 't_us, rate:rads'" in serve.log

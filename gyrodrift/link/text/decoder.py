@@ -10,6 +10,9 @@ from gyrodrift.sample import Reading
 
 CLOCK_MASK = 0xFFFFFFFF
 COUNTER_MASK = 0xFFFF
+NO_CONTROLS = bytes((0x09, *range(0x20, 0x7F), *range(0x80, 0x100)))
+"""All bytes but control characters: a line with one of those is noise, and is not looked into any further."""
+
 LONGEST_CLOCK_US = 1e18
 """Thirty thousand years: more digits than that are a damaged line."""
 
@@ -28,6 +31,8 @@ class TextDecoder(LineDecoder):
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """One line."""
+        if text.translate(None, NO_CONTROLS):
+            return None
         fields = fields_of(text.decode("utf-8", "replace"), self._separator)
         if fields is None:
             return None

@@ -88,7 +88,7 @@ def says(found: RateUnit, protocol: str) -> Mapping[str, object]:
     is_counts = found.unit == COUNTS
     entry = f"rate:lsb/{found.per_dps:g}" if is_counts else "rate:rads"
     hint = {
-        "csv": f'--columns "t_us, {entry}" reads it so',
+        "csv": f"--columns 't_us, {entry}' reads it so",
         "text": f"in --columns, write {entry}",
     }.get(protocol, "the scale that the device states, or has, is not that of its rates")
     if is_counts and protocol in {"csv", "text"}:

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterator
+from itertools import islice
 from math import nan, radians
 from pathlib import Path
 from random import Random
@@ -14,6 +15,8 @@ from gyrodrift.sample import Sample
 
 RATE_HZ = 100.0
 REST_S, TURN_S = 10, 4
+SHORT = 2000
+"""Samples of a recording: its first rest and its first turns."""
 
 
 def best(samples: list[Sample], start: int = 0) -> RateUnit | None:
@@ -92,7 +95,7 @@ def test_no_real_recording_in_deg_per_s_is_suspected(recordings: Recordings) -> 
     assert len(paths) > 90
     highest = 0.0
     for path in paths:
-        samples = list(recorded(path))[:6000]
+        samples = list(islice(recorded(path), SHORT))
         for heard in (samples, [sample._replace(encoder_deg=nan) for sample in samples]):
             found = best(heard)
             highest = max(highest, found.odds if found else 0.0)
