@@ -55,7 +55,7 @@ class LinkCounters:
 class LinkOptions:
     """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever.
 
-    `columns` are those of the text protocol, `separator` what stands between them; None to tell it from the lines.
+    `columns` are those of the text protocol, None where another one is spoken.
     """
 
     port: str
@@ -63,7 +63,6 @@ class LinkOptions:
     protocol: str = AUTO
     timeout_s: float = 10.0
     columns: str | None = None
-    separator: str | None = None
 
 
 class Link:
@@ -91,7 +90,7 @@ class Link:
         self._on_event = on_event
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
-        self._protocols = {each.name: each for each in candidates(options.protocol, options.columns, options.separator)}
+        self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
         self._detector = Detector(list(self._protocols.values()))
         if len(self._protocols) == 1 and options.baud is not None:
             self.decoder = next(iter(self._protocols.values())).decoder()

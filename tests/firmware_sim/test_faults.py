@@ -228,6 +228,12 @@ def test_the_clock_steps_and_hello_does_not_wait_for_it(step_s: float) -> None:
     assert max(b - a for a, b in pairwise(hellos)) < 1.01
 
 
+def test_a_clock_of_milliseconds_counts_whole_ones() -> None:
+    """From power-on, and nothing else changes."""
+    good, bad = measured(3.0), measured(3.0, "millisecond_clock")
+    assert [(row[0], row[1] // 1000, *row[2:]) for row in good] == bad
+
+
 def test_a_stuck_value_is_the_last_one_before() -> None:
     """All else goes on."""
     good, bad = measured(15.0), measured(15.0, "stuck_value:from_s=8,to_s=11")

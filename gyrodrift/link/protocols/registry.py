@@ -47,7 +47,7 @@ def protocol_named(name: str) -> WireProtocol:
     return PROTOCOLS[name]
 
 
-def candidates(name: str, columns: str | None = None, separator: str | None = None) -> list[WireProtocol]:
+def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
     """The protocols that come into question where a person says `name`: all detected ones for `auto`, else that one.
 
     Columns are those of the text protocol, and mean it.
@@ -60,7 +60,7 @@ def candidates(name: str, columns: str | None = None, separator: str | None = No
     if columns is not None:
         if name not in (AUTO, text.NAME):
             raise UsageError(f"--columns is for --protocol {text.NAME}, not for {name}")
-        return [text.text_protocol(columns, separator)]
+        return [text.text_protocol(columns)]
     if name == text.NAME:
         raise UsageError(
             f"--protocol {text.NAME} needs --columns to say what stands in a line, such as --columns 't_ms, _, rate'; "

@@ -15,7 +15,7 @@ SHIPPED_COLUMNS = "t_ms=t_ms, gz=rate:lsb/131"
 """What the simulated device prints."""
 
 
-def text_protocol(columns: str, separator: str | None = None) -> WireProtocol:
+def text_protocol(columns: str) -> WireProtocol:
     """The protocol of lines with these columns.
 
     Raises
@@ -30,7 +30,7 @@ def text_protocol(columns: str, separator: str | None = None) -> WireProtocol:
     def decoder() -> "TextDecoder":
         from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
 
-        return TextDecoder(parsed, separator)
+        return TextDecoder(parsed)
 
     has_clock = any(column.meaning in CLOCK_US for column in parsed)
     return WireProtocol(NAME, HELP, decoder, has_clock=has_clock, rank=90, is_detected=False)

@@ -23,9 +23,8 @@ class TextDecoder(LineDecoder):
     name = "text"
     longest_bytes = 768
 
-    def __init__(self, columns: Sequence[Column], separator: str | None = None) -> None:
+    def __init__(self, columns: Sequence[Column]) -> None:
         super().__init__()
-        self._separator = separator
         self._least = len(columns)
         self._wanted = [(place, column) for place, column in enumerate(columns) if column.meaning != IGNORED]
 
@@ -33,7 +32,7 @@ class TextDecoder(LineDecoder):
         """One line."""
         if text.translate(None, NO_CONTROLS):
             return None
-        fields = fields_of(text.decode("utf-8", "replace"), self._separator)
+        fields = fields_of(text.decode("utf-8", "replace"))
         if fields is None:
             return None
         values: dict[str, tuple[Column, str]] = {}

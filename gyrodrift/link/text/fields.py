@@ -50,17 +50,14 @@ class Fields(NamedTuple):
     values: tuple[str, ...]
 
 
-def fields_of(line: str, separator: str | None = None) -> Fields | None:
-    """The fields of a line; None where it is damaged: JSON cut short, or a checksum that is wrong.
-
-    `separator` is what stands between values in a row; None to tell it from the line.
-    """
+def fields_of(line: str) -> Fields | None:
+    """The fields of a line; None where it is damaged: JSON cut short, or a checksum that is wrong."""
     if line.startswith("{"):
         return _json(line)
     if line[:1] in {"$", "!"} and "*" in line:
         return _sentence(line)
     found = LABELLED.findall(line)
-    values = _row(line, separator)
+    values = _row(line)
     if found and not (len(found) == 1 and sum(map(is_number, values)) > 1):  # one word may stand before a row
         labels, labelled = zip(*found, strict=True)
         return Fields(Form.LABELLED, _headed(labels), labelled)
@@ -128,9 +125,9 @@ def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(full)
 
 
-def _row(line: str, separator: str | None) -> tuple[str, ...]:
-    mark = separator or next((each for each in SEPARATORS if each in line), None)
-    parts = line.split() if mark is None or mark == " " else [part.strip() for part in line.split(mark)]
+def _row(line: str) -> tuple[str, ...]:
+    mark = next((each for each in SEPARATORS if each in line), None)
+    parts = line.split() if mark is None else [part.strip() for part in line.split(mark)]
     if len(parts) > 1 and not parts[-1]:
         parts.pop()  # a sketch that prints a separator behind each value
     if mark != ",":

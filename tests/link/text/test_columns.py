@@ -10,8 +10,8 @@ from gyrodrift.link.text.columns import Column, columns_of
 from gyrodrift.sample import Reading
 
 
-def read(spec: str, *lines: str, separator: str | None = None) -> list[Reading]:
-    (protocol,) = candidates("auto", spec, separator)
+def read(spec: str, *lines: str) -> list[Reading]:
+    (protocol,) = candidates("auto", spec)
     decoder = protocol.decoder()
     readings = decoder.push("".join(f"{line}\n" for line in lines).encode())
     assert decoder.counters.damaged == 0
