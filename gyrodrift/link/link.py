@@ -265,10 +265,12 @@ class Link:
             self._is_told = True
             self._on_event("not_understood", port=self.name, reason=self._why_silent(TELL_S))
         if self.options.baud is None and self.decoder is None and self._trial_s is not None:
-            if self._heard.is_text:
-                return  # the rate is right, whatever is said at it
             trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
-            if now_s - self._trial_s >= trial_s:
+            if now_s - self._trial_s < trial_s:
+                return
+            if self._heard.is_text:
+                self._trial_s = now_s  # the rate is right, whatever is said at it
+            else:
                 self._next_baud()
 
     def _why_silent(self, waited_s: float) -> str:

@@ -122,6 +122,18 @@ def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
         host.link.close()
 
 
+def test_who_waits_for_ever_is_told_once_what_is_not_understood(port: Path) -> None:
+    """And where text can be read, no other rate is tried."""
+    lines = (f"gx:{i % 3},gy:{i % 5},gz:{i % 7}\n".encode() for i in range(1200))
+    with speaking_on(port) as device:
+        host = Host(port, timeout_s=0.0)
+        assert host.hear(device, lines, 1200) == []
+        (reason,) = (fields["reason"] for event, fields in host.told if event == "not_understood")
+        assert "looks like gx, gy, gz (label:value pairs)" in reason
+        assert host.link.baud == 115200
+        host.link.close()
+
+
 def test_samples_that_never_say_their_scale_are_explained(port: Path) -> None:
     """A native device without HELLO."""
     with speaking_on(port) as device:
