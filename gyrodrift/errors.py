@@ -7,7 +7,8 @@
     │   ├── PortMissingError
     │   ├── PortDeniedError
     │   ├── PortBusyError
-    │   └── DeviceSilentError     nothing decodable within the time given
+    │   ├── DeviceSilentError     nothing decodable within the time given
+    │   └── UnitError             a device clock that is none in microseconds
     └── DataError             4   a session that cannot be read
 
 An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
@@ -57,6 +58,10 @@ class PortBusyError(LinkError):
 
 class DeviceSilentError(LinkError):
     """The port is open, but nothing that can be decoded came in time."""
+
+
+class UnitError(LinkError):
+    """The stream is understood, but its clock has another unit than it is taken for."""
 
 
 class DataError(GyrodriftError):

@@ -18,7 +18,15 @@ from firmware_sim.faults.frames import (
     TruncatedFrames,
     Zeros,
 )
-from firmware_sim.faults.measurements import ClockStep, DoubleRate, FullScale, RateChange, Reset, StuckValue
+from firmware_sim.faults.measurements import (
+    ClockStep,
+    DoubleRate,
+    FullScale,
+    MillisecondClock,
+    RateChange,
+    Reset,
+    StuckValue,
+)
 from firmware_sim.measure import Block
 from firmware_sim.named import parse_named
 from firmware_sim.pty import Cable
@@ -31,6 +39,7 @@ _KINDS: tuple[type[Fault], ...] = (
     RateChange,
     ClockStep,
     Reset,
+    MillisecondClock,
     TruncatedFrames,
     MergedFrames,
     DroppedBytes,

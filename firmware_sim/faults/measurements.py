@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.faults.fault import Fault, Lasting
+from firmware_sim.faults.fault import Fault, Lasting, Seconds
 from firmware_sim.measure import COUNTS_MOST, Block
 
 
@@ -119,6 +119,19 @@ class ClockStep(Fault):
         for block in blocks:
             step_us = np.where(block.t_host_s >= self.from_s, round(self.step_s * 1e6), 0)
             yield replace(block, t_device_us=block.t_device_us + step_us)
+
+
+class MillisecondClock(Fault):
+    """The clock counts milliseconds: a sketch that prints `millis()` where `micros()` is expected."""
+
+    fault: ClassVar[str] = "millisecond_clock"
+    from_s: Seconds = 0.0
+
+    def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
+        """Whole milliseconds in the place of microseconds."""
+        for block in blocks:
+            has_it = block.t_host_s >= self.from_s
+            yield replace(block, t_device_us=np.where(has_it, block.t_device_us // 1000, block.t_device_us))
 
 
 class Reset(Fault):

@@ -15,6 +15,7 @@ from gyrodrift.errors import UsageError
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
     from gyrodrift.progress import Progress
+    from gyrodrift.link.link import LinkOptions
 
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
 PACKAGES = "packages"
@@ -45,12 +46,26 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
         help=f"auto to find it (default), {protocols}",
     )
     parser.add_argument(
+        "--columns",
+        metavar="SPEC",
+        help="read lines of text with these columns, one entry each: _ (ignored), t_us, t_ms, t_s, seq, "
+        "rate[:dps|:rads|:lsb/N][:-], encoder[:deg|:counts/N], temp, such as 't_ms, _, _, rate:lsb/131'; of labelled "
+        "values and JSON, LABEL=rate",
+    )
+    parser.add_argument(
         "--timeout",
         type=float,
         default=10.0,
         metavar="S",
         help="give up where nothing decodable came within S seconds of the start; 0 waits for ever (default 10)",
     )
+
+
+def link_options(arguments: argparse.Namespace, baud: int | None) -> "LinkOptions":
+    """What the options of a command say of its link."""
+    from gyrodrift.link.link import LinkOptions
+
+    return LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns)
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

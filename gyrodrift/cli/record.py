@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     baud = options.baud(arguments.baud)
 
     from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link, LinkOptions
+    from gyrodrift.link.link import Link
     from gyrodrift.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.recording.recorder import Recorder, RecordOptions
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     log = open_log(options.log_level(arguments), arguments.log_format, log_to)
     events = LinkEvents(log)
     with StopSignal() as stop:
-        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
+        link = Link(options.link_options(arguments, baud), events)
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         recorder = Recorder(RecordOptions(*what), link)
         repair_interrupted(arguments.out, log)

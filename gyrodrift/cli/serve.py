@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
         watch = ConfigWatch(arguments.config)
 
     from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link, LinkOptions
+    from gyrodrift.link.link import Link
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
     with StopSignal() as stop:
-        link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
+        link = Link(options.link_options(arguments, baud), events)
         outputs = [open_output("stdout", {"rate_hz": rate_hz})]
         filtering = Filtering(link, outputs, log, watch)
         listeners: list[SampleListener] = [filtering]

@@ -9,7 +9,9 @@ from typing import Any
 
 from structlog.typing import FilteringBoundLogger
 
-WARNINGS = frozenset({"gap", "link_lost", "link_refused", "device_reset", "link_silent"})
+WARNINGS = frozenset(
+    {"gap", "link_lost", "link_refused", "device_reset", "link_silent", "rate_unit_differs", "not_understood"}
+)
 GAP_EVERY_S = 1.0
 
 

@@ -11,20 +11,25 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.link.heard import Heard
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
-from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, protocol_named
+from gyrodrift.link.protocols.registry import AUTO, candidates
 from gyrodrift.link.silence import why_silent
+from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
 """How long `--baud auto` listens at a rate at which bytes come: the longer time where something was understood."""
+
+TELL_S = 10.0
+"""Who waits for ever is told after so long why nothing is understood."""
 
 BACKOFF_FIRST_S = 0.05
 BACKOFF_LONGEST_S = 2.0
@@ -48,12 +53,16 @@ class LinkCounters:
 
 @dataclass(frozen=True, slots=True)
 class LinkOptions:
-    """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever."""
+    """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever.
+
+    `columns` are those of the text protocol, None where another one is spoken.
+    """
 
     port: str
     baud: int | None = None
     protocol: str = AUTO
     timeout_s: float = 10.0
+    columns: str | None = None
 
 
 class Link:
@@ -62,10 +71,11 @@ class Link:
     Raises
     ------
     UsageError
-        From the constructor, where there is no such protocol.
+        From the constructor, where there is no such protocol, or its columns are not understood.
     LinkError
         From the constructor where the port cannot be opened; from `read` where nothing decodable came within
-        `timeout_s` of the start. Once a device has spoken, silence and unplugging are survived.
+        `timeout_s` of the start, or where the device clock turns out to be none in its first seconds. Later on,
+        silence and unplugging are survived.
     """
 
     def __init__(
@@ -80,13 +90,17 @@ class Link:
         self._on_event = on_event
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
-        self._detector = Detector(options.protocol)
-        if options.protocol != AUTO and options.baud is not None:
-            self.decoder = protocol_named(options.protocol).decoder()
+        self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
+        self._detector = Detector(list(self._protocols.values()))
+        if len(self._protocols) == 1 and options.baud is not None:
+            self.decoder = next(iter(self._protocols.values())).decoder()
         self._bauds = cycle(USUAL_BAUDS)
         self.baud = options.baud or next(self._bauds)
         self._device = DeviceDescription()
         self._spoke = False
+        self._heard = Heard()
+        self._check: UnitCheck | None = None
+        self._is_told = False
         self._opened_s = self._heard_s = monotonic()
         self._trial_s: float | None = None
         self._backoff_s = BACKOFF_FIRST_S
@@ -124,12 +138,16 @@ class Link:
         if self.tap is not None:
             self.tap(chunk, self._epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
+        if not self._spoke or (self._check is not None and self._check.is_hearing):
+            self._heard.add(chunk, arrival_s)
         readings = self._decode(chunk)
         samples: list[Sample] = []
         if readings and self.decoder is not None:
             samples = self._stamp(self.decoder, readings, arrival_s)
             self._heard_s = arrival_s
             self._spoke = True
+            if self._check is not None:
+                self._check_units(self._check, len(readings), samples, arrival_s)
         elif not self._spoke:
             self._give_up_waiting()
         self.counters.samples += len(samples)
@@ -171,7 +189,9 @@ class Link:
 
     def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
         if self.clock is None:
-            if PROTOCOLS[decoder.name].has_clock:
+            has_clock = self._protocols[decoder.name].has_clock
+            self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
+            if has_clock:
                 self.clock = DeviceClock(self._epoch_s)
             else:
                 self.clock = ArrivalClock(self._epoch_s)
@@ -180,6 +200,16 @@ class Link:
         if self.clock.events:
             self._report_clock_events(self.clock)
         return samples
+
+    def _check_units(self, check: UnitCheck, readings: int, samples: list[Sample], arrival_s: float) -> None:
+        if self.clock is None:
+            return
+        try:
+            check.take(readings, samples, arrival_s, self.clock)
+        except UnitError as error:
+            raise UnitError(f"{self.name}: {error}") from error
+        if check.is_over:
+            self._check = None
 
     def _report_clock_events(self, clock: Clock) -> None:
         for event in clock.events:
@@ -221,26 +251,39 @@ class Link:
         self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
 
     def _carry_over(self, old: Decoder) -> None:
-        self.decoder = PROTOCOLS[old.name].decoder()
+        self.decoder = self._protocols[old.name].decoder()
         self.decoder.counters = old.counters
 
     def _give_up_waiting(self) -> None:
         if self._spoke:
             return
         now_s = self._monotonic()
-        if 0.0 < self.options.timeout_s <= now_s - self._opened_s:
-            why = why_silent(self.options.timeout_s, self.options.baud, self.counters.bytes, self.decoder)
-            raise DeviceSilentError(f"{self.name}: {why}")
+        waited_s, timeout_s = now_s - self._opened_s, self.options.timeout_s
+        if 0.0 < timeout_s <= waited_s:
+            raise DeviceSilentError(f"{self.name}: {self._why_silent(timeout_s)}")
+        if not timeout_s and not self._is_told and waited_s >= TELL_S and self.counters.bytes:
+            self._is_told = True
+            self._on_event("not_understood", port=self.name, reason=self._why_silent(TELL_S))
         if self.options.baud is None and self.decoder is None and self._trial_s is not None:
             trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
-            if now_s - self._trial_s >= trial_s:
+            if now_s - self._trial_s < trial_s:
+                return
+            if self._heard.is_text:
+                self._trial_s = now_s  # the rate is right, whatever is said at it
+            else:
                 self._next_baud()
+
+    def _why_silent(self, waited_s: float) -> str:
+        options = self.options
+        protocol = next(iter(self._protocols)) if options.columns is not None else options.protocol
+        return why_silent(waited_s, options.baud, self.counters.bytes, self.decoder, protocol, self._heard)
 
     def _next_baud(self) -> None:
         """Listen afresh at the next of the usual rates."""
         self.baud = next(self._bauds)
         self._trial_s = None
-        self._detector = Detector(self.options.protocol)
+        self._detector = Detector(list(self._protocols.values()))
+        self._heard = Heard()
         try:
             if self.port is not None:
                 self.port.set_baud(self.baud)

@@ -6,7 +6,6 @@ pyserial costs a thousand times as much. Opening flushes the input and, on many 
 
 import errno
 import fcntl
-import grp
 import os
 import select
 import stat
@@ -126,7 +125,9 @@ def _explain(path: str, error: Exception) -> LinkError:
     if not Path(path).exists():
         return PortMissingError(f"{path} points to {os.path.realpath(path)}, which is not there; is the device on?")
     if number in (errno.EACCES, errno.EPERM):
-        return PortDeniedError(f"{path}: no permission to open it; {_how_to_join(path)}")
+        from gyrodrift.link.permission import how_to_get_permission  # noqa: PLC0415 - only who is refused needs it
+
+        return PortDeniedError(f"{path}: no permission to open it; {how_to_get_permission(path)}")
     if number in (errno.EBUSY, errno.EAGAIN):
         return PortBusyError(f"{path}: the port is in use{_by_whom(path)}; stop that program first")
     if not stat.S_ISCHR(Path(path).stat().st_mode):
@@ -137,15 +138,6 @@ def _explain(path: str, error: Exception) -> LinkError:
 def _ports_there_are() -> str:
     names = sorted(port.device for port in list_ports.comports())
     return f"ports on this machine: {', '.join(names)}" if names else "no serial port is plugged in"
-
-
-def _how_to_join(path: str) -> str:
-    group_id = Path(path).stat().st_gid
-    try:
-        group = grp.getgrgid(group_id).gr_name
-    except KeyError:
-        group = str(group_id)
-    return f"it belongs to group {group}: run 'sudo usermod -aG {group} $USER' and log in again"
 
 
 def _by_whom(path: str) -> str:

@@ -228,6 +228,12 @@ def test_the_clock_steps_and_hello_does_not_wait_for_it(step_s: float) -> None:
     assert max(b - a for a, b in pairwise(hellos)) < 1.01
 
 
+def test_a_clock_of_milliseconds_counts_whole_ones() -> None:
+    """From power-on, and nothing else changes."""
+    good, bad = measured(3.0), measured(3.0, "millisecond_clock")
+    assert [(row[0], row[1] // 1000, *row[2:]) for row in good] == bad
+
+
 def test_a_stuck_value_is_the_last_one_before() -> None:
     """All else goes on."""
     good, bad = measured(15.0), measured(15.0, "stuck_value:from_s=8,to_s=11")
@@ -368,7 +374,7 @@ def test_every_fault_runs_with_nothing_said(name: str) -> None:
     """Each parameter has a default, and each class says what the fault is."""
     fault: Any = parse_fault(name)
     assert fault.fault == name
-    assert fault.from_s == (0.0 if name == "wrong_baud" else 2.0)
+    assert fault.from_s == (0.0 if name in {"wrong_baud", "millisecond_clock"} else 2.0)
     assert fault.__doc__
 
 

@@ -63,3 +63,14 @@ def test_witmotion_takes_the_nearest_count_of_its_own() -> None:
     (frame,) = encoded("witmotion", Measurement(0.25, 3, 1, 10.0, 5.0, None))
     assert struct.unpack("<hh", frame.content[17:21]) == (164, 0)
     assert (frame.t_s, frame.rows, frame.end_mark) == (0.25, 1, b"")
+
+
+def test_text_is_what_a_sketch_prints_for_a_serial_plotter() -> None:
+    """Milliseconds, and 131 counts for 1 deg/s; a rate that is no number cannot be said."""
+    unsaid = Measurement(9.0, 9_000_000, 9, nan, None, None)
+    frames = encoded("text", *RISING[:2], Measurement(1.0, 1_000_250, 2, -1e5, None, None), unsaid)
+    assert [frame.content for frame in frames] == [
+        b"t_ms:0,gx:0,gy:0,gz:0\r\n",
+        b"t_ms:500,gx:0,gy:0,gz:196\r\n",
+        b"t_ms:1000.250,gx:0,gy:0,gz:-32767\r\n",
+    ]

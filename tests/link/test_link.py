@@ -21,6 +21,7 @@ from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.sample import Sample
 
 RIG = Rig()
+DETECTED = [name for name in ENCODERS if PROTOCOLS[name].is_detected]
 
 
 class Host:
@@ -55,7 +56,7 @@ def spoken(protocol: str) -> Iterator[bytes]:
     return (frame.content for frame in frames(protocol))
 
 
-@pytest.mark.parametrize("protocol", ENCODERS)
+@pytest.mark.parametrize("protocol", DETECTED)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""
     with speaking_on(port) as device:
@@ -84,7 +85,7 @@ def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
 
 
 @pytest.mark.parametrize("baud", [9600, 921600])
-@pytest.mark.parametrize("protocol", ENCODERS)
+@pytest.mark.parametrize("protocol", DETECTED)
 def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
     """Bytes at the wrong rate are garbage."""
     with speaking_on(port) as device:
@@ -118,6 +119,18 @@ def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
         host.now_s += 0.2
         with pytest.raises(DeviceSilentError, match="said nothing within 3 s; is it powered"):
             host.link.read()
+        host.link.close()
+
+
+def test_who_waits_for_ever_is_told_once_what_is_not_understood(port: Path) -> None:
+    """And where text can be read, no other rate is tried."""
+    lines = (f"gx:{i % 3},gy:{i % 5},gz:{i % 7}\n".encode() for i in range(1200))
+    with speaking_on(port) as device:
+        host = Host(port, timeout_s=0.0)
+        assert host.hear(device, lines, 1200) == []
+        (reason,) = (fields["reason"] for event, fields in host.told if event == "not_understood")
+        assert "looks like gx, gy, gz (label:value pairs)" in reason
+        assert host.link.baud == 115200
         host.link.close()
 
 

@@ -5,10 +5,9 @@ import pty
 from pathlib import Path
 
 import pytest
-import serial
 from support import Command, speaking_on
 
-from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
+from gyrodrift.errors import LinkError, PortBusyError, PortMissingError, UsageError
 from gyrodrift.link import port as port_module
 from gyrodrift.link.port import Port, PortGoneError, stable_name
 
@@ -70,22 +69,6 @@ def test_a_busy_port_names_who_holds_it(tmp_path: Path) -> None:
         with pytest.raises(PortBusyError, match=rf"in use by \S+ \(pid {first.process.pid}\); stop that program first"):
             Port(str(link), 115200)
         assert first.stop() == 0
-
-
-def test_no_permission_names_the_group_to_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The system's refusal is played, since tests may run as root, who is refused nothing."""
-
-    def refuse(*_: object, **__: object) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(serial, "Serial", refuse)
-    with speaking_on(tmp_path / "gyro"):
-        os.chown(tmp_path / "gyro", -1, 20)
-        with pytest.raises(
-            PortDeniedError,
-            match=r"no permission to open it; it belongs to group dialout: run 'sudo usermod -aG dialout \$USER'",
-        ):
-            Port(str(tmp_path / "gyro"), 115200)
 
 
 def test_an_adapter_is_remembered_by_its_stable_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -43,6 +43,11 @@ class ArrivalClock:
         """None: there is no device clock that could drift."""
         return None
 
+    @property
+    def pace(self) -> float:
+        """1: time is that of the host."""
+        return 1.0
+
     def reconnected(self) -> None:
         """After an outage whatever is late was lost, not delayed."""
         self._has_reconnected = True

@@ -59,6 +59,11 @@ class Clock(Protocol):
         """How fast the device clock runs against the host's, parts per million; None where unknown."""
         ...
 
+    @property
+    def pace(self) -> float:
+        """Host seconds for one second of the device clock; 0 while unknown."""
+        ...
+
 
 class ArrivalFit:
     """Exponentially weighted straight line through (x, arrival), with a gate against late arrivals.

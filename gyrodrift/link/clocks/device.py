@@ -71,6 +71,11 @@ class DeviceClock:
         """Positive where the device clock runs fast; None where the host clock is no cross-check."""
         return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_can_cross_check() else None
 
+    @property
+    def pace(self) -> float:
+        """Near 1, but for a fast replay and a clock in another unit."""
+        return self._fit.slope if self._fit.is_warm else 0.0
+
     def reconnected(self) -> None:
         """After an outage the next step has to agree with the host clock from both sides."""
         self._has_reconnected = True

@@ -1,22 +1,18 @@
 """Which protocol is this? All decoders listen to the same bytes, and the first one that is sure wins."""
 
+from collections.abc import Sequence
+
 from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.link.protocols.registry import AUTO, candidates
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
 
 
 class Detector:
-    """Listens with every decoder that comes into question until one is sure; the readings of that one are kept.
+    """Listens with every decoder that comes into question until one is sure; the readings of that one are kept."""
 
-    Raises
-    ------
-    UsageError
-        From the constructor, where there is no such protocol.
-    """
-
-    def __init__(self, protocol: str = AUTO) -> None:
+    def __init__(self, protocols: Sequence[WireProtocol]) -> None:
         self._listening: list[tuple[Decoder, int, list[Reading]]] = [
-            (each.decoder(), each.sure_frames, []) for each in candidates(protocol)
+            (each.decoder(), each.sure_frames, []) for each in protocols
         ]
 
     @property

@@ -25,6 +25,8 @@ class WireProtocol:
         Detection asks the protocols in ascending order: those with the strongest checksum come first.
     sure_frames
         So many good frames say that a stream is of this protocol, as one introduction of a device does.
+    is_detected
+        Whether detection listens for it; not where a person has to say how it is laid out.
     """
 
     name: str
@@ -33,3 +35,4 @@ class WireProtocol:
     has_clock: bool
     rank: int
     sure_frames: int = SURE_FRAMES
+    is_detected: bool = True

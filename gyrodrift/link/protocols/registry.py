@@ -5,6 +5,7 @@ from pkgutil import iter_modules
 
 import gyrodrift.link.protocols
 from gyrodrift.errors import UsageError
+from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.protocol import WireProtocol
 
 AUTO = "auto"
@@ -46,20 +47,31 @@ def protocol_named(name: str) -> WireProtocol:
     return PROTOCOLS[name]
 
 
-def candidates(name: str) -> list[WireProtocol]:
-    """The protocols that come into question where a person says `name`: all for `auto`, else that one.
+def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
+    """The protocols that come into question where a person says `name`: all detected ones for `auto`, else that one.
+
+    Columns are those of the text protocol, and mean it.
 
     Raises
     ------
     UsageError
-        Where there is none of that name.
+        Where there is none of that name, or its columns are missing or not understood.
     """
-    return list(PROTOCOLS.values()) if name == AUTO else [protocol_named(name)]
+    if columns is not None:
+        if name not in (AUTO, text.NAME):
+            raise UsageError(f"--columns is for --protocol {text.NAME}, not for {name}")
+        return [text.text_protocol(columns)]
+    if name == text.NAME:
+        raise UsageError(
+            f"--protocol {text.NAME} needs --columns to say what stands in a line, such as --columns 't_ms, _, rate'; "
+            f"without --protocol and --columns, what the device prints is looked at and columns are proposed"
+        )
+    return [each for each in PROTOCOLS.values() if each.is_detected] if name == AUTO else [protocol_named(name)]
 
 
 def listed() -> str:
-    """The names as a sentence has them: `native, csv or witmotion`."""
-    *most, last = PROTOCOLS
+    """The names that are detected, as a sentence has them: `native, csv or witmotion`."""
+    *most, last = (each.name for each in PROTOCOLS.values() if each.is_detected)
     return f"{', '.join(most)} or {last}" if most else last
 
 

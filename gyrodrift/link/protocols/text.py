@@ -1,0 +1,47 @@
+"""The text protocol: lines of other people's text, read by the columns that a person names.
+
+Nothing of it is loaded before it is asked for: most devices speak something else.
+"""
+
+from typing import TYPE_CHECKING
+
+from gyrodrift.link.protocols.protocol import WireProtocol
+
+if TYPE_CHECKING:
+    from gyrodrift.link.text.decoder import TextDecoder
+
+NAME = "text"
+SHIPPED_COLUMNS = "t_ms=t_ms, gz=rate:lsb/131"
+"""What the simulated device prints."""
+
+
+def text_protocol(columns: str) -> WireProtocol:
+    """The protocol of lines with these columns.
+
+    Raises
+    ------
+    UsageError
+        Where the columns are not understood.
+    """
+    from gyrodrift.link.text.columns import CLOCK_US, columns_of  # noqa: PLC0415 - see the first lines of this file
+
+    parsed = columns_of(columns)
+
+    def decoder() -> "TextDecoder":
+        from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+
+        return TextDecoder(parsed)
+
+    has_clock = any(column.meaning in CLOCK_US for column in parsed)
+    return WireProtocol(NAME, HELP, decoder, has_clock=has_clock, rank=90, is_detected=False)
+
+
+def _shipped() -> "TextDecoder":
+    from gyrodrift.link.text.columns import columns_of  # noqa: PLC0415 - likewise
+    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+
+    return TextDecoder(columns_of(SHIPPED_COLUMNS))
+
+
+HELP = "lines with columns of your own, see --columns"
+PROTOCOL = WireProtocol(NAME, HELP, _shipped, has_clock=True, rank=90, is_detected=False)

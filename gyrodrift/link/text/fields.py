@@ -1,0 +1,135 @@
+"""A line of text as fields: numbers in a row, `label: value` pairs, a JSON object, or an NMEA sentence.
+
+Sketches print what a serial plotter or a person likes to read, so the same three numbers come in many forms. What is
+behind a value, such as its unit, belongs to nobody and is passed over.
+"""
+
+import json
+import re
+from enum import StrEnum
+from functools import reduce
+from operator import xor
+from typing import Any, NamedTuple
+
+NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+"
+WHOLE = re.compile(r"[-+]?\d++")
+VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
+LABELLED = re.compile(rf"([A-Za-z_][\w .()\[\]/°-]{{0,40}}?)\s*+[:=]\s*+({NUMBER}|nan)", re.IGNORECASE)
+UNSAID = re.compile(r"[^\w .()\[\]/°-]")
+"""What no label holds: labels are told to people and pasted into shells, whatever a device calls its values."""
+
+SENTENCE = re.compile(r"[$!]([^*]*+)\*([0-9A-Fa-f]{2})")
+SEPARATORS = (";", "\t", "|", ",")
+"""Asked in this order: with a semicolon or a tab, a comma may be the decimal point of a language."""
+
+DECIMAL_COMMA = re.compile(r"[-+]?\d++,\d++")
+DEEPEST = 4
+"""Objects within objects that are looked into."""
+
+
+class Form(StrEnum):
+    """How the values of a line are told apart."""
+
+    ROW = "a row of values"
+    LABELLED = "label:value pairs"
+    JSON = "a JSON object"
+    NMEA = "an NMEA sentence"
+
+
+class Fields(NamedTuple):
+    """What stands in a line.
+
+    labels
+        One for each value; the first word of an NMEA sentence and values in a row have an empty one.
+    values
+        As text; numbers have a decimal point.
+    """
+
+    form: Form
+    labels: tuple[str, ...]
+    values: tuple[str, ...]
+
+
+def fields_of(line: str) -> Fields | None:
+    """The fields of a line; None where it is damaged: JSON cut short, or a checksum that is wrong."""
+    if line.startswith("{"):
+        return _json(line)
+    if line[:1] in {"$", "!"} and "*" in line:
+        return _sentence(line)
+    found = LABELLED.findall(line)
+    values = _row(line)
+    if found and not (len(found) == 1 and sum(map(is_number, values)) > 1):  # one word may stand before a row
+        labels, labelled = zip(*found, strict=True)
+        return Fields(Form.LABELLED, _headed(labels), labelled)
+    return Fields(Form.ROW, ("",) * len(values), values)
+
+
+def checksum(body: str) -> int:
+    """Of an NMEA sentence: all characters between `$` and `*`, exclusive or (NMEA 0183)."""
+    return reduce(xor, body.encode(errors="replace"), 0)
+
+
+def as_label(text: str) -> str:
+    """A label without what none may hold."""
+    return UNSAID.sub("", text).strip()
+
+
+def is_number(text: str) -> bool:
+    """Whether it is one, nan and inf among them."""
+    return VALUE.fullmatch(text) is not None
+
+
+def is_whole(text: str) -> bool:
+    """Whether it is a number without a decimal point."""
+    return WHOLE.fullmatch(text) is not None
+
+
+def _json(line: str) -> Fields | None:
+    try:
+        content = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    found = list(_leaves(content, "", DEEPEST))
+    return Fields(Form.JSON, tuple(label for label, _ in found), tuple(value for _, value in found))
+
+
+def _leaves(content: Any, label: str, deepest: int) -> list[tuple[str, str]]:
+    """Numbers of an object by the way to them: `gyro.z`, `gyro.2`."""
+    if isinstance(content, dict | list) and deepest:
+        pairs = content.items() if isinstance(content, dict) else enumerate(content)
+        named = ((as_label(str(key)), value) for key, value in pairs)
+        inside = (_leaves(value, f"{label}.{key}" if label else key, deepest - 1) for key, value in named)
+        return [leaf for leaves in inside for leaf in leaves]
+    if isinstance(content, int | float) and not isinstance(content, bool):
+        return [(label, repr(content))]
+    return [(label, content)] if isinstance(content, str) and is_number(content) else []
+
+
+def _sentence(line: str) -> Fields | None:
+    found = SENTENCE.fullmatch(line)
+    if found is None or checksum(found[1]) != int(found[2], 16):
+        return None
+    values = tuple(found[1].split(","))
+    return Fields(Form.NMEA, ("",) * len(values), values)
+
+
+def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """`Gyro X: 1 Y: 2 Z: 3` names three of a gyro: a letter alone takes over the words before the first one."""
+    head = ""
+    full = []
+    for label in (" ".join(label.split()) for label in labels):
+        words, _, last = label.rpartition(" ")
+        if len(last) == 1 and words:
+            head = words
+        full.append(f"{head} {label}" if len(label) == 1 and head else label)
+    return tuple(full)
+
+
+def _row(line: str) -> tuple[str, ...]:
+    mark = next((each for each in SEPARATORS if each in line), None)
+    parts = line.split() if mark is None else [part.strip() for part in line.split(mark)]
+    if len(parts) > 1 and not parts[-1]:
+        parts.pop()  # a sketch that prints a separator behind each value
+    if mark != ",":
+        parts = [part.replace(",", ".") if DECIMAL_COMMA.fullmatch(part) else part for part in parts]
+    return tuple(parts)

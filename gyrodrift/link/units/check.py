@@ -1,0 +1,90 @@
+"""Looks at the first minutes of a stream: whether its clock and its rates have the units that they are taken for."""
+
+from collections.abc import Callable
+from typing import Any
+
+from gyrodrift.errors import UnitError
+from gyrodrift.link.clocks.clock import Clock
+from gyrodrift.link.heard import Heard
+from gyrodrift.sample import Sample
+
+CLOCK_S = 1.5
+"""How long samples have to arrive before the clock is judged, s."""
+
+CLOCK_READINGS = 10
+RATE_EVERY_S = 1.0
+RATE_WINDOWS = 300
+"""After five minutes a stream that has shown nothing odd is let be."""
+
+
+EAGER_WINDOWS = 20
+PATIENT_WINDOWS = 10
+"""At first each window is weighed with all before it, later only each tenth: weighing costs more than taking it."""
+
+
+class UnitCheck:
+    """Takes what the link reads until it `is_over`; what speaks for a wrong unit of the rate is an event.
+
+    Raises
+    ------
+    UnitError
+        From `take`, where the device clock is none in microseconds.
+    """
+
+    def __init__(self, protocol: str, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as the protocol says it
+        self.is_over = False
+        self.is_hearing = has_clock
+        self._protocol = protocol
+        self._heard = heard
+        self._on_event = on_event
+        self._readings = 0
+        self._first_s = 0.0
+        self._window: list[Sample] = []
+        self._due_s = float("-inf")
+        self._rates: Any = None
+        self._windows = 0
+
+    def take(self, readings: int, samples: list[Sample], arrival_s: float, clock: Clock) -> None:
+        """So many readings that arrived together, as the samples that the clock made of them."""
+        if self.is_hearing:
+            self._first_s = self._first_s or arrival_s
+            self._readings += readings
+            if arrival_s - self._first_s >= CLOCK_S and self._readings >= CLOCK_READINGS:
+                self.is_hearing = False
+                self._judge_clock(clock)
+        self._window += samples
+        if len(self._window) >= WINDOW:
+            self._judge_windows()
+
+    def _judge_clock(self, clock: Clock) -> None:
+        from gyrodrift.link.units.clock_unit import why_wrong  # noqa: PLC0415 - after the first sample is out
+
+        why = why_wrong(clock.pace if clock.period_s else float("inf"), self._protocol, self._heard)
+        self._heard = Heard()
+        if why is not None:
+            raise UnitError(why)
+
+    def _judge_windows(self) -> None:
+        whole = len(self._window) // WINDOW * WINDOW
+        for start in range(0, whole, WINDOW):
+            if self._window[start + WINDOW - 1].t_device_s >= self._due_s and not self.is_over:
+                self._judge_rates(self._window[start : start + WINDOW])
+        del self._window[:whole]
+
+    def _judge_rates(self, window: list[Sample]) -> None:
+        from gyrodrift.link.units.rate_unit import RateUnitOdds, says  # noqa: PLC0415 - after the first sample is out
+
+        self._rates = self._rates or RateUnitOdds()
+        self._rates.take(window)
+        self._windows += 1
+        self._due_s = window[-1].t_device_s + RATE_EVERY_S
+        if self._windows > EAGER_WINDOWS and self._windows % PATIENT_WINDOWS:
+            return
+        found = self._rates.verdict()
+        if found is not None:
+            self._on_event("rate_unit_differs", **says(found, self._protocol))
+        self.is_over = found is not None or self._windows >= RATE_WINDOWS
+
+
+WINDOW = 50
+"""Samples that are looked at together; as in `rate_unit`."""

@@ -1,0 +1,97 @@
+"""Columns as a person writes them, and lines read by them."""
+
+from math import degrees, isnan
+
+import pytest
+
+from gyrodrift.errors import UsageError
+from gyrodrift.link.protocols.registry import candidates
+from gyrodrift.link.text.columns import Column, columns_of
+from gyrodrift.sample import Reading
+
+
+def read(spec: str, *lines: str) -> list[Reading]:
+    (protocol,) = candidates("auto", spec)
+    decoder = protocol.decoder()
+    readings = decoder.push("".join(f"{line}\n" for line in lines).encode())
+    assert decoder.counters.damaged == 0
+    return readings
+
+
+def test_a_spec_says_what_each_column_is() -> None:
+    """With unit, sign and label; `gz` is another name of the rate."""
+    assert columns_of("t_ms, _, gz:lsb/131:-") == (Column("t_ms", 1e3), Column("_"), Column("rate", -1 / 131))
+    assert columns_of("Gyro Z=rate:rads,a=encoder:counts/4096") == (
+        Column("rate", degrees(1.0), "Gyro Z"),
+        Column("encoder", 360 / 4096, "a"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("t_ms, _", "no column is the rate"),
+        ("rate, rate", "rate is given twice"),
+        ("t_ms, t_us, rate", "there are two clocks"),
+        ("t_ms, raet", "'raet' is no column; did you mean rate"),
+        ("", "'' is no column"),
+        ("rate:furlongs", "'furlongs' is no unit of rate"),
+        ("rate:lsb/0", "'lsb/0' is no unit of rate"),
+        ("encoder:lsb/4, rate", "'lsb/4' is no unit of encoder"),
+        ("=rate", "'=rate' is no column"),
+        ("gz=rate, t_ms", "either all columns have a label"),
+    ],
+)
+def test_a_wrong_spec_is_told_with_what_is_expected(spec: str, message: str) -> None:
+    """Before any port is opened."""
+    with pytest.raises(UsageError, match=message):
+        columns_of(spec)
+
+
+def test_columns_belong_to_the_text_protocol() -> None:
+    """And it to them."""
+    with pytest.raises(UsageError, match="--columns is for --protocol text, not for native"):
+        candidates("native", "rate")
+    with pytest.raises(UsageError, match="needs --columns"):
+        candidates("text")
+
+
+@pytest.mark.parametrize(
+    ("spec", "line", "reading"),
+    [
+        ("t_ms,_,_,rate:lsb/131", "1234,5,6,-262", Reading(1_234_000, None, -2.0)),
+        ("t_us,rate:-", "1234 -1.5", Reading(1234, None, 1.5)),
+        ("t_s,rate", "1.25;0,5", Reading(1_250_000, None, 0.5)),
+        ("seq,rate,encoder:counts/3600,temp", "70000,1,10,25.5", Reading(None, 70000 & 0xFFFF, 1.0, 1.0, 25.5)),
+        ("gz=rate,t=t_ms", "t:4294967297,gz:3", Reading(1000, None, 3.0)),
+        ("gyro.2=rate", '{"gyro":[1,2,3]}', Reading(None, None, 3.0)),
+        ("_,rate", "$XYROT,1.5*4E", Reading(None, None, 1.5)),
+    ],
+)
+def test_lines_are_read_by_their_columns(spec: str, line: str, reading: Reading) -> None:
+    """In µs and deg/s; a counter of milliseconds that wraps at 32 bits goes on wrapping at 32 bits of µs."""
+    assert [repr(one) for one in read(spec, line, line, line)] == [repr(reading)] * 3
+
+
+def test_lines_without_the_labels_are_passed_over() -> None:
+    """A sketch may print accelerations in between."""
+    rotation = "Rotation X: 0.1, Y: 0.2, Z: 1 rad/s"
+    readings = read("Rotation Z=rate:rads", *["Acceleration X: 1, Y: 2, Z: 9.8 m/s^2", rotation] * 4)
+    assert [one.rate_dps for one in readings] == pytest.approx([degrees(1.0)] * 4)
+
+
+@pytest.mark.parametrize("line", ["40,1", "40,1,2,3", "40,0,x", "1e99,0,1", "40,0,1e9", "40,,"])
+def test_a_line_that_does_not_fit_is_damaged(line: str) -> None:
+    """Cut short, merged, no number, or none that can be."""
+    (protocol,) = candidates("text", "t_ms,_,rate")
+    decoder = protocol.decoder()
+    decoder.push(b"10,0,1\n20,0,1\n30,0,1\n")
+    assert decoder.push(f"{line}\n50,0,1\n".encode()) == [decoder.push(b"50,0,1\n")[0]]
+    assert decoder.counters.damaged == 1
+
+
+def test_without_a_clock_and_without_an_angle_there_is_none() -> None:
+    """The link times such samples by their arrival."""
+    (protocol,) = candidates("auto", "rate")
+    assert not protocol.has_clock
+    assert isnan(read("rate", "1", "2", "3")[0].encoder_deg)

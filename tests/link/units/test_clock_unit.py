@@ -1,0 +1,79 @@
+"""A device clock that counts something else than microseconds: refused in its first seconds, with what to do."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import speaking_on
+
+from gyrodrift.errors import UnitError
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.sample import Sample
+
+
+def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: Any) -> list[Sample]:
+    """Samples of so many lines, 10 ms apart by the host's clock."""
+    now_s, samples = 1000.0, []
+    with speaking_on(port) as device:
+        link = Link(LinkOptions(str(port), **options), lambda *_, **__: None, lambda: now_s)
+        try:
+            for i in range(count):
+                device.send(line(i).encode() + b"\n")
+                now_s += 0.01
+                samples += link.read()
+        finally:
+            link.close()
+    return samples
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            lambda i: f"{10 * i},0.{i % 7},{i / 10},25.1",
+            "the first column counts milliseconds, not microseconds.*--columns 't_ms, rate, encoder, temp'",
+        ),
+        (
+            lambda i: f"{10 * i},{i % 7},{i % 5},{i % 3 + 20}",
+            "looks like t_ms, gx, gy, gz; .*--columns 't_ms, _, _, rate",
+        ),
+        (
+            lambda i: f"{i // 100},0.{i % 7}",
+            "the first column is no clock in microseconds: its steps are none of a clock",
+        ),
+        (lambda i: f"{i},0.{i % 7}", "is no clock in microseconds: 1 s of it takes 1e.04 s.*--columns 'seq, rate'"),
+        (lambda i: f"{10_000_000 * i},0.{i % 7}", "is no clock in microseconds.*--columns 't_ns, rate'"),
+    ],
+    ids=["ms", "ms and three axes", "whole seconds", "counter", "ns"],
+)
+def test_a_csv_clock_of_another_unit_is_refused_with_the_columns_to_give(
+    port: Path, line: Callable[[int], str], message: str
+) -> None:
+    """Before anybody believes a yaw that is a thousand times too small."""
+    with pytest.raises(UnitError, match=rf"{port}: .*{message}"):
+        heard(port, line)
+
+
+@pytest.mark.parametrize(
+    ("columns", "step"), [("t_ms,rate", 10), ("t_s,rate", 0.01), ("t_us,rate", 10_000), ("seq,rate", 1)]
+)
+def test_the_columns_scale_it(port: Path, columns: str, step: float) -> None:
+    """Then time goes by as it does."""
+    samples = heard(port, lambda i: f"{step * i:g},{i % 7}", columns=columns)
+    assert len(samples) == 400
+    assert samples[-1].t_device_s - samples[0].t_device_s == pytest.approx(3.99, abs=0.02)
+
+
+def test_columns_that_name_the_wrong_unit_are_told(port: Path) -> None:
+    """Since a person has written them down."""
+    with pytest.raises(
+        UnitError, match="the clock of --columns counts milliseconds, not microseconds: write t_ms for t_us"
+    ):
+        heard(port, lambda i: f"{10 * i},0.{i % 7}", columns="t_us, rate")
+
+
+@pytest.mark.parametrize("host_per_device", [0.05, 0.2, 1.0, 1.02, 5.0])
+def test_a_clock_that_is_only_fast_or_slow_is_none_of_another_unit(port: Path, host_per_device: float) -> None:
+    """A replay runs at any speed, and a bad crystal is still a crystal."""
+    assert heard(port, lambda i: f"{round(10_000 / host_per_device) * i},0.{i % 7}") != []

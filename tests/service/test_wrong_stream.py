@@ -1,0 +1,115 @@
+"""`gyrodrift serve` and `record` on a stream that is not what they expect: one line says what it is and what to do."""
+
+import csv
+import shlex
+from collections.abc import Callable
+from math import radians
+from pathlib import Path
+from random import Random
+
+import pytest
+from support import Command, never, speaking_on
+
+OPTIONS = ("--timeout", "1", "--log-level", "error")
+NOISE = Random(7)
+
+
+def said(port: Path, line: Callable[[int], str], *options: str, command: str = "serve") -> str:
+    """The last line of the log of a command that gives up with the status of the link."""
+    with speaking_on(port) as device, Command(command, "--port", port, *OPTIONS, *options) as host:
+        device.wait_for_reader(never)
+        number = 0
+        while host.process.poll() is None and device.send_all(line(number).encode() + b"\r\n", never):
+            number += 1
+            host._read(0.01)
+        assert host.end() == 3
+    return host.log.splitlines()[-1]
+
+
+def counts(number: int) -> str:
+    return f"t:{1000 + 10 * number},gx:{number % 7},gy:{number % 5},gz:{int(NOISE.gauss(0.0, 20.0))}"
+
+
+@pytest.mark.parametrize("options", [(), ("--baud", "115200"), ("--baud", "9600", "--protocol", "csv")])
+def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path, options: tuple[str, ...]) -> None:
+    """The rate is right where the text can be read, given or not; what is proposed reads it."""
+    told = said(port, counts, *options)
+    assert told.startswith(f"gyrodrift: {port}: the device prints text, so the baud rate is right, but no line is a")
+    assert '"t:1' in told
+    assert "looks like t_ms, gx, gy, gz (label:value pairs); expected is t_us,rate_dps[,encoder_deg[,temp_c]]" in told
+    proposed = shlex.split(told[told.index("--columns") :])[1]
+    assert proposed == "t=t_ms, gz=rate:lsb/131"
+    with speaking_on(port) as device, Command("serve", "--port", port, "--columns", proposed) as serve:
+        device.wait_for_reader(never)
+        device.send_all("".join(f"{counts(i)}\r\n" for i in range(50)).encode(), never)
+        lines = serve.take_lines(50)
+        assert serve.stop() == 0
+    assert lines[-1]["t_s"] - lines[0]["t_s"] == pytest.approx(0.49)
+    assert max(abs(line["rate_dps"]) for line in lines) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("line", "looks"),
+    [
+        ('{{"ms":{0},"gyro":{{"x":1,"z":0.25}}}}', "looks like t_ms, gx, gz (a JSON object)"),
+        ("MPU6050 connection failed", "looks like a message for people"),
+        ("$GPTXT,{0},hello", "looks like"),
+        ("\x1b[31mrate\x1b[0m {0} \x07 " + "x" * 300, "…"),
+    ],
+)
+def test_whatever_is_quoted_is_one_printable_line_of_bounded_length(port: Path, line: str, looks: str) -> None:
+    """It may come from anything that has a serial port."""
+    told = said(port, lambda number: line.format(10 * number))
+    assert looks in told
+    assert told.isprintable()
+    assert len(told) < 800
+
+
+def test_bytes_that_are_no_text_at_a_given_baud_rate_are_told_to_be_tried_at_others(port: Path) -> None:
+    """Which is what leaving the option out does."""
+    random = Random(5)
+    with speaking_on(port) as device, Command("serve", "--port", port, *OPTIONS, "--baud", "9600") as serve:
+        device.wait_for_reader(never)
+        while serve.process.poll() is None and device.send_all(random.randbytes(40), never):
+            serve._read(0.01)
+        assert serve.end() == 3
+    assert "frame in them at 9600 baud; a wrong baud rate looks like this: leave --baud out" in serve.log
+
+
+@pytest.mark.parametrize("command", [("serve",), ("record", "--out", "{folder}")])
+@pytest.mark.parametrize("protocol", ["csv", "native"])
+def test_a_clock_of_milliseconds_is_refused_and_what_came_is_kept(
+    port: Path, tmp_path: Path, command: tuple[str, ...], protocol: str
+) -> None:
+    """With the columns that scale it, where a setting can."""
+    fault = ("--wait", "--quiet", "--protocol", protocol, "--fault", "millisecond_clock")
+    with Command("--link", port, *fault, module="firmware_sim") as device:
+        device.until(lambda _: port.is_symlink(), "link")
+        words = [word.format(folder=tmp_path / "sessions") for word in command]
+        with Command(*words, "--port", port, "--log-level", "error") as host:
+            assert host.end() == 3
+    assert "milliseconds, not microseconds" in host.log
+    assert ("--columns 't_ms, rate, encoder, temp'" in host.log) == (protocol == "csv")
+    assert "Traceback" not in host.log
+    if command[0] == "record":
+        (kept,) = (tmp_path / "sessions").glob("*.mcap")
+        assert str(kept) in host.out
+
+
+def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Path, tmp_path: Path) -> None:
+    """After a rest and a turn by hand; they go on, since it is a guess."""
+    session = tmp_path / "radians.csv"
+    with session.open("w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["t_device_s", "rate_dps"])
+        for i in range(2000):
+            turn_dps = 90.0 if 1200 <= i < 1500 else 0.0
+            rows.writerow([i / 100, radians(turn_dps + 0.5 + NOISE.gauss(0.0, 0.07))])
+    with Command("replay", session, "--link", port, "--speed", "max") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", port) as serve:
+            assert len(serve.take_lines(2000)) == 2000
+            assert serve.stop() == 0
+    assert serve.log.count("event=rate_unit_differs unit=rad/s odds=") == 1
+    assert "to 1" in serve.log
+    assert "--columns 't_us, rate:rads'" in serve.log
