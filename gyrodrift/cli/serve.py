@@ -5,13 +5,34 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
 
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.outputs.options import OutputSpec
+
+
+class ListOutputs(argparse.Action):
+    """Tells every output and every option, as `--help` tells the rest."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **words: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **words)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print and end."""
+        from gyrodrift.config.outputs import options_help
+        from gyrodrift.outputs.registry import OUTPUTS
+
+        for name, kind in OUTPUTS.items():
+            needs = f" (pip install 'gyrodrift[{kind.extra}]')" if kind.extra else ""
+            print(f"{name}: {kind.help}{needs}")
+            for option, default, meaning in options_help(name):
+                print(f"  {option}={default}: {meaning}")
+        parser.exit()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,6 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters; followed while serve runs"
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
+    parser.add_argument(
+        "--output",
+        action="append",
+        default=[],
+        metavar="NAME[:KEY=VALUE,...]",
+        help="send samples there too; repeatable. --list-outputs tells names and keys",
+    )
+    parser.add_argument("--list-outputs", action=ListOutputs, help="print the outputs with their options, and end")
     parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
     options.add_recording_options(parser)
     options.add_log_options(parser)
@@ -31,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     rate_hz = options.positive("--rate", arguments.rate)
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
+    asked = _outputs(arguments.output)
     watch = None
     if arguments.config is not None:
         from gyrodrift.config.watch import ConfigWatch
@@ -41,18 +71,27 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
+    from gyrodrift.service.link_meter import LinkMeter
     from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.loop import Service
-    from gyrodrift.service.outputs.registry import open_output
+    from gyrodrift.service.output_feed import OutputFeed
+    from gyrodrift.service.reporting import Reporting
     from gyrodrift.service.signals import StopSignal
+    from gyrodrift.service.sink import Sink
+    from gyrodrift.service.stdout import STDOUT, JsonLines
 
     log = open_log(arguments.log_level, arguments.log_format)
     events = LinkEvents(log)
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
-        outputs = [open_output("stdout", {"rate_hz": rate_hz})]
-        filtering = Filtering(link, outputs, log, watch)
-        listeners: list[SampleListener] = [filtering]
+        meter, feed = LinkMeter(link), OutputFeed(log, arguments.log_level, arguments.log_format)
+        sinks: list[Sink] = [JsonLines(STDOUT, rate_hz), feed]
+        filtering = Filtering(link, sinks, log, watch)
+        filtering.on_event = feed.hear
+        filtering.on_config = lambda config: feed.want([*asked, *config.outputs])
+        feed.state = Reporting(meter, filtering, feed).status
+        events.listeners.append(feed.hear)
+        listeners: list[SampleListener] = [meter, filtering]
         if arguments.record is not None:
             from gyrodrift.recording.recorder import RecordOptions
             from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
@@ -60,10 +99,20 @@ def run(arguments: argparse.Namespace) -> int:
             what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
             recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
             repair_interrupted(arguments.record, log)
-            events.listener = recording.on_event
-            listeners = [recording, filtering]
-        Service(link, listeners, log, events, stop, outputs).run()
+            events.listeners.append(recording.on_event)
+            listeners = [recording, *listeners]
+        feed.want([*asked, *(watch.config.outputs if watch else ())])
+        Service(link, listeners, log, events, stop, sinks).run()
     return 0
+
+
+def _outputs(asked: list[str]) -> "list[OutputSpec]":
+    """Of `--output`; what checks them is loaded where there are any."""
+    if not asked:
+        return []
+    from gyrodrift.config.outputs import output_of
+
+    return [output_of(each) for each in asked]
 
 
 def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:

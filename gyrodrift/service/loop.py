@@ -16,8 +16,8 @@ from structlog.typing import FilteringBoundLogger
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.listener import SampleListener
-from gyrodrift.service.outputs.output import Output, ReaderGoneError
 from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.sink import ReaderGoneError, Sink
 
 TICK_S = 0.25
 STATS_S = 10.0
@@ -45,8 +45,8 @@ class _Marks:
 class Service:
     """A link and who hears its samples, run until a signal or until nobody reads any more.
 
-    outputs
-        Those of the listeners that may have to wait for their readers: the loop wakes when one can go on.
+    sinks
+        Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
     read_interval_s
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
@@ -57,7 +57,7 @@ class Service:
     log: FilteringBoundLogger
     events: LinkEvents
     stop: StopSignal
-    outputs: Sequence[Output] = ()
+    sinks: Sequence[Sink] = ()
     read_interval_s: float = 0.0
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
@@ -102,14 +102,14 @@ class Service:
                 time.sleep(self.read_interval_s)
 
     def _wait(self) -> bool:
-        """Wait until there is something to do; whether an output waits for its reader."""
+        """Wait until there is something to do; whether a sink waits for its reader."""
         wanted = {self.stop.fd: select.POLLIN}
         link_fd = self.link.fileno()
         if link_fd is not None:
             wanted[link_fd] = select.POLLIN
         own = len(wanted)
-        for output in self.outputs:
-            wanted |= output.wakes()
+        for sink in self.sinks:
+            wanted |= sink.wakes()
         if wanted != self._waited_for:
             self._poller = select.poll()
             for fd, events in wanted.items():
