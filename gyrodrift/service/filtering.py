@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
@@ -69,7 +70,7 @@ class Filtering:
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
         corrected = self._corrected(samples) if samples else []
-        for sink in self.sinks:
+        for sink in tuple(self.sinks):
             try:
                 sink.take(corrected)
             except ReaderGoneError:
@@ -96,9 +97,10 @@ class Filtering:
         return {"rejected": self.state.rejected, **of_sinks, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
 
     def close(self) -> None:
-        """Let the sinks finish."""
-        for sink in self.sinks:
-            sink.close()
+        """Let the sinks finish, each whatever the others make of it."""
+        with ExitStack() as closing:
+            for sink in self.sinks:
+                closing.callback(sink.close)
 
     @property
     def yaw_deg(self) -> float:
