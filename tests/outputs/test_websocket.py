@@ -126,12 +126,15 @@ def test_what_is_refused_closes_the_connection_with_the_reason(echo: Echo, messa
 
 
 def test_half_a_handshake_is_cut_off_and_garbage_is_answered(echo: Echo) -> None:
-    """The one after its time, the other at once."""
+    """The one after its time, the others at once."""
     _, address = echo
-    with socket.create_connection(address, PATIENCE_S) as half, socket.create_connection(address, PATIENCE_S) as noise:
+    with ExitStack() as stack:
+        half, noise, page = (stack.enter_context(socket.create_connection(address, PATIENCE_S)) for _ in range(3))
         half.sendall(b"GET / HTTP/1.1\r\nUpgr")
         noise.sendall(b"\x16\x03\x01\x00\xff garbage\r\n\r\n")
-        assert noise.recv(100).startswith(b"HTTP/1.1 400")
+        page.sendall(b"GET / HTTP/1.1\r\nHost: here\r\n\r\n")
+        assert page.recv(100).startswith(b"HTTP/1.1 426")
+        assert is_closed(noise)
         assert is_closed(half)
 
 
