@@ -11,6 +11,7 @@ from gyrodrift.errors import GyrodriftError, UsageError
 
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
+    "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
     "record": "read a device and write what it sends into session files",
     "tune": "find the filter's parameters from recorded sessions",
     "diagnose": "say where simulator and recordings part, which effect it is, and how far adding it closes the gap",

@@ -6,14 +6,20 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 
 import argparse
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
 
 if TYPE_CHECKING:
+    from structlog.typing import FilteringBoundLogger
+
     from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.link.events import LinkEvents
+    from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.service.listener import SampleListener
 
 
 class ListOutputs(argparse.Action):
@@ -50,6 +56,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="send samples there too; repeatable. --list-outputs tells names and keys",
     )
     parser.add_argument("--list-outputs", action=ListOutputs, help="print the outputs with their options, and end")
+    parser.add_argument(
+        "--control",
+        type=Path,
+        metavar="PATH",
+        help="let this user control the service through a unix socket: gyrodrift ctl",
+    )
     parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
     options.add_recording_options(parser)
     options.add_log_options(parser)
@@ -58,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes; 0 then."""
     rate_hz = options.positive("--rate", arguments.rate)
-    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
     asked = _outputs(arguments.output)
     watch = None
@@ -72,38 +84,56 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.link_meter import LinkMeter
-    from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.loop import Service
     from gyrodrift.service.output_feed import OutputFeed
     from gyrodrift.service.reporting import Reporting
     from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.sink import Sink
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
     log = open_log(arguments.log_level, arguments.log_format)
     events = LinkEvents(log)
-    with StopSignal() as stop:
+    with StopSignal() as stop, ExitStack() as closing:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
         meter, feed = LinkMeter(link), OutputFeed(log, arguments.log_level, arguments.log_format)
-        sinks: list[Sink] = [JsonLines(STDOUT, rate_hz), feed]
-        filtering = Filtering(link, sinks, log, watch)
+        stdout = JsonLines(STDOUT, rate_hz)
+        filtering = Filtering(link, [stdout, feed], log, watch)
         filtering.on_event = feed.hear
         filtering.on_config = lambda config: feed.want([*asked, *config.outputs])
-        feed.state = Reporting(meter, filtering, feed).status
+        reporting = Reporting(meter, filtering, feed)
+        feed.state = reporting.status
         events.listeners.append(feed.hear)
         listeners: list[SampleListener] = [meter, filtering]
         if arguments.record is not None:
-            from gyrodrift.recording.recorder import RecordOptions
-            from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
+            listeners.insert(0, _recording(arguments, link, events, log, watch))
+        control = None
+        if arguments.control is not None:
+            from gyrodrift.service.commands import ServiceCommands
+            from gyrodrift.service.control import Control
 
-            what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-            recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
-            repair_interrupted(arguments.record, log)
-            events.listeners.append(recording.on_event)
-            listeners = [recording, *listeners]
+            control = Control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop).all(), log)
+            closing.callback(control.close)
         feed.want([*asked, *(watch.config.outputs if watch else ())])
-        Service(link, listeners, log, events, stop, sinks).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control).run()
     return 0
+
+
+def _recording(
+    arguments: argparse.Namespace,
+    link: "Link",
+    events: "LinkEvents",
+    log: "FilteringBoundLogger",
+    watch: "ConfigWatch | None",
+) -> "SampleListener":
+    """The recorder of `--record`, which hears the link's events too."""
+    from gyrodrift.recording.recorder import RecordOptions
+    from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
+
+    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+    recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
+    repair_interrupted(arguments.record, log)
+    events.listeners.append(recording.on_event)
+    return recording
 
 
 def _outputs(asked: list[str]) -> "list[OutputSpec]":

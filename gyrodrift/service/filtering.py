@@ -177,29 +177,52 @@ class Filtering:
         if self.on_event is not None:
             self.on_event(event, fields)
 
+    def reload(self, watch: "ConfigWatch") -> list[str]:
+        """Read the config again, changed or not; what changed.
+
+        Raises
+        ------
+        ConfigError
+            With every mistake; the old config stays.
+        """
+        old = watch.config
+        try:
+            new = watch.poll(again=True)
+        except ConfigError as error:
+            self._refuse(error)
+            raise
+        return [] if new is None else self._apply(watch, old, new)
+
     def _follow_config(self, watch: "ConfigWatch") -> None:
         old = watch.config
         try:
             new = watch.poll()
         except ConfigError as error:
-            self._refused += 1
-            for problem in error.problems:
-                self.log.error("config_rejected", reason=problem)  # noqa: TRY400 - the reason is the message
-            self._tell("config_rejected", {"reasons": list(error.problems)})
+            self._refuse(error)
             return
-        if new is None:
-            return
+        if new is not None:
+            self._apply(watch, old, new)
+
+    def _refuse(self, error: ConfigError) -> None:
+        self._refused += 1
+        for problem in error.problems:
+            self.log.error("config_rejected", reason=problem)
+        self._tell("config_rejected", {"reasons": list(error.problems)})
+
+    def _apply(self, watch: "ConfigWatch", old: "Config", new: "Config") -> list[str]:
         if new.chosen is not self._filter:
             self._begin_again(new.chosen)
         self._params = new.params
         self._coefficients = self._filter.coefficients(new.params)
         self._is_rate_checked = False
         self._applied, self._applied_s = self._applied + 1, time.time()
-        fields = {"file": str(watch.path), "changes": new.changes_from(old)}
+        changes = new.changes_from(old)
+        fields = {"file": str(watch.path), "changes": changes}
         self.log.info("config_applied", **fields)
         self._tell("config_applied", fields)
         if self.on_config is not None:
             self.on_config(new)
+        return changes
 
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""

@@ -15,6 +15,7 @@ from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
+from gyrodrift.service.control import Control
 from gyrodrift.service.listener import SampleListener
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
@@ -47,6 +48,8 @@ class Service:
 
     sinks
         Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
+    control
+        Who may ask the service for something while it runs.
     read_interval_s
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
@@ -58,6 +61,7 @@ class Service:
     events: LinkEvents
     stop: StopSignal
     sinks: Sequence[Sink] = ()
+    control: Control | None = None
     read_interval_s: float = 0.0
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
@@ -110,13 +114,18 @@ class Service:
         own = len(wanted)
         for sink in self.sinks:
             wanted |= sink.wakes()
+        is_waited_for = len(wanted) > own
+        if self.control is not None:
+            wanted |= self.control.wakes()
         if wanted != self._waited_for:
             self._poller = select.poll()
             for fd, events in wanted.items():
                 self._poller.register(fd, events)
             self._waited_for = wanted
-        self._poller.poll(min(self.link.wake_s(), TICK_S) * 1e3)
-        return len(wanted) > own
+        ready = self._poller.poll(min(self.link.wake_s(), TICK_S) * 1e3)
+        if self.control is not None and ready:
+            self.control.serve({fd for fd, _ in ready})
+        return is_waited_for
 
     def _tick(self, now_s: float) -> None:
         self.events.report_gaps()

@@ -5,7 +5,6 @@ of which the oldest is dropped and the client told how many. What a client sends
 """
 
 import asyncio
-import os
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +16,7 @@ from structlog.typing import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
-from gyrodrift.outputs.output import OutputError
+from gyrodrift.outputs.net.unix_socket import bind_unix
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
 KERNEL_BYTES = 64 << 10
@@ -240,51 +239,6 @@ class LineServer:
             self._path.unlink(missing_ok=True)
         self._server = None
         await asyncio.sleep(0)
-
-
-def bind_unix(path: Path) -> socket.socket:
-    """A unix socket at a path, readable by this user alone; one that nobody listens on any more is replaced.
-
-    Raises
-    ------
-    OutputError
-        Where another process listens there, something else lies there, or the folder does not take it.
-    """
-    listening = socket.socket(socket.AF_UNIX)
-    listening.setblocking(False)
-    try:
-        _clear(path)
-        before = os.umask(0o177)
-        try:
-            listening.bind(str(path))
-        finally:
-            os.umask(before)
-        listening.listen()
-    except OutputError:
-        listening.close()
-        raise
-    except OSError as error:
-        listening.close()
-        raise OutputError(f"cannot listen on {path}: {error.strerror or error}") from error
-    return listening
-
-
-def _clear(path: Path) -> None:
-    """Take away a socket that was left behind."""
-    if not path.exists():
-        return
-    if not path.is_socket():
-        raise OutputError(f"{path} is there and is no socket; give another with path=")
-    with socket.socket(socket.AF_UNIX) as trial:
-        trial.setblocking(False)
-        try:
-            trial.connect(str(path))
-        except ConnectionRefusedError:
-            path.unlink()
-            return
-        except BlockingIOError:
-            pass
-    raise OutputError(f"{path} is taken: another process listens there")
 
 
 def _peer_of(transport: asyncio.Transport) -> str:
