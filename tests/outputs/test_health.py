@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from gyrodrift.outputs.health import Health, Level, health
+from gyrodrift.outputs.health import Health, HealthLevel, health
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus, OutputStatus, ServiceStatus
 
 GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=1000, rate_hz=100.0))
@@ -10,7 +10,7 @@ GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=
 
 def test_all_is_well() -> None:
     """One sentence, rather than none."""
-    assert health(GOOD) == [Health(Level.GOOD, "Every sample arrives whole.")]
+    assert health(GOOD) == [Health(HealthLevel.GOOD, "Every sample arrives whole.")]
 
 
 def test_the_worst_is_told_first_and_everything_is_told() -> None:
@@ -26,12 +26,12 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
         "Samples arrive unevenly: by up to 31 ms.",
         "100.0 samples a second arrive; the device says 50.",
     ]
-    assert said[0].level is Level.BAD
+    assert said[0].level is HealthLevel.BAD
 
 
 def test_a_link_that_says_nothing_is_bad() -> None:
     """A port that is gone, or a device that is silent."""
     gone = health(replace(GOOD, link=replace(GOOD.link, is_open=False)))
     silent = health(replace(GOOD, link=replace(GOOD.link, silent_s=12.0)))
-    assert gone[0] == Health(Level.BAD, "The port /dev/ttyUSB0 is gone; it is waited for.")
-    assert silent[0] == Health(Level.BAD, "The device has said nothing for 12 s.")
+    assert gone[0] == Health(HealthLevel.BAD, "The port /dev/ttyUSB0 is gone; it is waited for.")
+    assert silent[0] == Health(HealthLevel.BAD, "The device has said nothing for 12 s.")
