@@ -67,7 +67,7 @@ def shell_lines(page: Path) -> Iterator[list[str]]:
 def parser_of(command: str) -> argparse.ArgumentParser:
     """The parser of one of our commands; what it is given wrongly raises."""
     parser = argparse.ArgumentParser(prog=f"gyrodrift {command}")
-    import_module(f"gyrodrift.cli.{command}").add_arguments(parser)
+    import_module(f"gyrodrift.cli.{command.replace('-', '_')}").add_arguments(parser)
     return parser
 
 

@@ -12,6 +12,7 @@ from gyrodrift.errors import GyrodriftError, UsageError
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
     "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
+    "install-service": "run serve under systemd: unit, udev rule, start",
     "record": "read a device and write what it sends into session files",
     "tune": "find the filter's parameters from recorded sessions",
     "diagnose": "say where simulator and recordings part, which effect it is, and how far adding it closes the gap",
@@ -62,7 +63,7 @@ def _forget_stdout() -> None:
 
 
 def _run(name: str, arguments: list[str]) -> int:
-    command = import_module(f"gyrodrift.cli.{name}")
+    command = import_module(f"gyrodrift.cli.{name.replace('-', '_')}")
     parser = argparse.ArgumentParser(
         prog=f"gyrodrift {name}",
         description=command.__doc__,

@@ -85,6 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.link_meter import LinkMeter
     from gyrodrift.service.loop import Service
+    from gyrodrift.service.notify import SystemdNotify
     from gyrodrift.service.output_feed import OutputFeed
     from gyrodrift.service.reporting import Reporting
     from gyrodrift.service.signals import StopSignal
@@ -112,8 +113,10 @@ def run(arguments: argparse.Namespace) -> int:
 
             control = Control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop).all(), log)
             closing.callback(control.close)
+        notify = SystemdNotify()
+        closing.callback(notify.stopping)
         feed.want([*asked, *(watch.config.outputs if watch else ())])
-        Service(link, listeners, log, events, stop, filtering.sinks, control).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
     return 0
 
 

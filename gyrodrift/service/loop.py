@@ -17,6 +17,7 @@ from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.control import Control
 from gyrodrift.service.listener import SampleListener
+from gyrodrift.service.notify import SystemdNotify
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
@@ -50,6 +51,8 @@ class Service:
         Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
     control
         Who may ask the service for something while it runs.
+    notify
+        Told that the service is ready, and with every turn of the loop that it is alive.
     read_interval_s
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
@@ -62,6 +65,7 @@ class Service:
     stop: StopSignal
     sinks: Sequence[Sink] = ()
     control: Control | None = None
+    notify: SystemdNotify | None = None
     read_interval_s: float = 0.0
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
@@ -81,6 +85,8 @@ class Service:
         gc.collect()
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
+            if self.notify is not None:
+                self.notify.ready(f"reading {self.link.name}")
             with ExitStack() as closing:  # each is closed, whatever the others make of it
                 for listener in self.listeners:
                     closing.callback(listener.close)
@@ -128,6 +134,8 @@ class Service:
         return is_waited_for
 
     def _tick(self, now_s: float) -> None:
+        if self.notify is not None:
+            self.notify.alive(now_s)
         self.events.report_gaps()
         for listener in self.listeners:
             listener.tick(now_s)
