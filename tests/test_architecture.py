@@ -25,6 +25,7 @@ ROOMS = {
     "describe": f"{BASE} session",
     "recording": f"{BASE} link session",
     "service": f"{BASE} config filters link outputs recording",
+    "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",
     "tune": f"{BASE} evaluation filters html",
