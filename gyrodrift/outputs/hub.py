@@ -19,6 +19,7 @@ from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus
+from gyrodrift.sample import Corrected
 
 REPORT_S = 0.5
 RETRY_FIRST_S = 1.0
@@ -124,6 +125,7 @@ class Hub:
         self._log = log
         self._status = ServiceStatus()
         self._running: dict[OutputSpec, RunningOutput] = {}
+        self._samples: list[Corrected] = []
         self._wanted: list[OutputSpec] = []
         self._settling = asyncio.Lock()
         self._changes: set[asyncio.Task[None]] = set()
@@ -145,7 +147,6 @@ class Hub:
             await self._settle()
 
     def _read(self) -> None:
-        samples = []
         for _ in range(MOST_MESSAGES):
             try:
                 message = self._service.recv(wire.LONGEST_BYTES)
@@ -157,12 +158,17 @@ class Hub:
                 self._is_over.set()
                 break
             if message[:1] == wire.SAMPLES:
-                samples += wire.unpack_samples(message)
+                self._samples += wire.unpack_samples(message)
+                if len(self._samples) >= wire.MOST_RECORDS:
+                    self._hand_on()
             else:
-                if samples:
-                    self._each(lambda output, some=samples: output.take(some))  # type: ignore[misc]  # bound now
-                    samples = []
+                self._hand_on()
                 self._take(message[:1], wire.unpack_json(message))
+        self._hand_on()
+
+    def _hand_on(self) -> None:
+        """Samples that have come, in handfuls: what is written for them at once is what a slow client costs."""
+        samples, self._samples = self._samples, []
         if samples:
             self._each(lambda output: output.take(samples))
 

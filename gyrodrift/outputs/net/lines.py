@@ -64,7 +64,7 @@ class LineClient(asyncio.Protocol):
 
     def send(self, piece: bytes, messages: int = 1) -> None:
         """Send bytes that are so many messages, now or when the client has taken what waits."""
-        if self._transport is None:
+        if self._transport is None or self._transport.is_closing():
             return
         if self._is_paused:
             self._backlog.append(piece, messages)
