@@ -83,11 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.link_meter import LinkMeter
     from gyrodrift.service.loop import Service
     from gyrodrift.service.notify import SystemdNotify
-    from gyrodrift.service.output_feed import OutputFeed
-    from gyrodrift.service.reporting import Reporting
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
@@ -95,27 +92,34 @@ def run(arguments: argparse.Namespace) -> int:
     events = LinkEvents(log)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
-        meter, feed = LinkMeter(link), OutputFeed(log, arguments.log_level, arguments.log_format)
         stdout = JsonLines(STDOUT, rate_hz)
-        filtering = Filtering(link, [stdout, feed], log, watch)
-        filtering.on_event = feed.hear
-        filtering.on_config = lambda config: feed.want([*asked, *config.outputs])
-        reporting = Reporting(meter, filtering, feed)
-        feed.state = reporting.status
-        events.listeners.append(feed.hear)
-        listeners: list[SampleListener] = [meter, filtering]
+        filtering = Filtering(link, [stdout], log, watch)
+        listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             listeners.insert(0, _recording(arguments, link, events, log, watch))
         control = None
-        if arguments.control is not None:
-            from gyrodrift.service.commands import ServiceCommands
-            from gyrodrift.service.control import Control
+        if asked or watch is not None or arguments.control is not None:
+            from gyrodrift.service.link_meter import LinkMeter
+            from gyrodrift.service.output_feed import OutputFeed
+            from gyrodrift.service.reporting import Reporting
 
-            control = Control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop).all(), log)
-            closing.callback(control.close)
+            meter, feed = LinkMeter(link), OutputFeed(log, arguments.log_level, arguments.log_format)
+            reporting = Reporting(meter, filtering, feed)
+            filtering.sinks.append(feed)
+            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+            feed.state = reporting.status
+            events.listeners.append(feed.hear)
+            listeners.insert(0, meter)
+            if arguments.control is not None:
+                from gyrodrift.service.commands import ServiceCommands
+                from gyrodrift.service.control import Control
+
+                commands = ServiceCommands(filtering, stdout, reporting, stop)
+                control = Control(arguments.control, commands.all(), log)
+                closing.callback(control.close)
+            feed.want([*asked, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        feed.want([*asked, *(watch.config.outputs if watch else ())])
         Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
     return 0
 

@@ -48,7 +48,7 @@ class ServiceCommands:
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
         if words not in (["0"], ["1"]):
             raise CommandError("expected rest 0 or rest 1")
-        raise CommandError(f"the filter {self.filtering.filter_status().name} takes no witness of rest")
+        raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
 
     def _rate(self, words: list[str]) -> Mapping[str, Any]:
         rate_hz = number(words, "rate HZ, or rate 0 for every sample")

@@ -3,8 +3,8 @@
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass, field
-from math import isfinite, nan
+from dataclasses import dataclass, field
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from structlog.typing import FilteringBoundLogger
@@ -13,7 +13,6 @@ from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
-from gyrodrift.outputs.status import ConfigStatus, FilterStatus
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.reference import YawReference
 from gyrodrift.service.sink import ReaderGoneError, Sink
@@ -38,6 +37,13 @@ class Filtering:
         Called with each config that is taken while the service runs.
     on_event
         Called with what is logged of filter and config.
+    filter, params, state
+        What runs.
+    last
+        The last sample that the filter took.
+    applied, refused, applied_s
+        How often the config was taken since the start and how often it had mistakes; Unix time of the last time it was
+        taken, s.
     """
 
     link: Link
@@ -49,23 +55,23 @@ class Filtering:
     state: FilterState = field(init=False)
     reference: YawReference = field(default_factory=YawReference)
     raw_yaw_deg: float = 0.0
-    _filter: Filter = field(init=False)
-    _params: Any = field(init=False)
+    filter: Filter = field(init=False)
+    params: Any = field(init=False)
     _coefficients: Any = field(init=False)
-    _last: Sample | None = None
+    last: Sample | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
-    _applied: int = 0
-    _refused: int = 0
-    _applied_s: float | None = None
+    applied: int = 0
+    refused: int = 0
+    applied_s: float | None = None
 
     def __post_init__(self) -> None:
         if self.watch is None:
-            self._filter, self._params = DEFAULT, DEFAULT.params()
+            self.filter, self.params = DEFAULT, DEFAULT.params()
         else:
-            self._filter, self._params = self.watch.config.chosen, self.watch.config.params
-        self._coefficients, self.state = self._filter.coefficients(self._params), self._filter.state()
+            self.filter, self.params = self.watch.config.chosen, self.watch.config.params
+        self._coefficients, self.state = self.filter.coefficients(self.params), self.filter.state()
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
@@ -87,7 +93,7 @@ class Filtering:
             self.log.warning("samples_rejected", **fields)
             self._tell("samples_rejected", fields)
             self._rejected, self._rejected_s = self.state.rejected, now_s
-        if not self._is_rate_checked and self.watch is not None and self._filter.counts_samples:
+        if not self._is_rate_checked and self.watch is not None and self.filter.counts_samples:
             self._compare_rate(self.watch.config)
 
     def stats(self) -> dict[str, Any]:
@@ -115,31 +121,9 @@ class Filtering:
         """The compass heading is this, clockwise from north."""
         self.reference.set_heading(self.state.yaw_deg, heading_deg)
 
-    def filter_status(self) -> FilterStatus:
-        """The filter after the last sample."""
-        state = self.state
-        return FilterStatus(
-            name=self._filter.name,
-            yaw_deg=self.yaw_deg,
-            yaw_sigma_deg=_known(state.yaw_sigma_deg),
-            bias_dps=state.bias_dps,
-            bias_sigma_dps=_known(state.bias_sigma_dps),
-            rest_probability=_known(state.rest_probability),
-            confidence=_known(state.confidence),
-            heading_deg=_known(self.reference.heading_deg(state.yaw_deg)),
-            temp_c=_known(self._last.temp_c) if self._last else None,
-            rejected=state.rejected,
-        )
-
-    def config_status(self) -> ConfigStatus:
-        """The config in force."""
-        file = None if self.watch is None else str(self.watch.path)
-        counts = (self._applied, self._refused, self._applied_s)
-        return ConfigStatus(file, self._filter.name, asdict(self._params), *counts)
-
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
-        step, coefficients, state = self._filter.step, self._coefficients, self.state
-        reference, last, raw_deg = self.reference, self._last, self.raw_yaw_deg
+        step, coefficients, state = self.filter.step, self._coefficients, self.state
+        reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
         zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
         corrected = []
         for sample in samples:
@@ -162,7 +146,7 @@ class Filtering:
                         reference.heading_deg(yaw_deg) if has_north else nan,
                     )
                 )
-        self._last, self.raw_yaw_deg = last, raw_deg
+        self.last, self.raw_yaw_deg = last, raw_deg
         return corrected
 
     def _forget(self, sink: Sink) -> None:
@@ -204,18 +188,18 @@ class Filtering:
             self._apply(watch, old, new)
 
     def _refuse(self, error: ConfigError) -> None:
-        self._refused += 1
+        self.refused += 1
         for problem in error.problems:
             self.log.error("config_rejected", reason=problem)
         self._tell("config_rejected", {"reasons": list(error.problems)})
 
     def _apply(self, watch: "ConfigWatch", old: "Config", new: "Config") -> list[str]:
-        if new.chosen is not self._filter:
+        if new.chosen is not self.filter:
             self._begin_again(new.chosen)
-        self._params = new.params
-        self._coefficients = self._filter.coefficients(new.params)
+        self.params = new.params
+        self._coefficients = self.filter.coefficients(new.params)
         self._is_rate_checked = False
-        self._applied, self._applied_s = self._applied + 1, time.time()
+        self.applied, self.applied_s = self.applied + 1, time.time()
         changes = new.changes_from(old)
         fields = {"file": str(watch.path), "changes": changes}
         self.log.info("config_applied", **fields)
@@ -226,7 +210,7 @@ class Filtering:
 
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
-        old, self._filter, self.state = self.state, chosen, chosen.state()
+        old, self.filter, self.state = self.state, chosen, chosen.state()
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:
@@ -240,10 +224,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint=f"{self._filter.sample_counted} count samples: tune at the rate of this stream",
+                hint=f"{self.filter.sample_counted} count samples: tune at the rate of this stream",
             )
-
-
-def _known(value: float) -> float | None:
-    """None where a filter does not say."""
-    return value if isfinite(value) else None

@@ -4,7 +4,6 @@ import time
 from typing import Any
 
 from gyrodrift.link.link import Link
-from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.sample import Sample
 
 SECOND_S = 1.0
@@ -13,15 +12,23 @@ BITS_PER_BYTE = 10
 
 
 class LinkMeter:
-    """Hears the samples of a link; rate and jitter are of the last whole second."""
+    """Hears the samples of a link; what it tells is of the last whole second.
+
+    rate_hz
+        Samples per second.
+    jitter_s
+        Peak-to-peak variation of how long samples took from the device's clock to here.
+    busy
+        Share of the line's capacity that is used; 0 for a pty.
+    """
 
     def __init__(self, link: Link) -> None:
-        self._link = link
+        self.link = link
         self._marked_s = time.monotonic()
         self._samples = self._bytes = 0
         self._least_s = float("inf")
         self._most_s = float("-inf")
-        self._rate_hz = self._jitter_s = self._busy = 0.0
+        self.rate_hz = self.jitter_s = self.busy = 0.0
 
     def take(self, samples: list[Sample]) -> None:
         """Note how late the newest of them is."""
@@ -37,11 +44,11 @@ class LinkMeter:
         elapsed_s = now_s - self._marked_s
         if elapsed_s < SECOND_S:
             return
-        counters, port = self._link.counters, self._link.port
-        self._rate_hz = (counters.samples - self._samples) / elapsed_s
-        self._jitter_s = max(0.0, self._most_s - self._least_s)
+        counters, port = self.link.counters, self.link.port
+        self.rate_hz = (counters.samples - self._samples) / elapsed_s
+        self.jitter_s = max(0.0, self._most_s - self._least_s)
         bits_per_s = (counters.bytes - self._bytes) * BITS_PER_BYTE / elapsed_s
-        self._busy = bits_per_s / self._link.baud if port is not None and not port.is_pty else 0.0
+        self.busy = bits_per_s / self.link.baud if port is not None and not port.is_pty else 0.0
         self._marked_s, self._samples, self._bytes = now_s, counters.samples, counters.bytes
         self._least_s, self._most_s = float("inf"), float("-inf")
 
@@ -51,34 +58,3 @@ class LinkMeter:
 
     def close(self) -> None:
         """Nothing is open."""
-
-    def link_status(self) -> LinkStatus:
-        """The link as it is."""
-        link, counters, decoder = self._link, self._link.counters, self._link.decoder
-        ppm = link.clock.drift_ppm if link.clock else None
-        return LinkStatus(
-            port=link.name,
-            baud=link.baud,
-            protocol=decoder.name if decoder else "unknown",
-            is_open=link.port is not None,
-            silent_s=round(link.silent_s(), 3),
-            rate_hz=round(self._rate_hz, 2),
-            jitter_ms=round(1e3 * self._jitter_s, 3),
-            samples=counters.samples,
-            bytes=counters.bytes,
-            damaged=decoder.counters.damaged if decoder else 0,
-            before_hello=decoder.counters.before_hello if decoder else 0,
-            clipped=decoder.counters.clipped if decoder else 0,
-            gaps=counters.gaps,
-            missing=counters.missing,
-            device_resets=counters.restarts,
-            reconnects=counters.reconnects,
-            gone_s=round(counters.gone_s, 3),
-            clock_ppm=None if ppm is None else round(ppm, 1),
-            busy=round(self._busy, 3),
-        )
-
-    def device_status(self) -> DeviceStatus:
-        """What the device has said of itself."""
-        device = self._link.device
-        return DeviceStatus(device.device_id, device.sample_rate_hz, device.dps_per_lsb, device.encoder_cpr)

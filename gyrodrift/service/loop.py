@@ -9,17 +9,19 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
-from gyrodrift.service.control import Control
 from gyrodrift.service.listener import SampleListener
-from gyrodrift.service.notify import SystemdNotify
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
+
+if TYPE_CHECKING:  # a service that nobody controls does without
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.notify import SystemdNotify
 
 TICK_S = 0.25
 STATS_S = 10.0
@@ -64,8 +66,8 @@ class Service:
     events: LinkEvents
     stop: StopSignal
     sinks: Sequence[Sink] = ()
-    control: Control | None = None
-    notify: SystemdNotify | None = None
+    control: "Control | None" = None
+    notify: "SystemdNotify | None" = None
     read_interval_s: float = 0.0
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)

@@ -2,6 +2,7 @@
 
 import errno
 import ipaddress
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,6 +55,8 @@ def holder_of(port: int) -> str | None:
         return None
     for folder in Path("/proc").glob("[0-9]*"):
         if inodes & set(_sockets_of(folder)):
+            if int(folder.name) == os.getpid():
+                return "another output of this service"
             return f"{_name_of(folder)} (process {folder.name})"
     return None
 
