@@ -16,6 +16,7 @@ from structlog.typing import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
+from gyrodrift.outputs.net.refusals import Refusals
 from gyrodrift.outputs.net.unix_socket import bind_unix
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
@@ -77,7 +78,7 @@ class LineClient(asyncio.Protocol):
         if self._transport is None:
             return
         if why:
-            self._server.log.warning("client_closed", client=self.peer, reason=why)
+            self._server.refusals.say(self.peer, why)
             if self.session is not None and not self._is_paused:
                 self._transport.write(self.session.refused(why))
         if self._is_paused:
@@ -174,6 +175,7 @@ class LineServer:
     ) -> None:
         self.limits = limits
         self.log = log
+        self.refusals = Refusals(log)
         self.clients: dict[LineClient, None] = {}
         self.open_session = sessions
         self.greet = greet
@@ -232,6 +234,7 @@ class LineServer:
         """Close the connections and stop to listen."""
         if self._server is None:
             return
+        self.refusals.close()
         self._server.close()
         for client in list(self.clients):
             client.close()

@@ -15,6 +15,7 @@ from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.lines import KERNEL_BYTES
+from gyrodrift.outputs.net.refusals import Refusals
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
 if TYPE_CHECKING:
@@ -103,6 +104,7 @@ class WebSocketServer:
     ) -> None:
         self.limits = limits
         self.log = log
+        self._refusals = Refusals(log)
         self.clients: dict[WebSocketClient, None] = {}
         self._sessions = sessions
         self._answer = answer
@@ -159,6 +161,7 @@ class WebSocketServer:
     async def close(self) -> None:
         """Close the connections and stop to listen."""
         if self._server is not None:
+            self._refusals.close()
             self._server.close(code=GOING_AWAY)
             await self._server.wait_closed()
             self._server = None
@@ -175,6 +178,6 @@ class WebSocketServer:
                 except ValueError as error:
                     why = str(error)
                 if why:
-                    self.log.warning("client_closed", client=client.peer, reason=why)
+                    self._refusals.say(client.peer, why)
                     await connection.close(POLICY_VIOLATION, why[:LONGEST_REASON])
                     return
