@@ -110,7 +110,8 @@ def run(folder: Path, *, has_clients: bool) -> tuple[list[list[float]], float, d
         lines = stream.lines()
         seqs = [seq for _, seq in lines]
         assert seqs == list(range(seqs[0], count)), "a reader lost samples"
-        found.append([read_s - sent.times_s[seq] for read_s, seq in lines if seq > RATE_HZ * SETTLING_S])
+        settled_s = joined_s + SETTLING_S
+        found.append([read_s - sent.times_s[seq] for read_s, seq in lines if sent.times_s[seq] > settled_s])
     return found, share, logged(log, "service_end")
 
 
