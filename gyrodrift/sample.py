@@ -56,6 +56,12 @@ class Corrected(NamedTuple):
         The drift estimate, deg/s.
     yaw_sigma_deg, confidence
         Standard deviation of yaw in degrees, and how probable what the filter believes is; NaN where it does not say.
+    bias_sigma_dps, rest_probability
+        Standard deviation of the drift estimate in deg/s, and how probable it is that the device is at rest; likewise.
+    raw_yaw_deg
+        The measured rate integrated as it is, unwrapped, in degrees, 0 where `yaw_deg` is.
+    heading_deg
+        Compass heading, clockwise from north, 0 to 360; NaN until a reference was given.
     """
 
     sample: Sample
@@ -64,3 +70,7 @@ class Corrected(NamedTuple):
     bias_dps: float
     yaw_sigma_deg: float = nan
     confidence: float = nan
+    bias_sigma_dps: float = nan
+    rest_probability: float = nan
+    raw_yaw_deg: float = nan
+    heading_deg: float = nan

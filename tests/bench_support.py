@@ -21,7 +21,7 @@ from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.sample import Corrected
-from gyrodrift.service.outputs.json_lines import JsonLines
+from gyrodrift.service.stdout import JsonLines
 
 Process = subprocess.Popen[bytes]
 

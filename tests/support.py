@@ -102,6 +102,12 @@ class Command:
         """Every whole JSON line of stdout so far."""
         return [json.loads(line) for line in self.out.split("\n")[:-1]]
 
+    def close_stdout(self) -> None:
+        """Read no more of it, as a pipe whose other end is closed."""
+        assert self.process.stdout is not None
+        self._open.discard(self._out)
+        self.process.stdout.close()
+
     def stop(self, number: int = signal.SIGTERM) -> int:
         """Send a signal and give the exit status."""
         self.process.send_signal(number)

@@ -4,6 +4,7 @@ import os
 import sys
 from importlib import import_module
 from textwrap import indent
+from types import ModuleType
 
 from gyrodrift import __version__
 from gyrodrift.cli.parser import Parser, unknown
@@ -11,6 +12,9 @@ from gyrodrift.errors import GyrodriftError, UsageError
 
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
+    "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
+    "install-service": "run serve under systemd: unit, udev rule, start",
+    "top": "watch a running service in the terminal",
     "record": "read a device and write what it sends into session files",
     "tune": "find the filter's parameters from recorded sessions",
     "diagnose": "say where simulator and recordings part, which effect it is, and how far adding it closes the gap",
@@ -73,13 +77,18 @@ def _forget_stdout() -> None:
 def _run(name: str, arguments: list[str]) -> int:
     parsed = parser_of(name).read(arguments)
     parsed.command_line = ["gyrodrift", name, *arguments]
-    status: int = import_module(f"gyrodrift.cli.{name}").run(parsed)
+    status: int = command_of(name).run(parsed)
     return status
+
+
+def command_of(name: str) -> ModuleType:
+    """The file of a command."""
+    return import_module(f"gyrodrift.cli.{name.replace('-', '_')}")
 
 
 def parser_of(name: str) -> Parser:
     """The parser of a command, which knows its help too."""
-    command = import_module(f"gyrodrift.cli.{name}")
+    command = command_of(name)
     parser = Parser(name, description=command.__doc__, epilog=f"examples:\n{indent(command.EXAMPLES, '  ')}\n{EPILOG}")
     command.add_arguments(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress and no log but warnings and errors")

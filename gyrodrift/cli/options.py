@@ -14,8 +14,8 @@ from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
-    from gyrodrift.progress import Progress
     from gyrodrift.link.link import LinkOptions
+    from gyrodrift.progress import Progress
 
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
 PACKAGES = "packages"

@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         recorder = Recorder(RecordOptions(*what), link)
         repair_interrupted(arguments.out, log)
-        events.listener = recorder.on_event
+        events.listeners.append(recorder.on_event)
         try:
             listeners = _listeners(link, recorder, stop, arguments.duration, stderr if is_shown else None)
             Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S, end_event="record_end").run()

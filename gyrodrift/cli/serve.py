@@ -5,13 +5,41 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 """
 
 import argparse
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
 
 if TYPE_CHECKING:
+    from structlog.typing import FilteringBoundLogger
+
     from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.link.events import LinkEvents
+    from gyrodrift.link.link import Link
+    from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.service.listener import SampleListener
+
+
+class ListOutputs(argparse.Action):
+    """Tells every output and every option, as `--help` tells the rest."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **words: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **words)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print and end."""
+        from gyrodrift.config.outputs import options_help
+        from gyrodrift.outputs.registry import OUTPUTS
+
+        for name, kind in OUTPUTS.items():
+            needs = f" (pip install 'gyrodrift[{kind.extra}]')" if kind.extra else ""
+            print(f"{name}: {kind.help}{needs}")
+            for option, default, meaning in options_help(name):
+                print(f"  {option}={default}: {meaning}")
+        parser.exit()
+
 
 EXAMPLES = """\
 gyrodrift serve --port /dev/ttyUSB0
@@ -35,6 +63,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="write what the device sends into this folder too (default: none)"
     )
+    parser.add_argument(
+        "--output",
+        action="append",
+        default=[],
+        metavar="NAME[:KEY=VALUE,...]",
+        help="send samples there too; repeatable. --list-outputs tells names and keys (default: none)",
+    )
+    parser.add_argument("--list-outputs", action=ListOutputs, help="print the outputs with their options, and end")
+    parser.add_argument(
+        "--control",
+        type=Path,
+        metavar="PATH",
+        help="let this user control the service through a unix socket: gyrodrift ctl (default: none)",
+    )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -42,8 +84,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes; 0 then."""
     rate_hz = options.positive("--rate", arguments.rate)
-    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
+    asked = _outputs(arguments.output)
     watch = None
     if arguments.config is not None:
         from gyrodrift.config.watch import ConfigWatch
@@ -54,29 +97,73 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log
     from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.loop import Service
-    from gyrodrift.service.outputs.registry import open_output
+    from gyrodrift.service.notify import SystemdNotify
     from gyrodrift.service.signals import StopSignal
+    from gyrodrift.service.stdout import STDOUT, JsonLines
 
     log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
-    with StopSignal() as stop:
+    with StopSignal() as stop, ExitStack() as closing:
         link = Link(options.link_options(arguments, baud), events)
-        outputs = [open_output("stdout", {"rate_hz": rate_hz})]
-        filtering = Filtering(link, outputs, log, watch)
+        stdout = JsonLines(STDOUT, rate_hz)
+        filtering = Filtering(link, [stdout], log, watch)
         listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
-            from gyrodrift.recording.recorder import RecordOptions
-            from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
+            listeners.insert(0, _recording(arguments, link, events, log, watch))
+        control = None
+        if asked or watch is not None or arguments.control is not None:
+            from gyrodrift.service.link_meter import LinkMeter
+            from gyrodrift.service.output_feed import OutputFeed
+            from gyrodrift.service.reporting import Reporting
 
-            what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-            recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
-            repair_interrupted(arguments.record, log)
-            events.listener = recording.on_event
-            listeners = [recording, filtering]
-        Service(link, listeners, log, events, stop, outputs).run()
+            meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
+            reporting = Reporting(meter, filtering, feed)
+            filtering.sinks.append(feed)
+            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+            feed.state = reporting.status
+            events.listeners.append(feed.hear)
+            listeners.insert(0, meter)
+            if arguments.control is not None:
+                from gyrodrift.service.commands import ServiceCommands
+                from gyrodrift.service.control import Control
+
+                commands = ServiceCommands(filtering, stdout, reporting, stop)
+                control = Control(arguments.control, commands.all(), log)
+                closing.callback(control.close)
+            feed.want([*asked, *(watch.config.outputs if watch else ())])
+        notify = SystemdNotify()
+        closing.callback(notify.stopping)
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
     return 0
+
+
+def _recording(
+    arguments: argparse.Namespace,
+    link: "Link",
+    events: "LinkEvents",
+    log: "FilteringBoundLogger",
+    watch: "ConfigWatch | None",
+) -> "SampleListener":
+    """The recorder of `--record`, which hears the link's events too."""
+    from gyrodrift.recording.recorder import RecordOptions
+    from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
+
+    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+    recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
+    repair_interrupted(arguments.record, log)
+    events.listeners.append(recording.on_event)
+    return recording
+
+
+def _outputs(asked: list[str]) -> "list[OutputSpec]":
+    """Of `--output`; what checks them is loaded where there are any."""
+    if not asked:
+        return []
+    from gyrodrift.config.outputs import output_of
+
+    return [output_of(each) for each in asked]
 
 
 def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:

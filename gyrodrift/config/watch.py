@@ -21,10 +21,13 @@ class ConfigWatch:
         self._seen = _version_of(path)
         self.config = load_config(path)
 
-    def poll(self) -> Config | None:
-        """The new config where there is one; None where nothing changed, or the file is gone for a moment."""
+    def poll(self, *, again: bool = False) -> Config | None:
+        """The new config where there is one; None where nothing changed, or the file is gone for a moment.
+
+        `again` reads it in any case.
+        """
         found = _version_of(self.path)
-        if found is None or found == self._seen:
+        if not again and (found is None or found == self._seen):
             return None
         self._seen = found
         self.config = load_config(self.path)

@@ -163,6 +163,11 @@ def _scalar(node: yaml.Node) -> Any:
     text = str(node.value)
     if node.tag == "tag:yaml.org,2002:str" and getattr(node, "style", None) in ("'", '"', "|", ">"):
         return text
+    return plain_value(text)
+
+
+def plain_value(text: str) -> Any:
+    """What a word without quotes is: a number, a truth value, nothing, or itself."""
     if text in WORDS:
         return WORDS[text]
     if INTEGER.fullmatch(text) and len(text) <= WHOLE_DIGITS:

@@ -13,10 +13,10 @@ class FilterState(Protocol):
 
     yaw_deg, yaw_sigma_deg
         Yaw and its standard deviation, deg; NaN for a filter that does not know how certain it is.
-    bias_dps
-        The drift estimate, deg/s.
-    confidence
-        Probability of what the filter believes has happened; NaN likewise.
+    bias_dps, bias_sigma_dps
+        The drift estimate and its standard deviation, deg/s; likewise.
+    rest_probability, confidence
+        Probability that the device is at rest, and of what the filter believes has happened; NaN likewise.
     samples, rejected
         Samples accepted and passed by.
     """
@@ -31,6 +31,14 @@ class FilterState(Protocol):
 
     @property
     def yaw_sigma_deg(self) -> float:  # noqa: D102
+        ...
+
+    @property
+    def bias_sigma_dps(self) -> float:  # noqa: D102
+        ...
+
+    @property
+    def rest_probability(self) -> float:  # noqa: D102
         ...
 
     @property

@@ -75,11 +75,13 @@ class HdrState:
         r, the number of equal signs in a row.
     samples, rejected
         Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
-    yaw_sigma_deg, confidence
+    yaw_sigma_deg, bias_sigma_dps, rest_probability, confidence
         NaN: this filter does not know how certain it is.
     """
 
     yaw_sigma_deg: ClassVar[float] = nan
+    bias_sigma_dps: ClassVar[float] = nan
+    rest_probability: ClassVar[float] = nan
     confidence: ClassVar[float] = nan
 
     t_s: float = 0.0

@@ -1,6 +1,6 @@
 """What the link reports, as log lines: never more than one a second for what may happen with every sample.
 
-A recording hears the same.
+A recording and the outputs hear the same.
 """
 
 import time
@@ -19,7 +19,7 @@ class LinkEvents:
     """What a link calls with its events; gaps that follow each other closely are added up to one line."""
 
     def __init__(self, log: FilteringBoundLogger, monotonic: Callable[[], float] = time.monotonic) -> None:
-        self.listener: Callable[[str, dict[str, Any]], Any] | None = None
+        self.listeners: list[Callable[[str, dict[str, Any]], Any]] = []
         self._log = log
         self._monotonic = monotonic
         self._holes = 0
@@ -51,5 +51,5 @@ class LinkEvents:
             self._log.warning(event, **fields)
         else:
             self._log.info(event, **fields)
-        if self.listener is not None:
-            self.listener(event, fields)
+        for listener in self.listeners:
+            listener(event, fields)

@@ -96,7 +96,7 @@ class Link:
             self.decoder = next(iter(self._protocols.values())).decoder()
         self._bauds = cycle(USUAL_BAUDS)
         self.baud = options.baud or next(self._bauds)
-        self._device = DeviceDescription()
+        self.device = DeviceDescription()
         self._spoke = False
         self._heard = Heard()
         self._check: UnitCheck | None = None
@@ -172,12 +172,12 @@ class Link:
                 return []
             self.decoder, readings = found
             self._on_event("protocol_found", protocol=self.decoder.name, baud=self.baud)
-        if self.decoder.device is not self._device:
+        if self.decoder.device is not self.device:
             self._meet(self.decoder.device)
         return readings
 
     def _meet(self, device: DeviceDescription) -> None:
-        if device != self._device and device.device_id is not None:
+        if device != self.device and device.device_id is not None:
             self._on_event(
                 "device",
                 device_id=device.device_id,
@@ -185,7 +185,7 @@ class Link:
                 dps_per_lsb=device.dps_per_lsb,
                 encoder_cpr=device.encoder_cpr,
             )
-        self._device = device
+        self.device = device
 
     def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
         if self.clock is None:

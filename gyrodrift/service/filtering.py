@@ -1,7 +1,10 @@
-"""What `serve` does with samples: the filter, then the outputs; its config is followed between two samples."""
+"""What `serve` does with samples: the filter, then stdout and outputs; its config is followed between two samples."""
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from structlog.typing import FilteringBoundLogger
@@ -11,11 +14,12 @@ from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
+from gyrodrift.service.reference import YawReference
+from gyrodrift.service.sink import ReaderGoneError, Sink
 
 if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
     from gyrodrift.config.model import Config
     from gyrodrift.config.watch import ConfigWatch
-    from gyrodrift.service.outputs.output import Output
 
 REJECTED_S = 1.0
 
@@ -25,88 +29,188 @@ RATE_TOLERANCE = 0.05
 
 @dataclass(slots=True)
 class Filtering:
-    """Takes samples, hands corrected ones to the outputs."""
+    """Takes samples, hands corrected ones on.
+
+    sinks
+        Who they are handed to; one whose reader is gone is taken out, as long as another one is wanted.
+    on_config
+        Called with each config that is taken while the service runs.
+    on_event
+        Called with what is logged of filter and config.
+    filter, params, state
+        What runs.
+    last
+        The last sample that the filter took.
+    applied, refused, applied_s
+        How often the config was taken since the start and how often it had mistakes; Unix time of the last time it was
+        taken, s.
+    """
 
     link: Link
-    outputs: "Sequence[Output]"
+    sinks: list[Sink]
     log: FilteringBoundLogger
     watch: "ConfigWatch | None" = None
+    on_config: "Callable[[Config], None] | None" = None
+    on_event: Callable[[str, dict[str, Any]], Any] | None = None
     state: FilterState = field(init=False)
-    _filter: Filter = field(init=False)
+    reference: YawReference = field(default_factory=YawReference)
+    raw_yaw_deg: float = 0.0
+    filter: Filter = field(init=False)
+    params: Any = field(init=False)
     _coefficients: Any = field(init=False)
+    last: Sample | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
+    applied: int = 0
+    refused: int = 0
+    applied_s: float | None = None
 
     def __post_init__(self) -> None:
         if self.watch is None:
-            self._filter, params = DEFAULT, DEFAULT.params()
+            self.filter, self.params = DEFAULT, DEFAULT.params()
         else:
-            self._filter, params = self.watch.config.chosen, self.watch.config.params
-        self._coefficients, self.state = self._filter.coefficients(params), self._filter.state()
+            self.filter, self.params = self.watch.config.chosen, self.watch.config.params
+        self._coefficients, self.state = self.filter.coefficients(self.params), self.filter.state()
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
-        step, coefficients, state = self._filter.step, self._coefficients, self.state
-        corrected = []
-        for sample in samples:
-            if step(coefficients, state, sample.t_device_s, sample.rate_dps):
-                bias_dps = state.bias_dps
-                corrected.append(
-                    Corrected(
-                        sample,
-                        sample.rate_dps - bias_dps,
-                        state.yaw_deg,
-                        bias_dps,
-                        state.yaw_sigma_deg,
-                        state.confidence,
-                    )
-                )
-        for output in self.outputs:
-            output.take(corrected)
+        corrected = self._corrected(samples) if samples else []
+        for sink in tuple(self.sinks):
+            try:
+                sink.take(corrected)
+            except ReaderGoneError:
+                self._forget(sink)
 
     def tick(self, now_s: float) -> None:
         """Follow the config, tell what was rejected."""
-        for output in self.outputs:
-            output.tick(now_s)
+        for sink in self.sinks:
+            sink.tick(now_s)
         if self.watch is not None:
             self._follow_config(self.watch)
         if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
-            self.log.warning("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
+            fields = {"count": self.state.rejected - self._rejected, "total": self.state.rejected}
+            self.log.warning("samples_rejected", **fields)
+            self._tell("samples_rejected", fields)
             self._rejected, self._rejected_s = self.state.rejected, now_s
-        if not self._is_rate_checked and self.watch is not None and self._filter.counts_samples:
+        if not self._is_rate_checked and self.watch is not None and self.filter.counts_samples:
             self._compare_rate(self.watch.config)
 
     def stats(self) -> dict[str, Any]:
         """For the log."""
-        of_outputs = {name: value for output in self.outputs for name, value in output.stats().items()}
-        yaw_deg, bias_dps = round(self.state.yaw_deg, 3), round(self.state.bias_dps, 5)
-        return {"rejected": self.state.rejected, **of_outputs, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
+        of_sinks = {name: value for sink in self.sinks for name, value in sink.stats().items()}
+        yaw_deg, bias_dps = round(self.yaw_deg, 3), round(self.state.bias_dps, 5)
+        return {"rejected": self.state.rejected, **of_sinks, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
 
     def close(self) -> None:
-        """Let the outputs finish."""
-        for output in self.outputs:
-            output.close()
+        """Let the sinks finish, each whatever the others make of it."""
+        with ExitStack() as closing:
+            for sink in self.sinks:
+                closing.callback(sink.close)
+
+    @property
+    def yaw_deg(self) -> float:
+        """As it is sent."""
+        return self.state.yaw_deg - self.reference.zero_deg
+
+    def zero(self) -> None:
+        """Yaw is 0 from here."""
+        self.reference.zero(self.state.yaw_deg, self.raw_yaw_deg)
+
+    def set_heading(self, heading_deg: float) -> None:
+        """The compass heading is this, clockwise from north."""
+        self.reference.set_heading(self.state.yaw_deg, heading_deg)
+
+    def _corrected(self, samples: list[Sample]) -> list[Corrected]:
+        step, coefficients, state = self.filter.step, self._coefficients, self.state
+        reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
+        zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
+        corrected = []
+        for sample in samples:
+            if step(coefficients, state, sample.t_device_s, sample.rate_dps):
+                if last is not None:
+                    raw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * (sample.t_device_s - last.t_device_s)
+                last = sample
+                bias_dps, yaw_deg = state.bias_dps, state.yaw_deg
+                corrected.append(
+                    Corrected(
+                        sample,
+                        sample.rate_dps - bias_dps,
+                        yaw_deg - zero_deg,
+                        bias_dps,
+                        state.yaw_sigma_deg,
+                        state.confidence,
+                        state.bias_sigma_dps,
+                        state.rest_probability,
+                        raw_deg - raw_zero_deg,
+                        reference.heading_deg(yaw_deg) if has_north else nan,
+                    )
+                )
+        self.last, self.raw_yaw_deg = last, raw_deg
+        return corrected
+
+    def _forget(self, sink: Sink) -> None:
+        """Go on without a reader who is gone, unless the service ran for that one alone."""
+        others = [other for other in self.sinks if other is not sink]
+        if not any(other.is_wanted for other in others):
+            raise ReaderGoneError
+        self.log.info("reader_gone")
+        self.sinks.remove(sink)
+
+    def _tell(self, event: str, fields: dict[str, Any]) -> None:
+        if self.on_event is not None:
+            self.on_event(event, fields)
+
+    def reload(self, watch: "ConfigWatch") -> list[str]:
+        """Read the config again, changed or not; what changed.
+
+        Raises
+        ------
+        ConfigError
+            With every mistake; the old config stays.
+        """
+        old = watch.config
+        try:
+            new = watch.poll(again=True)
+        except ConfigError as error:
+            self._refuse(error)
+            raise
+        return [] if new is None else self._apply(watch, old, new)
 
     def _follow_config(self, watch: "ConfigWatch") -> None:
         old = watch.config
         try:
             new = watch.poll()
         except ConfigError as error:
-            for problem in error.problems:
-                self.log.error("config_rejected", reason=problem)  # noqa: TRY400 - the reason is the message
+            self._refuse(error)
             return
-        if new is None:
-            return
-        if new.chosen is not self._filter:
+        if new is not None:
+            self._apply(watch, old, new)
+
+    def _refuse(self, error: ConfigError) -> None:
+        self.refused += 1
+        for problem in error.problems:
+            self.log.error("config_rejected", reason=problem)
+        self._tell("config_rejected", {"reasons": list(error.problems)})
+
+    def _apply(self, watch: "ConfigWatch", old: "Config", new: "Config") -> list[str]:
+        if new.chosen is not self.filter:
             self._begin_again(new.chosen)
-        self._coefficients = self._filter.coefficients(new.params)
+        self.params = new.params
+        self._coefficients = self.filter.coefficients(new.params)
         self._is_rate_checked = False
-        self.log.info("config_applied", file=str(watch.path), changes=new.changes_from(old))
+        self.applied, self.applied_s = self.applied + 1, time.time()
+        changes = new.changes_from(old)
+        fields = {"file": str(watch.path), "changes": changes}
+        self.log.info("config_applied", **fields)
+        self._tell("config_applied", fields)
+        if self.on_config is not None:
+            self.on_config(new)
+        return changes
 
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
-        old, self._filter, self.state = self.state, chosen, chosen.state()
+        old, self.filter, self.state = self.state, chosen, chosen.state()
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:
@@ -120,5 +224,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint=f"{self._filter.sample_counted} count samples: tune at the rate of this stream",
+                hint=f"{self.filter.sample_counted} count samples: tune at the rate of this stream",
             )

@@ -9,15 +9,19 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.listener import SampleListener
-from gyrodrift.service.outputs.output import Output, ReaderGoneError
 from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.sink import ReaderGoneError, Sink
+
+if TYPE_CHECKING:  # a service that nobody controls does without
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.notify import SystemdNotify
 
 TICK_S = 0.25
 STATS_S = 10.0
@@ -45,8 +49,12 @@ class _Marks:
 class Service:
     """A link and who hears its samples, run until a signal or until nobody reads any more.
 
-    outputs
-        Those of the listeners that may have to wait for their readers: the loop wakes when one can go on.
+    sinks
+        Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
+    control
+        Who may ask the service for something while it runs.
+    notify
+        Told that the service is ready, and with every turn of the loop that it is alive.
     read_interval_s
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
@@ -59,7 +67,9 @@ class Service:
     log: FilteringBoundLogger
     events: LinkEvents
     stop: StopSignal
-    outputs: Sequence[Output] = ()
+    sinks: Sequence[Sink] = ()
+    control: "Control | None" = None
+    notify: "SystemdNotify | None" = None
     read_interval_s: float = 0.0
     end_event: str = "service_end"
     _marks: _Marks = field(default_factory=_Marks)
@@ -80,6 +90,8 @@ class Service:
         gc.collect()
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
+            if self.notify is not None:
+                self.notify.ready(f"reading {self.link.name}")
             with ExitStack() as closing:  # each is closed, whatever the others make of it
                 for listener in self.listeners:
                     closing.callback(listener.close)
@@ -105,23 +117,30 @@ class Service:
                 time.sleep(self.read_interval_s)
 
     def _wait(self) -> bool:
-        """Wait until there is something to do; whether an output waits for its reader."""
+        """Wait until there is something to do; whether a sink waits for its reader."""
         wanted = {self.stop.fd: select.POLLIN}
         link_fd = self.link.fileno()
         if link_fd is not None:
             wanted[link_fd] = select.POLLIN
         own = len(wanted)
-        for output in self.outputs:
-            wanted |= output.wakes()
+        for sink in self.sinks:
+            wanted |= sink.wakes()
+        is_waited_for = len(wanted) > own
+        if self.control is not None:
+            wanted |= self.control.wakes()
         if wanted != self._waited_for:
             self._poller = select.poll()
             for fd, events in wanted.items():
                 self._poller.register(fd, events)
             self._waited_for = wanted
-        self._poller.poll(min(self.link.wake_s(), TICK_S) * 1e3)
-        return len(wanted) > own
+        ready = self._poller.poll(min(self.link.wake_s(), TICK_S) * 1e3)
+        if self.control is not None and ready:
+            self.control.serve({fd for fd, _ in ready})
+        return is_waited_for
 
     def _tick(self, now_s: float) -> None:
+        if self.notify is not None:
+            self.notify.alive(now_s)
         self.events.report_gaps()
         for listener in self.listeners:
             listener.tick(now_s)

@@ -16,6 +16,7 @@ from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
+KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs")
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
 
 
@@ -81,7 +82,7 @@ def test_the_shipped_config_is_valid() -> None:
         (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
         (
             GOOD + "colour: 1\n",
-            "c.yaml:7:1 colour: is not a key of this file; expected filter, hdr, restlevel, sample_rate_hz, provenance",
+            f"c.yaml:7:1 colour: is not a key of this file; expected {', '.join(KEYS)}",
         ),
         (GOOD + "sample_rate_hz: 0\n", "c.yaml:7:1 sample_rate_hz: is 0; expected a number above 0 up to 1e+06 Hz"),
         (GOOD + "  c1: 1\n", "c.yaml:7:3 hdr.c1: is given twice, first in line 5; keep one"),

@@ -125,7 +125,7 @@ def test_the_command_filter_writes_its_columns(tmp_path: Path, capsys: pytest.Ca
 
 
 class Kept:
-    """An output that keeps what it is given."""
+    """A sink that keeps what it is given."""
 
     def __init__(self) -> None:
         self.given: list[Corrected] = []
@@ -138,6 +138,10 @@ class Kept:
 
     def stats(self) -> dict[str, Any]:
         return {}
+
+    @property
+    def is_wanted(self) -> bool:
+        return True
 
     def wakes(self) -> dict[int, int]:
         return {}

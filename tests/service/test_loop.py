@@ -14,13 +14,13 @@ from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.loop import Service
-from gyrodrift.service.outputs.json_lines import JsonLines
-from gyrodrift.service.outputs.output import Output
 from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.sink import Sink
+from gyrodrift.service.stdout import JsonLines
 
 
 class StopAfter:
-    """An output that asks the service to stop when it has had enough."""
+    """A sink that asks the service to stop when it has had enough."""
 
     def __init__(self, stop: StopSignal, count: int) -> None:
         self.stop, self.left = stop, count
@@ -32,6 +32,10 @@ class StopAfter:
 
     def tick(self, now_s: float) -> None:
         pass
+
+    @property
+    def is_wanted(self) -> bool:
+        return True
 
     def stats(self) -> dict[str, Any]:
         return {"left": self.left}
@@ -61,9 +65,9 @@ def test_link_stats_say_all_that_helps_from_afar(
         counted = StopAfter(stop, 100)
         link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(log))
         device.send_all(lines, never)
-        outputs: list[Output] = [JsonLines(null.fileno()), counted]
-        filtering = Filtering(link, outputs, log)
-        Service(link, [filtering], log, LinkEvents(log), stop, outputs).run()
+        sinks: list[Sink] = [JsonLines(null.fileno()), counted]
+        filtering = Filtering(link, sinks, log)
+        Service(link, [filtering], log, LinkEvents(log), stop, sinks).run()
     stats = [event for event in logged if event["event"] == "link_stats"]
     assert stats
     assert set(stats[-1]) >= {

@@ -1,4 +1,4 @@
-"""What every output is: a listener of corrected samples that may wait for its reader without keeping others waiting."""
+"""What corrected samples are handed to in the service itself: stdout, and the way to the outputs' process."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -11,8 +11,13 @@ class ReaderGoneError(Exception):
     """Nobody reads any more (the pipe is closed)."""
 
 
-class Output(Listener[Corrected], Protocol):
-    """Takes corrected samples and sends them on, as many as its reader takes now."""
+class Sink(Listener[Corrected], Protocol):
+    """Takes corrected samples and hands them on, as many as are taken now; ReaderGoneError where that is over."""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether the service has to go on for this one alone."""
+        ...
 
     def wakes(self) -> Mapping[int, int]:
         """Descriptors that it waits for, with the events of `poll`; when one is ready, `take` is called."""

@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gyrodrift.outputs.json_line import json_line
 from gyrodrift.sample import Corrected, Sample
-from gyrodrift.service.outputs import json_lines
-from gyrodrift.service.outputs.json_lines import JsonLines, json_line
-from gyrodrift.service.outputs.output import ReaderGoneError
+from gyrodrift.service import stdout
+from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.stdout import JsonLines
 
 
 def corrected(seq: int, t_s: float = 0.0) -> Corrected:
@@ -95,7 +96,7 @@ def test_a_reader_who_sleeps_loses_the_oldest_whole_lines_and_is_told_how_many(
     pipe: Pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The output never waits, and what arrives is whole."""
-    monkeypatch.setattr(json_lines, "LONGEST_QUEUE_BYTES", 50_000)
+    monkeypatch.setattr(stdout, "LONGEST_QUEUE_BYTES", 50_000)
     output = JsonLines(pipe[1])
     for i in range(10_000):
         output.take([corrected(i)])

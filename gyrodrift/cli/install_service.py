@@ -1,0 +1,75 @@
+"""Install gyrodrift as a systemd service that reads one port, starts with the machine and when the gyro is plugged in.
+
+It writes a unit and, for a USB adapter, a udev rule that names it /dev/gyro. --dry-run prints what would be written and
+run. The service is controlled through /run/gyrodrift/control by root: gyrodrift ctl.
+"""
+
+import argparse
+import os
+import subprocess
+from pathlib import Path
+
+from gyrodrift.errors import UsageError
+
+EXAMPLES = """\
+gyrodrift install-service --port /dev/ttyUSB0 --dry-run
+gyrodrift install-service --port /dev/ttyUSB0 --config /etc/gyrodrift.yaml --output tcp
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--port", required=True, help="serial port of the device, such as /dev/ttyUSB0")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="config of the service; followed while it runs (default: none)"
+    )
+    parser.add_argument(
+        "--output",
+        action="append",
+        default=[],
+        metavar="NAME[:KEY=VALUE,...]",
+        help="as of serve; repeatable (default: none)",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="print the files and commands, change nothing")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the files and start the service; 0 then."""
+    from gyrodrift.config.outputs import output_of
+    from gyrodrift.service.install import COMMANDS, files, usb_identity
+
+    for output in arguments.output:
+        output_of(output)
+    if arguments.config is not None:
+        from gyrodrift.config.model import load_config
+
+        load_config(arguments.config)
+    written = files(arguments.port, arguments.config, arguments.output, usb_identity(arguments.port))
+    if arguments.dry_run:
+        for path, text in written.items():
+            print(f"# {path}\n{text}")
+        for command in COMMANDS:
+            print(f"# run: {' '.join(command)}")
+        return 0
+    if os.geteuid() != 0:
+        raise UsageError("install-service writes to /etc: run it as root, or look with --dry-run")
+    from gyrodrift.files import write_whole
+
+    for path, text in written.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, [text])
+        path.chmod(0o644)
+        print(f"written: {path}")
+    for command in COMMANDS:
+        _run(command)
+    return 0
+
+
+def _run(command: tuple[str, ...]) -> None:
+    print(f"run: {' '.join(command)}")
+    try:
+        done = subprocess.run(command, check=False)  # noqa: S603 - a fixed list
+    except FileNotFoundError as error:
+        raise UsageError(f"{command[0]} is not there: this machine does not run systemd") from error
+    if done.returncode:
+        raise UsageError(f"{' '.join(command)} ended with {done.returncode}")

@@ -1,0 +1,25 @@
+"""Watch a running service in the terminal, through the socket that its --control names.
+
+Keys: z makes yaw 0, p pauses the view, q ends it. Where stdout is no terminal, the state is printed once.
+"""
+
+import argparse
+from pathlib import Path
+
+EXAMPLES = """\
+gyrodrift top /run/user/1000/gyro
+gyrodrift top /run/gyrodrift/control | head
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("socket", type=Path, metavar="PATH", help="the socket of serve --control PATH")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show it until a key ends it; 0 then."""
+    from gyrodrift.top.watch import show
+
+    show(arguments.socket)
+    return 0

@@ -1,0 +1,47 @@
+"""The process that outputs run in: started by the service with one end of a socket pair, and it ends with it."""
+
+import asyncio
+import logging
+import resource
+import signal
+import socket
+import sys
+from contextlib import suppress
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.log import open_log
+from gyrodrift.outputs.hub import Hub
+
+DESCRIPTORS = 4096
+"""Clients beyond the limit of a server are turned away, not left waiting for a descriptor."""
+
+
+class LibraryLog(logging.Handler):
+    """What the libraries of outputs have to say, as lines of the service's log; asyncio's chatter of clients is not."""
+
+    def __init__(self, log: FilteringBoundLogger) -> None:
+        super().__init__(logging.WARNING)
+        self._log = log
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """One line, without a traceback."""
+        self._log.log(record.levelno, "library", of=record.name, message=record.getMessage())
+
+
+def main(fd: int, level: str, style: str) -> None:
+    """Run until the service closes its end; the signals that stop a service are for the service."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with suppress(OSError, ValueError):  # a service manager may forbid it, and set it itself
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(DESCRIPTORS, hard), hard))
+    log = open_log(level, style)
+    logging.getLogger("asyncio").setLevel(logging.CRITICAL)
+    logging.basicConfig(handlers=[LibraryLog(log)])
+    with socket.socket(fileno=fd) as service:
+        asyncio.run(Hub(service, log).run())
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), sys.argv[2], sys.argv[3])

@@ -1,0 +1,56 @@
+"""What `tcp` and `unix` have in common: JSON lines to each client of a server of lines."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
+
+from gyrodrift.outputs.json_line import json_line
+from gyrodrift.outputs.line_session import SAMPLE, JsonSession, event_line, hello
+from gyrodrift.outputs.net.lines import LineServer
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+LineOptions = TypeVar("LineOptions")
+
+
+class LineOutput(Output[LineOptions]):
+    """Lines that all clients get alike are written once for all of them."""
+
+    def __init__(self, options: LineOptions, host: OutputHost, rate_hz: float | None) -> None:
+        super().__init__(options, host)
+        self.server = LineServer(JsonSession, host.log, greet=lambda client: client.send(hello()))
+        self._thinning = Thinning(rate_hz)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send samples to all, each as it has asked for."""
+        if not self.server.clients:
+            return
+        due = self._thinning.due(samples)
+        lines: bytes | None = None
+        for client in self.server.clients:
+            session = client.session
+            if isinstance(session, JsonSession) and not session.is_plain:
+                session.take(samples)
+            elif due:
+                if lines is None:
+                    lines = "".join([json_line(each, SAMPLE) for each in due]).encode()
+                client.send(lines, len(due))
+
+    def hear(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Send an event to all."""
+        line = event_line(event, fields)
+        for client in self.server.clients:
+            client.send(line)
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Who is connected."""
+        return self.server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Lines."""
+        return self.server.counts()
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self.server.close()

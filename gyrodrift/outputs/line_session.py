@@ -1,0 +1,109 @@
+"""What a client of `tcp` and `unix` is told and may ask for, one JSON object a line."""
+
+import json
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from gyrodrift import __version__
+from gyrodrift.outputs.json_line import FIELDS, chosen_line, json_line
+from gyrodrift.outputs.net.lines import LineClient
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+SAMPLE = '{"class":"SAMPLE",'
+ASKS = ("class", "rate_hz", "fields")
+
+
+def hello() -> bytes:
+    """The first line of a connection."""
+    return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(FIELDS)})
+
+
+def event_line(event: str, fields: Any) -> bytes:
+    """An event of the service's log."""
+    return _line({"class": "EVENT", "event": event, **fields})
+
+
+class JsonSession:
+    """One client: all samples with all fields, until it sends a WATCH with a rate and fields of its own."""
+
+    def __init__(self, client: LineClient) -> None:
+        self.client = client
+        self._thinning: Thinning | None = None
+        self._fields: Sequence[str] = ()
+
+    @property
+    def is_plain(self) -> bool:
+        """It takes what everybody takes."""
+        return self._thinning is None and not self._fields
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send what this client has asked for."""
+        due = samples if self._thinning is None else self._thinning.due(samples)
+        if self._fields:
+            lines = [chosen_line(each, self._fields, **{"class": "SAMPLE"}) for each in due]
+        else:
+            lines = [json_line(each, SAMPLE) for each in due]
+        if lines:
+            self.client.send("".join(lines).encode(), len(lines))
+
+    def line(self, text: bytes) -> None:
+        """Take a WATCH; anything else is answered with what was expected."""
+        if not text.strip():
+            return
+        try:
+            asked = json.loads(text)
+            self._watch(asked)
+        except (ValueError, RecursionError) as error:
+            why = "no JSON" if isinstance(error, (json.JSONDecodeError, RecursionError, UnicodeDecodeError)) else error
+            self.client.send(_line({"class": "ERROR", "message": f"{_shown(text)}: {why}"}))
+
+    def dropped(self, messages: int) -> bytes:
+        """How many lines this client was too slow for."""
+        return _line({"class": "DROPPED", "lines": messages})
+
+    def refused(self, why: str) -> bytes:
+        """The last line of a connection that is closed from here."""
+        return _line({"class": "ERROR", "message": why})
+
+    def closed(self) -> None:
+        """Nothing is kept."""
+
+    def _watch(self, asked: Any) -> None:
+        expected = 'expected {"class":"WATCH","rate_hz":10,"fields":["t_s","yaw_deg"]}'
+        if not isinstance(asked, dict) or asked.get("class") != "WATCH":
+            raise ValueError(expected)
+        unknown = [key for key in asked if key not in ASKS]
+        if unknown:
+            raise ValueError(f"unknown key {unknown[0]!r}; {expected}")
+        rate_hz, fields = asked.get("rate_hz"), asked.get("fields", [])
+        if rate_hz is not None and not (_is_number(rate_hz) and 0.0 < rate_hz <= 1e6):
+            raise ValueError("rate_hz: expected a number above 0, up to 1000000, in Hz")
+        if not isinstance(fields, list) or len(fields) > len(FIELDS):
+            raise ValueError("fields: expected a list of names")
+        for name in fields:
+            _check_field(name)
+        self._thinning = Thinning(rate_hz) if rate_hz else None
+        self._fields = fields
+        self.client.send(_line({"class": "WATCH", "rate_hz": rate_hz, "fields": fields or list(FIELDS)}))
+
+
+def _check_field(name: object) -> None:
+    if isinstance(name, str) and name in FIELDS:
+        return
+    nearest = get_close_matches(str(name), FIELDS, n=1)
+    meant = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(FIELDS)}"
+    raise ValueError(f"fields: {_shown(str(name).encode())} is none; {meant}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _shown(text: bytes, most: int = 60) -> str:
+    return repr(text[:most].decode(errors="replace"))
+
+
+def _line(value: Any) -> bytes:
+    return json.dumps(value).encode() + b"\n"

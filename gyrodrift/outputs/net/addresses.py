@@ -1,0 +1,96 @@
+"""Addresses to listen on: whether others on the network can reach them, and who has a port already."""
+
+import errno
+import ipaddress
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.outputs.output import OutputError
+
+LISTENING = "0A"
+"""A state of /proc/net/tcp; bound datagram sockets have the state 07 in /proc/net/udp."""
+BOUND = "07"
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches it; a name other than localhost may be anything."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def warn_of_others(log: FilteringBoundLogger, host: str) -> None:
+    """Say in the log that others on the network can read what is sent."""
+    if not is_loopback(host):
+        log.warning("output_open_to_network", host=host, hint="anyone who reaches this address can read; no password")
+
+
+def shown(host: str, port: int) -> str:
+    """`host:port`, with brackets where they are needed."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
+def cannot_listen(error: OSError, host: str, port: int) -> OutputError:
+    """What to tell a person of a bind that failed, with who has the port where /proc tells."""
+    where = shown(host, port)
+    if error.errno == errno.EADDRINUSE:
+        holder = holder_of(port)
+        return OutputError(f"port {where} is taken by {holder or 'another program'}; give another with port=")
+    if error.errno == errno.EACCES:
+        return OutputError(f"port {where} may not be opened by this user; ports below 1024 are the system's")
+    if error.errno == errno.EADDRNOTAVAIL:
+        return OutputError(f"{host} is no address of this machine")
+    return OutputError(f"cannot listen on {where}: {error.strerror or error}")
+
+
+def holder_of(port: int) -> str | None:
+    """Name and number of the process that listens on a port; None where that cannot be seen."""
+    inodes = set(_inodes(port))
+    if not inodes:
+        return None
+    for folder in Path("/proc").glob("[0-9]*"):
+        if inodes & set(_sockets_of(folder)):
+            if int(folder.name) == os.getpid():
+                return "another output of this service"
+            return f"{_name_of(folder)} (process {folder.name})"
+    return None
+
+
+def _inodes(port: int) -> Iterator[str]:
+    """Of sockets that are bound to a port."""
+    for table, state in (("tcp", LISTENING), ("tcp6", LISTENING), ("udp", BOUND), ("udp6", BOUND)):
+        try:
+            rows = Path("/proc/net", table).read_text().splitlines()[1:]
+        except OSError:
+            continue
+        for row in rows:
+            columns = row.split()
+            if columns[3] == state and int(columns[1].rpartition(":")[2], 16) == port:
+                yield columns[9]
+
+
+def _sockets_of(folder: Path) -> Iterator[str]:
+    """Inodes of the sockets that a process has open; none where we may not look."""
+    try:
+        links = list((folder / "fd").iterdir())
+    except OSError:
+        return
+    for link in links:
+        try:
+            found = re.fullmatch(r"socket:\[(\d+)\]", str(link.readlink()))
+        except OSError:
+            continue  # closed meanwhile
+        if found:
+            yield found[1]
+
+
+def _name_of(folder: Path) -> str:
+    try:
+        return (folder / "comm").read_text().strip()
+    except OSError:
+        return "a process"

@@ -1,0 +1,47 @@
+"""What waits for one client: bounded, and the oldest goes first."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+Message = TypeVar("Message", str, bytes)
+
+
+@dataclass(slots=True)
+class Backlog(Generic[Message]):
+    """Messages that a client has not taken yet.
+
+    dropped
+        Messages dropped so far; `untold` of them have not been told to the client.
+    """
+
+    longest_bytes: int
+    dropped: int = 0
+    untold: int = 0
+    _waiting: deque[tuple[Message, int]] = field(default_factory=deque)
+    _bytes: int = 0
+
+    def __len__(self) -> int:
+        """Pieces, not messages."""
+        return len(self._waiting)
+
+    def append(self, piece: Message, messages: int = 1) -> None:
+        """Let a piece wait that is so many messages; the newest one waits however long it is."""
+        self._waiting.append((piece, messages))
+        self._bytes += len(piece)
+        while self._bytes > self.longest_bytes and len(self._waiting) > 1:
+            oldest, count = self._waiting.popleft()
+            self._bytes -= len(oldest)
+            self.dropped += count
+            self.untold += count
+
+    def pop(self) -> tuple[Message, int]:
+        """The oldest piece, and how many messages it is."""
+        piece, messages = self._waiting.popleft()
+        self._bytes -= len(piece)
+        return piece, messages
+
+    def tell(self) -> int:
+        """How many were dropped since this was asked the last time."""
+        untold, self.untold = self.untold, 0
+        return untold

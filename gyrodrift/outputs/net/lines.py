@@ -1,0 +1,255 @@
+"""A server of lines of text, on TCP or on a unix socket.
+
+What is sent to a client goes to the kernel at once; where the kernel's buffer is full it waits in a bounded backlog,
+of which the oldest is dropped and the client told how many. What a client sends is cut into lines here.
+"""
+
+import asyncio
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from struct import calcsize, unpack
+from typing import Protocol, cast
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
+from gyrodrift.outputs.net.backlog import Backlog
+from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
+from gyrodrift.outputs.net.refusals import Refusals
+from gyrodrift.outputs.net.unix_socket import bind_unix
+from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
+
+KERNEL_BYTES = 64 << 10
+"""That the kernel and asyncio keep for a client: what lies there cannot be dropped any more, and is late."""
+
+
+class LineSession(Protocol):
+    """What an output knows of one client."""
+
+    def line(self, text: bytes) -> None:
+        """Take a line that the client sent, without its end. ValueError refuses it and closes the connection."""
+        ...
+
+    def dropped(self, messages: int) -> bytes:
+        """What to send a client who was too slow for so many messages; empty for nothing."""
+        ...
+
+    def refused(self, why: str) -> bytes:
+        """What to send a client before the connection is closed, and why; empty for nothing."""
+        ...
+
+    def closed(self) -> None:
+        """The client is gone."""
+        ...
+
+
+class LineClient(asyncio.Protocol):
+    """One connection."""
+
+    def __init__(self, server: "LineServer") -> None:
+        self.peer = ""
+        self.sent = 0
+        self.session: LineSession | None = None
+        self._server = server
+        self._backlog: Backlog[bytes] = Backlog(server.limits.queue_bytes)
+        self._allowance = Allowance(server.limits.messages_per_s)
+        self._transport: asyncio.Transport | None = None
+        self._is_paused = False
+        self._begun = bytearray()
+
+    @property
+    def dropped(self) -> int:
+        """Messages that this client was too slow for."""
+        return self._backlog.dropped
+
+    def send(self, piece: bytes, messages: int = 1) -> None:
+        """Send bytes that are so many messages, now or when the client has taken what waits."""
+        if self._transport is None or self._transport.is_closing():
+            return
+        if self._is_paused:
+            self._backlog.append(piece, messages)
+        else:
+            self._transport.write(piece)
+            self.sent += messages
+
+    def close(self, why: str = "") -> None:
+        """End the connection; with a reason, the client is told."""
+        if self._transport is None:
+            return
+        if why:
+            self._server.refusals.say(self.peer, why)
+            if self.session is not None and not self._is_paused:
+                self._transport.write(self.session.refused(why))
+        if self._is_paused:
+            self._transport.abort()
+        else:
+            self._transport.close()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the client in, unless there are too many."""
+        self._transport = cast("asyncio.Transport", transport)
+        self._transport.set_write_buffer_limits(high=KERNEL_BYTES)
+        self.peer = _peer_of(self._transport)
+        self.session = self._server.open_session(self)
+        if len(self._server.clients) >= self._server.limits.clients:
+            self.close(f"there are {self._server.limits.clients} clients already")
+            return
+        self._server.clients[self] = None
+        self._server.greet(self)
+
+    def data_received(self, data: bytes) -> None:
+        """Cut what came into lines."""
+        *lines, rest = data.split(b"\n")
+        for line in lines:
+            whole, self._begun = bytes(self._begun) + line, bytearray()
+            if len(whole) > self._server.limits.message_bytes:
+                break
+            if not self._hear(whole.rstrip(b"\r")):
+                return
+        else:
+            self._begun += rest
+            if len(self._begun) <= self._server.limits.message_bytes:
+                return
+        self._begun.clear()
+        self.close(f"a line is longer than {self._server.limits.message_bytes} bytes")
+
+    def pause_writing(self) -> None:
+        """From now on everything waits."""
+        self._is_paused = True
+
+    def resume_writing(self) -> None:
+        """The client has read: say what it missed, and go on with the rest."""
+        self._is_paused = False
+        untold = self._backlog.tell()
+        if untold and self.session is not None and self._transport is not None:
+            self._transport.write(self.session.dropped(untold))
+        while self._backlog and not self._is_paused:
+            self.send(*self._backlog.pop())
+
+    def connection_lost(self, _error: Exception | None) -> None:
+        """Forget the client."""
+        self._transport = None
+        if self in self._server.clients:
+            self._server.forget(self)
+        if self.session is not None:
+            self.session.closed()
+            self.session = None
+
+    def _hear(self, line: bytes) -> bool:
+        """Whether the client may go on."""
+        if self.session is None or self._transport is None or self._transport.is_closing():
+            return False
+        if not self._allowance.take():
+            self.close(f"more than {self._server.limits.messages_per_s:g} lines a second")
+            return False
+        try:
+            self.session.line(line)
+        except ValueError as error:
+            self.close(str(error))
+            return False
+        return not self._transport.is_closing()
+
+
+Sessions = Callable[[LineClient], LineSession]
+"""Gives what an output knows of a client that has just connected."""
+
+
+class LineServer:
+    """Listens, and keeps an account of its clients.
+
+    Parameters
+    ----------
+    sessions
+        Called with each client that connects.
+    greet
+        Called with a client that was taken in, to send it what a connection begins with.
+    """
+
+    def __init__(
+        self,
+        sessions: Sessions,
+        log: FilteringBoundLogger,
+        greet: Callable[[LineClient], None] = lambda _: None,
+        limits: Limits = DEFAULT_LIMITS,
+    ) -> None:
+        self.limits = limits
+        self.log = log
+        self.refusals = Refusals(log)
+        self.clients: dict[LineClient, None] = {}
+        self.open_session = sessions
+        self.greet = greet
+        self._server: asyncio.Server | None = None
+        self._path: Path | None = None
+        self._gone_sent = self._gone_dropped = 0
+
+    async def listen_tcp(self, host: str, port: int) -> str:
+        """Listen on a port; gives the address for a person.
+
+        Raises
+        ------
+        OutputError
+            Where the port cannot be had, with who has it.
+        """
+        loop = asyncio.get_running_loop()
+        try:
+            self._server = await loop.create_server(lambda: LineClient(self), host, port)
+        except OSError as error:
+            raise cannot_listen(error, host, port) from error
+        for each in self._server.sockets:
+            each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)  # the connections inherit it
+        warn_of_others(self.log, host)
+        return shown(host, self._server.sockets[0].getsockname()[1])
+
+    async def listen_unix(self, path: Path) -> str:
+        """Listen on a unix socket that is for this user alone; gives its path.
+
+        Raises
+        ------
+        OutputError
+            Where the path cannot be had.
+        """
+        listening = bind_unix(path)
+        loop = asyncio.get_running_loop()
+        self._server = await loop.create_unix_server(lambda: LineClient(self), sock=listening)
+        self._path = path
+        return str(path)
+
+    def statuses(self) -> list[ClientStatus]:
+        """Of the first MOST_CLIENTS clients."""
+        return [ClientStatus(each.peer, each.sent, each.dropped) for each in list(self.clients)[:MOST_CLIENTS]]
+
+    def counts(self) -> tuple[int, int]:
+        """Messages sent and dropped, to clients that are gone too."""
+        sent = self._gone_sent + sum(each.sent for each in self.clients)
+        return sent, self._gone_dropped + sum(each.dropped for each in self.clients)
+
+    def forget(self, client: LineClient) -> None:
+        """A client is gone."""
+        del self.clients[client]
+        self._gone_sent += client.sent
+        self._gone_dropped += client.dropped
+
+    async def close(self) -> None:
+        """Close the connections and stop to listen."""
+        if self._server is None:
+            return
+        self.refusals.close()
+        self._server.close()
+        for client in list(self.clients):
+            client.close()
+        if self._path is not None:
+            self._path.unlink(missing_ok=True)
+        self._server = None
+        await asyncio.sleep(0)
+
+
+def _peer_of(transport: asyncio.Transport) -> str:
+    """Address of a client, or its process on a unix socket."""
+    name = transport.get_extra_info("peername")
+    if isinstance(name, tuple):
+        return shown(name[0], name[1])
+    form = "3i"
+    connection = transport.get_extra_info("socket")
+    pid, _, _ = unpack(form, connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, calcsize(form)))
+    return f"process {pid}"

@@ -1,0 +1,32 @@
+"""Something that is done at a steady rate: a heartbeat, a state that is sent again though nothing changed."""
+
+import asyncio
+from collections.abc import Callable
+
+
+class Periodic:
+    """Calls a function every so often on the loop; calls that could not be made in time are left out.
+
+    What it raises ends the calls, and is raised by `close`.
+    """
+
+    def __init__(self, every_s: float, call: Callable[[], object]) -> None:
+        self._every_s = every_s
+        self._call = call
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    async def close(self) -> None:
+        """No more calls."""
+        self._task.cancel()
+        await asyncio.wait([self._task])
+        if not self._task.cancelled():
+            self._task.result()
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while True:
+            self._call()
+            now_s = loop.time()
+            due_s = max(due_s + self._every_s, now_s)
+            await asyncio.sleep(due_s - now_s)

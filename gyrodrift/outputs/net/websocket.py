@@ -1,0 +1,183 @@
+"""A WebSocket server, on the package `websockets`: bounded backlogs, limits on clients, messages and handshakes.
+
+It answers plain HTTP requests of the same port where an output wants that, which is how a page is served.
+"""
+
+import asyncio
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Protocol
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
+from gyrodrift.outputs.net.backlog import Backlog
+from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
+from gyrodrift.outputs.net.lines import KERNEL_BYTES
+from gyrodrift.outputs.net.refusals import Refusals
+from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import Server, ServerConnection
+    from websockets.http11 import Request, Response
+
+GOING_AWAY = 1001
+POLICY_VIOLATION = 1008
+"""Close codes of RFC 6455, section 7.4.1."""
+
+LONGEST_REASON = 120
+"""Bytes that a close frame may give as a reason are 123."""
+
+
+class WebSocketSession(Protocol):
+    """What an output knows of one client."""
+
+    def message(self, content: str | bytes) -> None:
+        """Take a message of the client. ValueError refuses it and closes the connection."""
+        ...
+
+    def dropped(self, messages: int) -> str | bytes:
+        """What to send a client who was too slow for so many messages; empty for nothing."""
+        ...
+
+    def closed(self) -> None:
+        """The client is gone."""
+        ...
+
+
+class WebSocketClient:
+    """One connection, behind its handshake."""
+
+    def __init__(self, connection: "ServerConnection", limits: Limits) -> None:
+        self.connection = connection
+        self.peer = shown(*connection.remote_address[:2])
+        self.sent = 0
+        self._backlog: Backlog[Any] = Backlog(limits.queue_bytes)
+        self._has_some = asyncio.Event()
+
+    @property
+    def dropped(self) -> int:
+        """Messages that this client was too slow for."""
+        return self._backlog.dropped
+
+    def send(self, message: str | bytes) -> None:
+        """Send a message, now or when the client has taken what waits; text is a text frame, bytes a binary one."""
+        self._backlog.append(message)
+        self._has_some.set()
+
+    async def write(self, told: Callable[[int], str | bytes]) -> None:
+        """Send what waits, for ever."""
+        while True:
+            await self._has_some.wait()
+            while self._backlog:
+                untold = self._backlog.tell()
+                notice = told(untold) if untold else ""
+                if notice:
+                    await self.connection.send(notice)
+                message, _ = self._backlog.pop()
+                await self.connection.send(message)
+                self.sent += 1
+            self._has_some.clear()
+
+
+class WebSocketServer:
+    """Listens, and keeps an account of its clients.
+
+    Parameters
+    ----------
+    sessions
+        Called with each client whose handshake is done.
+    answer
+        Called with each request before its handshake; a response in place of None is sent, and the connection closed.
+    options
+        Handed on to `websockets.asyncio.server.serve`: subprotocols, origins.
+    """
+
+    def __init__(
+        self,
+        sessions: Callable[[WebSocketClient], WebSocketSession],
+        log: FilteringBoundLogger,
+        answer: "Callable[[ServerConnection, Request], Response | None] | None" = None,
+        limits: Limits = DEFAULT_LIMITS,
+        **options: Any,
+    ) -> None:
+        self.limits = limits
+        self.log = log
+        self._refusals = Refusals(log)
+        self.clients: dict[WebSocketClient, None] = {}
+        self._sessions = sessions
+        self._answer = answer
+        self._options = options
+        self._server: Server | None = None
+        self._gone_sent = self._gone_dropped = 0
+
+    async def listen(self, host: str, port: int) -> str:
+        """Listen on a port; gives the address for a person.
+
+        Raises
+        ------
+        OutputError
+            Where the port cannot be had, with who has it.
+        """
+        from gyrodrift.outputs.net.websocket_connection import listen
+
+        try:
+            self._server = await listen(
+                self.serve, self.limits, host, port, process_request=self._answer, **self._options
+            )
+        except OSError as error:
+            raise cannot_listen(error, host, port) from error
+        for each in self._server.sockets:
+            each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
+        warn_of_others(self.log, host)
+        return shown(host, next(iter(self._server.sockets)).getsockname()[1])
+
+    async def serve(self, connection: "ServerConnection") -> None:
+        """One client, from its handshake to its end."""
+        client = WebSocketClient(connection, self.limits)
+        session = self._sessions(client)
+        self.clients[client] = None
+        writing = asyncio.create_task(client.write(session.dropped))
+        try:
+            await self._hear(connection, client, session)
+        finally:
+            writing.cancel()
+            await asyncio.wait([writing])
+            del self.clients[client]
+            self._gone_sent += client.sent
+            self._gone_dropped += client.dropped
+            session.closed()
+
+    def statuses(self) -> list[ClientStatus]:
+        """Of the first MOST_CLIENTS clients."""
+        return [ClientStatus(each.peer, each.sent, each.dropped) for each in list(self.clients)[:MOST_CLIENTS]]
+
+    def counts(self) -> tuple[int, int]:
+        """Messages sent and dropped, to clients that are gone too."""
+        sent = self._gone_sent + sum(each.sent for each in self.clients)
+        return sent, self._gone_dropped + sum(each.dropped for each in self.clients)
+
+    async def close(self) -> None:
+        """Close the connections and stop to listen."""
+        if self._server is not None:
+            self._refusals.close()
+            self._server.close(code=GOING_AWAY)
+            await self._server.wait_closed()
+            self._server = None
+
+    async def _hear(self, connection: "ServerConnection", client: WebSocketClient, session: WebSocketSession) -> None:
+        from websockets.exceptions import ConnectionClosed
+
+        allowance = Allowance(self.limits.messages_per_s)
+        with suppress(ConnectionClosed):
+            async for message in connection:
+                why = f"more than {self.limits.messages_per_s:g} messages a second" if not allowance.take() else ""
+                try:
+                    session.message(message)
+                except ValueError as error:
+                    why = str(error)
+                if why:
+                    self._refusals.say(client.peer, why)
+                    await connection.close(POLICY_VIOLATION, why[:LONGEST_REASON])
+                    return

@@ -1,0 +1,64 @@
+"""The part of the WebSocket server that needs the package `websockets`, and so is imported when one listens."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from typing import Any, ClassVar
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+
+from gyrodrift.outputs.net.limits import Limits
+
+SILENT = logging.getLogger("gyrodrift.websockets")
+SILENT.setLevel(logging.CRITICAL + 1)
+"""The package logs each client's mistake with a traceback; ours says what matters."""
+
+PING_S = 20.0
+CLOSE_S = 2.0
+
+
+class CountedConnection(ServerConnection):
+    """A connection that is cut off at once where there are too many, before it has cost a handshake.
+
+    most, now
+        Of connections to one server, which has a class of its own; those in the middle of a handshake count.
+    """
+
+    most: ClassVar[int]
+    now: ClassVar[int]
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Count it."""
+        super().connection_made(transport)
+        type(self).now += 1
+        if self.now > self.most:
+            self.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget it."""
+        super().connection_lost(exc)
+        type(self).now -= 1
+
+
+async def listen(
+    handler: Callable[[ServerConnection], Awaitable[None]],
+    limits: Limits,
+    host: str,
+    port: int,
+    **options: Any,
+) -> Server:
+    """Begin to listen; OSError where the port cannot be had. `options` are those of `websockets`."""
+    return await serve(
+        handler,
+        host,
+        port,
+        create_connection=type("Connection", (CountedConnection,), {"most": limits.clients, "now": 0}),
+        compression=None,
+        open_timeout=limits.handshake_s,
+        ping_interval=PING_S,
+        ping_timeout=PING_S,
+        close_timeout=CLOSE_S,
+        max_size=limits.message_bytes,
+        logger=SILENT,
+        **options,
+    )

@@ -1,0 +1,63 @@
+"""JSON datagrams as PlotJuggler's UDP server takes them: one flat object each, with a top-level `timestamp`.
+
+In PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as timestamp if available": timestamp.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.net.datagrams import DatagramSender
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+
+@dataclass(frozen=True, slots=True)
+class UdpOptions:
+    """Where to, how often, and on which clock."""
+
+    host: Annotated[Host, About("who receives: a name, an address, or a broadcast address")] = LOOPBACK
+    port: Annotated[Port, About("port of the receiver")] = 9870
+    rate_hz: Annotated[Rate, About("at most so many datagrams a second of device time")] = None
+    timestamp: Annotated[
+        Literal["host", "device"], About("clock of `timestamp`: host (Unix time) or device (s since its start)")
+    ] = "host"
+
+
+class UdpOutput(Output[UdpOptions]):
+    """A datagram a sample; what the network does not take is gone."""
+
+    options_type = UdpOptions
+
+    def __init__(self, options: UdpOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self._sender = DatagramSender()
+        self._thinning = Thinning(options.rate_hz)
+        self._clock = FIELDS["t_host_s" if options.timestamp == "host" else "t_s"]
+
+    async def open(self) -> None:
+        """Look the receiver up."""
+        self.address = await self._sender.open(self.options.host, self.options.port)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send one for each sample that is due."""
+        for each in self._thinning.due(samples):
+            self._sender.send(self.datagram(each))
+
+    def datagram(self, sample: Corrected) -> bytes:
+        """A sample as PlotJuggler takes it; absent values are left out."""
+        values = {name: value(sample) for name, value in FIELDS.items()}
+        said = {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
+        return json.dumps({"timestamp": self._clock(sample), **said}).encode()
+
+    def counts(self) -> tuple[int, int]:
+        """Datagrams."""
+        return self._sender.sent, self._sender.dropped
+
+    async def close(self) -> None:
+        """Let go of the socket."""
+        self._sender.close()

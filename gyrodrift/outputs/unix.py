@@ -1,0 +1,49 @@
+"""Newline JSON on a unix socket."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from annotated_types import MaxLen
+
+from gyrodrift.outputs.line_output import LineOutput
+from gyrodrift.outputs.options import About, Rate
+from gyrodrift.outputs.output import OutputHost
+
+LONGEST_PATH = 107
+"""Bytes, of sun_path in unix(7)."""
+
+NAME = "gyrodrift.sock"
+
+
+@dataclass(frozen=True, slots=True)
+class UnixOptions:
+    """Where, and how often."""
+
+    path: Annotated[
+        str, MaxLen(LONGEST_PATH), About(f"path of the socket; {NAME} in the runtime directory where empty")
+    ] = ""
+    rate_hz: Annotated[Rate, About("at most so many lines a second for who asks for no rate")] = None
+
+
+class UnixOutput(LineOutput[UnixOptions]):
+    """As `tcp`, for this user alone."""
+
+    options_type = UnixOptions
+
+    def __init__(self, options: UnixOptions, host: OutputHost) -> None:
+        super().__init__(options, host, options.rate_hz)
+
+    async def open(self) -> None:
+        """Begin to listen."""
+        self.address = await self.server.listen_unix(Path(self.options.path or runtime_folder() / NAME))
+
+
+def runtime_folder() -> Path:
+    """Of the service under systemd, of the user's session, or /tmp with neither."""
+    for name in ("RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"):
+        folder = os.environ.get(name, "").partition(":")[0]
+        if folder and Path(folder).is_dir():
+            return Path(folder)
+    return Path("/tmp")  # noqa: S108 - the socket is for this user alone, and one that is another's is refused

@@ -1,0 +1,81 @@
+"""What `gyrodrift ctl` can ask of a running service."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from gyrodrift.errors import ConfigError
+from gyrodrift.service.control import CommandError, ControlCommand, number
+from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.reporting import Reporting
+from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.stdout import JsonLines
+
+FASTEST_HZ = 1e6
+
+
+@dataclass(slots=True)
+class ServiceCommands:
+    """Who carries them out."""
+
+    filtering: Filtering
+    stdout: JsonLines
+    reporting: Reporting
+    stop: StopSignal
+
+    def all(self) -> dict[str, ControlCommand]:
+        """By name."""
+        return {
+            "zero": ControlCommand("zero", self._zero),
+            "heading": ControlCommand("heading DEG", self._heading),
+            "rest": ControlCommand("rest 0|1", self._rest),
+            "rate": ControlCommand("rate HZ", self._rate),
+            "status": ControlCommand("status", self._status),
+            "reload": ControlCommand("reload", self._reload),
+            "stop": ControlCommand("stop", self._stop),
+        }
+
+    def _zero(self, words: list[str]) -> Mapping[str, Any]:
+        _none(words, "zero")
+        self.filtering.zero()
+        return {"yaw_deg": self.filtering.yaw_deg}
+
+    def _heading(self, words: list[str]) -> Mapping[str, Any]:
+        heading_deg = number(words, "heading DEG, clockwise from north") % 360.0
+        self.filtering.set_heading(heading_deg)
+        return {"heading_deg": heading_deg}
+
+    def _rest(self, words: list[str]) -> Mapping[str, Any]:
+        if words not in (["0"], ["1"]):
+            raise CommandError("expected rest 0 or rest 1")
+        raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
+
+    def _rate(self, words: list[str]) -> Mapping[str, Any]:
+        rate_hz = number(words, "rate HZ, or rate 0 for every sample")
+        if not 0.0 <= rate_hz <= FASTEST_HZ:
+            raise CommandError(f"expected rate HZ with a number from 0 to {FASTEST_HZ:.0f}")
+        self.stdout.set_rate(rate_hz or None)
+        return {"rate_hz": rate_hz or None}
+
+    def _status(self, words: list[str]) -> Mapping[str, Any]:
+        _none(words, "status")
+        return asdict(self.reporting.status())
+
+    def _reload(self, words: list[str]) -> Mapping[str, Any]:
+        _none(words, "reload")
+        if self.filtering.watch is None:
+            raise CommandError("the service runs without --config")
+        try:
+            return {"changes": self.filtering.reload(self.filtering.watch)}
+        except ConfigError as error:
+            raise CommandError(str(error)) from error
+
+    def _stop(self, words: list[str]) -> Mapping[str, Any]:
+        _none(words, "stop")
+        self.stop.is_set = True
+        return {}
+
+
+def _none(words: list[str], usage: str) -> None:
+    if words:
+        raise CommandError(f"expected {usage} alone")

@@ -1,0 +1,71 @@
+"""The other end of the control socket: what `ctl` and `top` ask a running service through."""
+
+import json
+import socket
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from gyrodrift.errors import UsageError
+
+
+class ControlClient:
+    """A connection to a service.
+
+    Raises
+    ------
+    UsageError
+        From the constructor and from `ask`, where there is no service, it may not be controlled by this user, or it
+        does not answer.
+    """
+
+    def __init__(self, path: Path, patience_s: float) -> None:
+        self._path = path
+        self._pending = b""
+        self._connection = socket.socket(socket.AF_UNIX)
+        self._connection.settimeout(patience_s)
+        try:
+            self._connection.connect(str(path))
+        except OSError as error:
+            self._connection.close()
+            raise UsageError(f"{path}: {_why(error)}") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the connection."""
+        self._connection.close()
+
+    def ask(self, command: str) -> dict[str, Any]:
+        """Give a command and wait for its answer."""
+        try:
+            self._connection.sendall(command.encode() + b"\n")
+            while b"\n" not in self._pending:
+                chunk = self._connection.recv(1 << 16)
+                if not chunk:
+                    raise UsageError(f"{self._path}: the service has closed the connection")
+                self._pending += chunk
+        except OSError as error:
+            raise UsageError(f"{self._path}: {_why(error)}") from error
+        line, _, self._pending = self._pending.partition(b"\n")
+        return dict(json.loads(line))
+
+
+def _why(error: OSError) -> str:
+    match error:
+        case FileNotFoundError():
+            return "there is no such socket; is serve running with --control?"
+        case ConnectionRefusedError():
+            return "no service listens there any more"
+        case PermissionError():
+            return "this user may not control the service; it belongs to another"
+        case TimeoutError():
+            return "the service does not answer"
+        case _:
+            return str(error.strerror or error)

@@ -1,0 +1,50 @@
+"""What systemd is told: that the service is ready, that its loop is alive, that it ends (sd_notify(3)).
+
+A datagram each to the socket that NOTIFY_SOCKET names; without one, nothing. The socket is never waited for.
+"""
+
+import os
+import socket
+from collections.abc import MutableMapping
+from contextlib import suppress
+
+WATCHDOG_SHARE = 0.25
+"""Of the time that systemd waits before it takes the service for dead."""
+
+
+class SystemdNotify:
+    """Tells systemd; takes its variables out of the environment, so that no child speaks for the service."""
+
+    def __init__(self, environ: MutableMapping[str, str] = os.environ) -> None:
+        address = environ.pop("NOTIFY_SOCKET", "")
+        pid, usec = environ.pop("WATCHDOG_PID", ""), environ.pop("WATCHDOG_USEC", "")
+        is_ours = pid in ("", str(os.getpid()))
+        self._every_s = WATCHDOG_SHARE * int(usec) * 1e-6 if usec.isdigit() and is_ours else float("inf")
+        self._fed_s = float("-inf")
+        self._socket: socket.socket | None = None
+        if address:
+            self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+            self._socket.setblocking(False)
+            self._address = f"\0{address[1:]}" if address.startswith("@") else address
+
+    def ready(self, status: str) -> None:
+        """The service does what it is for."""
+        self._send(f"READY=1\nSTATUS={status}")
+
+    def alive(self, now_s: float) -> None:
+        """The loop has come round; `now_s` is on the monotonic clock."""
+        if now_s - self._fed_s >= self._every_s:
+            self._fed_s = now_s
+            self._send("WATCHDOG=1")
+
+    def stopping(self) -> None:
+        """The service ends."""
+        self._send("STOPPING=1")
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+    def _send(self, text: str) -> None:
+        if self._socket is not None:
+            with suppress(OSError):  # a manager that does not listen is its own affair
+                self._socket.sendto(text.encode(), self._address)

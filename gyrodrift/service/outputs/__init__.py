@@ -1,1 +1,0 @@
-"""Where corrected samples go; one small file an output."""

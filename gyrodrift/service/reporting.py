@@ -1,0 +1,97 @@
+"""The state of the whole service as one value, for outputs, `ctl status` and `top`."""
+
+import os
+import time
+from dataclasses import asdict, dataclass, field
+from math import isfinite
+
+from gyrodrift import __version__
+from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.link_meter import LinkMeter
+from gyrodrift.service.output_feed import OutputFeed, memory_bytes
+
+
+@dataclass(slots=True)
+class Reporting:
+    """Those who know."""
+
+    meter: LinkMeter
+    filtering: Filtering
+    feed: OutputFeed
+    _started_s: float = field(default_factory=time.time)
+    _since_s: float = field(default_factory=time.monotonic)
+
+    def status(self) -> ServiceStatus:
+        """As it is now; of the outputs, as of the last second."""
+        return ServiceStatus(
+            version=__version__,
+            pid=os.getpid(),
+            started_s=self._started_s,
+            uptime_s=round(time.monotonic() - self._since_s, 3),
+            memory_bytes=memory_bytes(os.getpid()) + memory_bytes(self.feed.pid),
+            dropped=self.feed.dropped,
+            link=_link_status(self.meter),
+            device=_device_status(self.meter),
+            filter=_filter_status(self.filtering),
+            config=_config_status(self.filtering),
+            outputs=self.feed.statuses(),
+        )
+
+
+def _link_status(meter: LinkMeter) -> LinkStatus:
+    link, counters, decoder = meter.link, meter.link.counters, meter.link.decoder
+    ppm = link.clock.drift_ppm if link.clock else None
+    return LinkStatus(
+        port=link.name,
+        baud=link.baud,
+        protocol=decoder.name if decoder else "unknown",
+        is_open=link.port is not None,
+        silent_s=round(link.silent_s(), 3),
+        rate_hz=round(meter.rate_hz, 2),
+        jitter_ms=round(1e3 * meter.jitter_s, 3),
+        samples=counters.samples,
+        bytes=counters.bytes,
+        damaged=decoder.counters.damaged if decoder else 0,
+        before_hello=decoder.counters.before_hello if decoder else 0,
+        clipped=decoder.counters.clipped if decoder else 0,
+        gaps=counters.gaps,
+        missing=counters.missing,
+        device_resets=counters.device_resets,
+        reconnects=counters.reconnects,
+        gone_s=round(counters.gone_s, 3),
+        clock_ppm=None if ppm is None else round(ppm, 1),
+        busy=round(meter.busy, 3),
+    )
+
+
+def _device_status(meter: LinkMeter) -> DeviceStatus:
+    device = meter.link.device
+    return DeviceStatus(device.device_id, device.sample_rate_hz, device.dps_per_lsb, device.encoder_cpr)
+
+
+def _filter_status(filtering: Filtering) -> FilterStatus:
+    state = filtering.state
+    return FilterStatus(
+        name=filtering.filter.name,
+        yaw_deg=filtering.yaw_deg,
+        yaw_sigma_deg=_known(state.yaw_sigma_deg),
+        bias_dps=state.bias_dps,
+        bias_sigma_dps=_known(state.bias_sigma_dps),
+        rest_probability=_known(state.rest_probability),
+        confidence=_known(state.confidence),
+        heading_deg=_known(filtering.reference.heading_deg(state.yaw_deg)),
+        temp_c=_known(filtering.last.temp_c) if filtering.last else None,
+        rejected=state.rejected,
+    )
+
+
+def _config_status(filtering: Filtering) -> ConfigStatus:
+    file = None if filtering.watch is None else str(filtering.watch.path)
+    counts = (filtering.applied, filtering.refused, filtering.applied_s)
+    return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts)
+
+
+def _known(value: float) -> float | None:
+    """None where a filter does not say."""
+    return value if isfinite(value) else None

@@ -1,0 +1,254 @@
+"""Outputs on their loop: what a client gets, what it may do, and what it cannot do to others."""
+
+import json
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+import structlog
+from outputs_support import HubThread, Reader, connected, corrected, hub
+from support import PATIENCE_S
+
+from gyrodrift import __version__
+from gyrodrift.outputs.json_line import FIELDS
+
+Address = tuple[str, int]
+
+
+@pytest.fixture
+def outputs(logged: list[Any]) -> Iterator[HubThread]:
+    with hub() as running:
+        yield running
+
+
+@pytest.fixture
+def logged() -> Iterator[list[Any]]:
+    with structlog.testing.capture_logs() as events:
+        yield events
+
+
+@pytest.fixture
+def tcp(outputs: HubThread) -> Address:
+    outputs.want("tcp:port=0")
+    return address(outputs)
+
+
+def address(outputs: HubThread) -> Address:
+    host, _, port = outputs.opened()[0].address.rpartition(":")
+    return host, int(port)
+
+
+def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) -> None:
+    """With every field that is known."""
+    with connected(tcp) as client:
+        hello = client.json()
+        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(FIELDS)}
+        outputs.samples([corrected(seq) for seq in range(300)])
+        samples = [client.json() for _ in range(300)]
+    assert [each["seq"] for each in samples] == list(range(300))
+    assert set(samples[0]) == {"class", *FIELDS} - {"t_host_s", "raw_yaw_deg"}
+
+
+def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Address) -> None:
+    """And the others still get everything."""
+    with connected(tcp) as client, connected(tcp) as other:
+        client.until("HELLO")
+        client.connection.sendall(b'{"class":"WATCH","rate_hz":10,"fields":["t_host_s","yaw_deg"]}\n')
+        assert client.json() == {"class": "WATCH", "rate_hz": 10, "fields": ["t_host_s", "yaw_deg"]}
+        outputs.samples([corrected(seq) for seq in range(101)])
+        got = [client.json() for _ in range(11)]
+        assert [other.until("SAMPLE")["seq"] for _ in range(101)] == list(range(101))
+    assert [each["t_host_s"] for each in got] == pytest.approx([1.7e9 + n / 10 for n in range(11)])
+    assert set(got[0]) == {"class", "t_host_s", "yaw_deg"}
+
+
+@pytest.mark.parametrize(
+    ("said", "answer"),
+    [
+        (b"garbage", "'garbage': no JSON"),
+        (b"\xff\xfe\x00", "no JSON"),
+        (b"[" * 5000, "no JSON"),
+        (b"[1]", 'expected {"class":"WATCH","rate_hz":10,"fields":["t_s","yaw_deg"]}'),
+        (b'{"class":"WATCH","rate_hz":-1}', "rate_hz: expected a number above 0"),
+        (b'{"class":"WATCH","rate_hz":true}', "rate_hz: expected a number above 0"),
+        (b'{"class":"WATCH","fields":["yaw"]}', "fields: 'yaw' is none; did you mean yaw_deg?"),
+        (b'{"class":"WATCH","fields":"yaw"}', "fields: expected a list of names"),
+        (b'{"class":"WATCH","zero":1}', "unknown key 'zero'"),
+    ],
+)
+def test_nonsense_is_answered_with_what_was_expected(
+    outputs: HubThread, tcp: Address, said: bytes, answer: str
+) -> None:
+    """And the stream goes on."""
+    with connected(tcp) as client:
+        client.until("HELLO")
+        client.connection.sendall(said + b"\n")
+        assert answer in client.until("ERROR")["message"]
+        outputs.samples([corrected(0)])
+        assert client.until("SAMPLE")["seq"] == 0
+
+
+def test_a_line_of_10_mb_closes_its_connection_alone(outputs: HubThread, tcp: Address) -> None:
+    """It is told why."""
+    with connected(tcp) as client, connected(tcp) as other:
+        client.until("HELLO")
+        try:
+            for _ in range(160):
+                client.connection.sendall(b"x" * (1 << 16))
+        except OSError:
+            pass  # closed before all of it was sent
+        else:
+            pytest.fail("10 MB were taken")
+        outputs.samples([corrected(7)])
+        assert other.until("SAMPLE")["seq"] == 7
+
+
+def test_who_sends_too_much_is_told_to_go(outputs: HubThread, tcp: Address) -> None:
+    """More lines a second than a person or a program has to ask."""
+    with connected(tcp) as client:
+        client.until("HELLO")
+        client.connection.sendall(b"\n" * 1000)
+        assert client.until("ERROR")["message"] == "more than 200 lines a second"
+        assert client.line() == b""
+
+
+def test_a_crowd_leaves_room_for_who_was_there(outputs: HubThread, tcp: Address, logged: list[Any]) -> None:
+    """Those beyond the limit are closed with the reason, and the log has a line a second of them."""
+    with ExitStack() as many, connected(tcp) as first:
+        first.until("HELLO")
+        clients = [many.enter_context(connected(tcp)) for _ in range(300)]
+        assert clients[-1].until("ERROR")["message"] == "there are 64 clients already"
+        assert clients[-1].line() == b""
+        outputs.samples([corrected(1)])
+        assert first.until("SAMPLE")["seq"] == 1
+        assert outputs.statuses()[0].client_count <= 64
+    closed = [each for each in logged if each["event"].startswith("client")]
+    assert closed[0]["reason"] == "there are 64 clients already"
+    assert len(closed) < 50
+
+
+def test_a_client_that_does_not_read_loses_the_oldest_and_is_told(outputs: HubThread, tcp: Address) -> None:
+    """Whole lines; the newest are there, and who reads has them all."""
+    count = 30_000
+    with connected(tcp) as sleeper, connected(tcp) as reader:
+        sleeper.until("HELLO")
+        reader.until("HELLO")
+        for first in range(0, count, 1000):
+            outputs.samples([corrected(seq) for seq in range(first, first + 1000)])
+            assert [reader.json()["seq"] for _ in range(1000)] == list(range(first, first + 1000))
+        got: list[int] = []
+        dropped = 0
+        while not got or got[-1] < count - 1:
+            said = sleeper.json()
+            if said["class"] == "DROPPED":
+                dropped += said["lines"]
+            else:
+                got.append(said["seq"])
+        assert dropped > 0
+        assert got == sorted(got)
+        assert len(got) + dropped == count
+        assert next(each for each in iter(outputs.statuses, None) if each[0].dropped == dropped)
+
+
+def test_outputs_come_and_go_and_the_others_notice_nothing(outputs: HubThread, tcp: Address, tmp_path: Path) -> None:
+    """As a changed config has it."""
+    with connected(tcp) as client:
+        client.until("HELLO")
+        outputs.samples([corrected(0)])
+        path = tmp_path / "socket"
+        outputs.want("tcp:port=0", f"unix:path={path}")
+        outputs.opened(2)
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.connect(str(path))
+            local = Reader(connection)
+            local.until("HELLO")
+            assert path.stat().st_mode & 0o777 == 0o600
+            outputs.samples([corrected(1)])
+            assert local.until("SAMPLE")["seq"] == 1
+            outputs.want("tcp:port=0")
+            assert local.line() == b""
+        outputs.samples([corrected(2)])
+        assert [client.until("SAMPLE")["seq"] for _ in range(3)] == [0, 1, 2]
+    assert not path.exists()
+
+
+LISTENING = "import socket; s = socket.create_server(('127.0.0.1', 0)); print(s.getsockname()[1], flush=True); input()"
+
+
+def problem(outputs: HubThread) -> str:
+    """Why the last of the outputs is not open."""
+    return next(each[-1].problem for each in iter(outputs.statuses, None) if each and "taken" in each[-1].problem)
+
+
+def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
+    outputs: HubThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And had when it is free."""
+    monkeypatch.setattr("gyrodrift.outputs.hub.RETRY_FIRST_S", 0.05)
+    with subprocess.Popen([sys.executable, "-c", LISTENING], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
+        assert holder.stdout is not None
+        port = int(holder.stdout.readline())
+        outputs.want(f"tcp:port={port}")
+        name = Path(f"/proc/{holder.pid}/comm").read_text().strip()
+        assert problem(outputs) == (
+            f"port 127.0.0.1:{port} is taken by {name} (process {holder.pid}); give another with port="
+        )
+        holder.communicate(b"\n")
+    assert address(outputs) == ("127.0.0.1", port)
+    outputs.want(f"tcp:port={port}", f"tcp:port={port},rate_hz=10")
+    assert "is taken by another output of this service" in problem(outputs)
+
+
+def test_a_path_that_is_no_socket_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
+    """One that a dead process left behind is taken over."""
+    file = tmp_path / "notes.txt"
+    file.write_text("mine")
+    outputs.want(f"unix:path={file}")
+    (status,) = next(each for each in iter(outputs.statuses, None) if each and "no socket" in each[0].problem)
+    assert status.problem == f"{file} is there and is no socket; give another with path="
+    assert file.read_text() == "mine"
+    left = tmp_path / "left"
+    with socket.socket(socket.AF_UNIX) as dead:
+        dead.bind(str(left))
+    outputs.want(f"unix:path={left}")
+    assert outputs.opened()[0].address == str(left)
+
+
+def test_events_reach_clients(outputs: HubThread, tcp: Address) -> None:
+    """As in the log."""
+    with connected(tcp) as client:
+        client.until("HELLO")
+        outputs.event("gap", missing=3)
+        assert client.json() == {"class": "EVENT", "event": "gap", "missing": 3}
+
+
+def test_datagrams_are_what_plotjuggler_takes(outputs: HubThread) -> None:
+    """One flat JSON object each, numbers alone, `timestamp` at the top: what its JSON parser makes curves of.
+
+    A stand-in: PlotJuggler itself needs a screen. It parses as its DataStreamUDP and JSON parser do.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE_S)
+        outputs.want(f"udp:port={receiver.getsockname()[1]},rate_hz=10")
+        outputs.opened()
+        outputs.samples([corrected(seq) for seq in range(51)])
+        curves = plotjuggler([receiver.recv(1 << 16) for _ in range(6)])
+    assert [t_s for t_s, _ in curves["yaw_deg"]] == pytest.approx([1.7e9 + n / 10 for n in range(6)])
+    assert [value for _, value in curves["seq"]] == [0, 10, 20, 30, 40, 50]
+
+
+def plotjuggler(datagrams: list[bytes]) -> dict[str, list[tuple[float, float]]]:
+    """Curves by name: numbers of each object, at the time of its field `timestamp`; anything else fails."""
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for datagram in datagrams:
+        said = json.loads(datagram)
+        t_s = said.pop("timestamp")
+        for name, value in said.items():
+            curves.setdefault(name, []).append((t_s, float(value)))
+    return curves

@@ -1,0 +1,152 @@
+"""What tests of outputs share: a service with outputs, the loop that outputs run on without a service, samples."""
+
+import asyncio
+import json
+import socket
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import structlog
+from support import PATIENCE_S, Command, never, speaking_on
+
+from gyrodrift.config.outputs import output_of
+from gyrodrift.outputs import wire
+from gyrodrift.outputs.hub import Hub
+from gyrodrift.outputs.options import OutputSpec
+from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
+from gyrodrift.sample import Corrected, Sample
+
+
+def corrected(seq: int, **values: Any) -> Corrected:
+    """A sample of a device at 100 Hz with everything known; `values` are fields of `Corrected`."""
+    t_s = seq / 100.0
+    sample = Sample(seq, t_s, 1.7e9 + t_s, 1.5, 10.0, 25.0)
+    known = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0)
+    return known._replace(**values)
+
+
+def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:
+    """What a device of the protocol csv says that turns steadily."""
+    return b"".join(b"%d,%.3f,1.5,25.0\n" % (i * 10_000, rate_dps) for i in range(first, first + count))
+
+
+@contextmanager
+def serving(port: Path, *options: str | Path) -> Iterator[tuple[Command, Any]]:
+    """`gyrodrift serve` on a pty, as a process; what the device says is for the test to send."""
+    with speaking_on(port) as device, Command("serve", "--port", port, "--log-format", "json", *options) as serve:
+        device.wait_for_reader(never)
+        yield serve, device
+
+
+def events(serve: Command, name: str, output: str | None = None) -> list[dict[str, Any]]:
+    """Lines of the log so far that are this event, of this output where one is named."""
+    found = [json.loads(line) for line in serve.log.split("\n")[:-1] if f'"{name}"' in line]
+    return [each for each in found if each["event"] == name and (output is None or each.get("output") == output)]
+
+
+def address_of(serve: Command, output: str) -> tuple[str, int]:
+    """Host and port that an output listens on, once it does; ask for port 0 in tests."""
+    host, _, port = path_of(serve, output).rpartition(":")
+    return host, int(port)
+
+
+def path_of(serve: Command, output: str) -> str:
+    """What an output says that its address is, once it is open."""
+    serve.until(lambda it: bool(events(it, "output_open", output)), f"open {output}")
+    return str(events(serve, "output_open", output)[-1]["address"])
+
+
+class Reader:
+    """A client of lines that reads without waiting for ever."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self.connection = connection
+        self._pending = b""
+        connection.settimeout(PATIENCE_S)
+
+    def line(self) -> bytes:
+        """The next one, without its end; empty at the end of the connection."""
+        while b"\n" not in self._pending:
+            chunk = self.connection.recv(1 << 16)
+            if not chunk:
+                return b""
+            self._pending += chunk
+        line, _, self._pending = self._pending.partition(b"\n")
+        return line
+
+    def json(self) -> dict[str, Any]:
+        """The next one as an object."""
+        return dict(json.loads(self.line()))
+
+    def until(self, kind: str) -> dict[str, Any]:
+        """The next object of a class."""
+        while True:
+            found = self.json()
+            if found["class"] == kind:
+                return found
+
+
+@contextmanager
+def connected(address: tuple[str, int]) -> Iterator[Reader]:
+    """A client over TCP."""
+    with socket.create_connection(address, PATIENCE_S) as connection:
+        yield Reader(connection)
+
+
+class HubThread:
+    """Outputs on a loop of their own in this process, fed by the test in place of a service."""
+
+    def __init__(self, service: socket.socket) -> None:
+        self._service = service
+        service.settimeout(PATIENCE_S)
+
+    def want(self, *specs: OutputSpec | str) -> None:
+        """These outputs from now on."""
+        wanted = [output_of(each) if isinstance(each, str) else each for each in specs]
+        named = [{"name": each.name, "options": asdict(each.options)} for each in wanted]
+        self._service.send(wire.pack_json(wire.OUTPUTS, named))
+
+    def samples(self, samples: Sequence[Corrected]) -> None:
+        """Hand samples over."""
+        for batch in wire.batches(samples):
+            self._service.send(wire.pack_samples(batch))
+
+    def event(self, event: str, **fields: Any) -> None:
+        """Hand an event over."""
+        self._service.send(wire.pack_json(wire.EVENT, {"event": event, "fields": fields}))
+
+    def status(self, status: ServiceStatus) -> None:
+        """Hand the service's state over."""
+        self._service.send(wire.pack_json(wire.STATUS, asdict(status)))
+
+    def statuses(self) -> list[OutputStatus]:
+        """The next that is heard of the outputs."""
+        return [output_status(each) for each in json.loads(self._service.recv(wire.LONGEST_BYTES))]
+
+    def opened(self, count: int = 1) -> list[OutputStatus]:
+        """Once so many outputs are open."""
+        until_s = time.monotonic() + PATIENCE_S
+        while True:
+            statuses = self.statuses()
+            if sum(bool(each.address) for each in statuses) == count == len(statuses):
+                return statuses
+            assert time.monotonic() < until_s, statuses
+
+
+@contextmanager
+def hub() -> Iterator[HubThread]:
+    """Until the end of the block."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    loop = threading.Thread(target=lambda: asyncio.run(Hub(theirs, structlog.get_logger()).run()))
+    loop.start()
+    try:
+        yield HubThread(ours)
+    finally:
+        ours.close()
+        loop.join()
+        theirs.close()
