@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
-from gyrodrift.files import check_writable
+from gyrodrift.files import check_inputs_kept, check_writable
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison, ComparisonRequest
@@ -51,7 +51,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
     with Progress(sys.stderr) as progress:
-        comparison = compare(_asked(arguments, progress))
+        request = _asked(arguments, progress)
+        if arguments.out is not None:
+            config = [arguments.config] if arguments.config else []
+            written = [arguments.out / name for name in ("compare.json", "compare.html")]
+            check_inputs_kept(written, [*request.paths, *request.train, *config])
+        comparison = compare(request)
     _write(arguments, comparison)
     return 0
 

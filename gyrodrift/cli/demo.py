@@ -8,6 +8,8 @@ import argparse
 from pathlib import Path
 
 from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_inputs_kept, check_writable
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when its summary is printed."""
     options.positive("--duration", arguments.duration)
     options.positive("--speed", arguments.speed)
+    if arguments.svg is not None:
+        _check_picture(arguments)
     from gyrodrift.demo.show import run_demo
 
     run_demo(
@@ -37,3 +41,12 @@ def run(arguments: argparse.Namespace) -> int:
         svg=arguments.svg,
     )
     return 0
+
+
+def _check_picture(arguments: argparse.Namespace) -> None:
+    """Before the demo, not behind it."""
+    if arguments.svg.suffix != ".svg":
+        raise UsageError(f"--svg {arguments.svg}: a picture ends in .svg")
+    check_writable(arguments.svg.parent)
+    read = [path for path in (arguments.config, arguments.rig) if path is not None]
+    check_inputs_kept([arguments.svg], [*read, Path(arguments.profile)])

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable, write_whole
+from gyrodrift.files import check_inputs_kept, check_writable, write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
-    from gyrodrift.diagnose.report.files import summary, write_files
+    from gyrodrift.diagnose.report.files import NAMES, summary, write_files
     from gyrodrift.diagnose.report.page import report_html
     from gyrodrift.diagnose.stages import DiagnosisRequest
     from gyrodrift.progress import Progress
@@ -57,18 +57,22 @@ def run(arguments: argparse.Namespace) -> int:
         rig = load_rig(arguments.rig)
     except FileError as error:
         raise UsageError(str(error)) from error
+    paths = session_paths(arguments.paths)
+    baseline = session_paths(arguments.baseline) if arguments.baseline else []
+    rigs = [arguments.rig] if arguments.rig else []
+    check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
     jobs = options.processes(arguments.jobs)
     with Progress(sys.stderr) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
             DiagnosisRequest(
-                session_paths(arguments.paths),
+                paths,
                 rig,
                 withheld,
                 jobs,
                 arguments.cluster,
                 progress.evaluated,
-                session_paths(arguments.baseline) if arguments.baseline else (),
+                baseline,
             )
         )
     write_files(arguments.out, diagnosis)

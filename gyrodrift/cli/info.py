@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     paths = session_paths(arguments.sessions)
     if arguments.picture is not None:
-        _check_picture(arguments.picture, len(paths))
+        _check_picture(arguments.picture, paths)
     for number, path in enumerate(paths):
         session = load_session(path)
         description = describe(session)
@@ -58,11 +58,14 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _check_picture(path: Path, sessions: int) -> None:
+def _check_picture(path: Path, sessions: list[Path]) -> None:
+    from gyrodrift.files import check_inputs_kept
+
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")
-    if sessions > 1:
-        raise UsageError(f"--picture shows one session, {sessions} were given")
+    if len(sessions) > 1:
+        raise UsageError(f"--picture shows one session, {len(sessions)} were given")
+    check_inputs_kept([path], sessions)
     try:
         import matplotlib as mpl  # noqa: F401 - asked for before the session is read
     except ImportError as error:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, options
 from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable
+from gyrodrift.files import check_inputs_kept, check_writable
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
@@ -76,6 +76,10 @@ def _check_place(out: Path, report: Path | None) -> None:
 
 
 def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
+    sources, path = _sources(arguments), arguments.out.with_suffix(".progress.npz")
+    reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
+    check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
+
     from gyrodrift.progress import Progress
     from gyrodrift.tune.search.journal import Journal
     from gyrodrift.tune.tuning import TuningRun
@@ -85,9 +89,8 @@ def _tuned(arguments: argparse.Namespace) -> "tuple[Tuning, bool]":
     how = (arguments.seed, arguments.threads, arguments.cluster)
     with (
         Progress(sys.stderr) as progress,
-        TuningSet(_sources(arguments), *how, progress, plan.filter) as held,
+        TuningSet(sources, *how, progress, plan.filter) as held,
     ):
-        path = arguments.out.with_suffix(".progress.npz")
         journal = Journal(path, identity(plan, held), is_resumed=arguments.resume)
         search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
         tuning = search.run()

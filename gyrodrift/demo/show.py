@@ -17,7 +17,7 @@ from rich.live import Live
 from gyrodrift.demo.view import draw, summary
 from gyrodrift.demo.yaw_error import YawError
 from gyrodrift.errors import LinkError
-from gyrodrift.files import shipped_config
+from gyrodrift.files import shipped_config, write_whole
 
 FRAMES_PER_S = 10
 STARTING_S = 10.0
@@ -62,7 +62,7 @@ def run_demo(
     for text in summary(error):
         console.print(text, highlight=False)
     if svg is not None:
-        console.save_svg(str(svg), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
+        write_whole(svg, [console.export_svg(title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)])
 
 
 def _watch(lines: Iterator[str], error: YawError, duration_s: float, console: Console) -> None:
