@@ -22,7 +22,7 @@ ROOMS = {
     "html": BASE,
     "config": f"{BASE} filters",
     "describe": f"{BASE} session",
-    "recording": f"{BASE} link session",
+    "recording": f"{BASE} filters link session",
     "service": f"{BASE} config filters link recording",
     "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",

@@ -64,14 +64,13 @@ def run(arguments: argparse.Namespace) -> int:
 def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
     from gyrodrift.compare.comparison import ComparisonRequest
     from gyrodrift.compare.methods.registry import methods
-    from gyrodrift.config.model import Config, load_config
     from gyrodrift.session.files import session_paths
 
-    config = load_config(arguments.config) if arguments.config else Config()
+    blocks = options.loaded_config(arguments.config).blocks if arguments.config else {}
     stills = session_paths(arguments.still)
     return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.blocks),
+        methods=methods(blocks),
         train=session_paths(arguments.train),
         stills=frozenset(stills),
         iterations=arguments.iterations,

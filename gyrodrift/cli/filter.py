@@ -1,7 +1,7 @@
 """Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
 
-Samples whose time does not advance or whose rate is not finite are left out and counted. Without --config it is hdr
-with the published parameters. Columns are t_s and rate_dps, and then
+Samples whose time does not advance or whose rate is not finite are left out and counted. Columns are t_s and rate_dps,
+and then
 """
 
 import argparse
@@ -24,24 +24,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     columns = [f"  with {name}: {', '.join(known.columns)}" for name, known in FILTERS.items()]
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters")
+    options.add_filter_options(parser, "YAML with a filter and its parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
     options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when it is written."""
-    from gyrodrift.config.model import Config, load_config
     from gyrodrift.files import check_kept, write_whole
     from gyrodrift.session.files import load_session
 
     if arguments.out is not None:
         inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
         check_kept([arguments.out], inputs, force=arguments.force)
-    config = load_config(arguments.config) if arguments.config else Config()
+    chosen, params = options.chosen_filter(arguments)
     session = load_session(arguments.session)
-    state: FilterState = config.chosen.state()
-    lines = csv_lines(session, config.chosen, config.params, state)
+    state: FilterState = chosen.state()
+    lines = csv_lines(session, chosen, params, state)
     if arguments.out is None:
         sys.stdout.writelines(lines)
         sys.stdout.flush()

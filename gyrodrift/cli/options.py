@@ -3,9 +3,17 @@
 import argparse
 import os
 import re
+import sys
 from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gyrodrift.errors import UsageError
+from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.filters.registry import DEFAULT, FILTERS
+
+if TYPE_CHECKING:
+    from gyrodrift.config.model import Config
 
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
 TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
@@ -51,6 +59,36 @@ def add_recording_options(parser: argparse.ArgumentParser) -> None:
 def add_force_option(parser: argparse.ArgumentParser) -> None:
     """The option of every command that could write over a session."""
     parser.add_argument("--force", action="store_true", help="replace sessions that are there already")
+
+
+def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> None:
+    """The options of every command that corrects a rate as it comes."""
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument("--config", type=Path, metavar="FILE", help=config_help)
+    either.add_argument(
+        "--filter",
+        choices=tuple(FILTERS),
+        help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
+    )
+
+
+def chosen_filter(arguments: argparse.Namespace) -> tuple[Filter, FilterParams]:
+    """The filter that is asked for, and its parameters; what a config leaves to the defaults is told."""
+    if arguments.config is None:
+        chosen = FILTERS[arguments.filter or DEFAULT.name]
+        return chosen, chosen.params()
+    config = loaded_config(arguments.config)
+    return config.chosen, config.params
+
+
+def loaded_config(path: Path) -> "Config":
+    """A config that is read once; what it leaves to the defaults is told."""
+    from gyrodrift.config.model import load_config
+
+    config = load_config(path)
+    if config.completed:
+        print(f"gyrodrift: {path}: defaults are {', '.join(config.completed)}", file=sys.stderr)
+    return config
 
 
 def check_seed(seed: int) -> None:

@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters; followed while serve runs"
-    )
+    options.add_filter_options(parser, "YAML with a filter and its parameters; followed while serve runs")
     parser.add_argument("--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time")
     parser.add_argument("--record", type=Path, metavar="DIR", help="write what the device sends into this folder too")
     options.add_recording_options(parser)
@@ -37,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         watch = ConfigWatch(arguments.config)
 
+    from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link, LinkOptions
     from gyrodrift.log import open_log
@@ -51,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop:
         link = Link(LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout), events)
         outputs = [open_output("stdout", {"rate_hz": rate_hz})]
-        filtering = Filtering(link, outputs, log, watch)
+        filtering = Filtering(link, outputs, log, watch, FILTERS[arguments.filter or DEFAULT.name])
         listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             from gyrodrift.recording.recorder import RecordOptions

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from gyrodrift.cli import INTERRUPTED, options
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_inputs_kept, check_writable
-from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.filters.registry import FILTERS, PUBLISHED
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
     parser.add_argument(
-        "--filter", default=DEFAULT.name, choices=tuple(FILTERS), help=f"which to tune (default {DEFAULT.name})"
+        "--filter", default=PUBLISHED.name, choices=tuple(FILTERS), help=f"which to tune (default {PUBLISHED.name})"
     )
     parser.add_argument("--report", type=Path, metavar="DIR", help="folder for report.html and tune.json")
     parser.add_argument("--test", type=Path, action="append", default=[], metavar="PATH", help="held out, by hand")

@@ -25,24 +25,29 @@ RATE_TOLERANCE = 0.05
 
 @dataclass(slots=True)
 class Filtering:
-    """Takes samples, hands corrected ones to the outputs."""
+    """Takes samples, hands corrected ones to the outputs; without a config it is the chosen filter at its defaults."""
 
     link: Link
     outputs: "Sequence[Output]"
     log: FilteringBoundLogger
     watch: "ConfigWatch | None" = None
+    chosen: Filter = DEFAULT
     state: FilterState = field(init=False)
     _filter: Filter = field(init=False)
     _coefficients: Any = field(init=False)
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
+    _is_gone: bool = False
 
     def __post_init__(self) -> None:
         if self.watch is None:
-            self._filter, params = DEFAULT, DEFAULT.params()
+            self._filter, params = self.chosen, self.chosen.params()
+            self.log.info("filter_chosen", name=self._filter.name, parameters="defaults")
         else:
             self._filter, params = self.watch.config.chosen, self.watch.config.params
+            self.log.info("filter_chosen", name=self._filter.name, parameters=str(self.watch.path))
+            self._tell_completed(self.watch)
         self._coefficients, self.state = self._filter.coefficients(params), self._filter.state()
 
     def take(self, samples: list[Sample]) -> None:
@@ -89,13 +94,14 @@ class Filtering:
             output.close()
 
     def _follow_config(self, watch: "ConfigWatch") -> None:
-        old = watch.config
+        old, new, problems = watch.config, None, tuple[str, ...]()
         try:
             new = watch.poll()
         except ConfigError as error:
-            for problem in error.problems:
-                self.log.error("config_rejected", reason=problem)  # noqa: TRY400 - the reason is the message
-            return
+            problems = error.problems
+        self._tell_gone(watch)
+        for problem in problems:
+            self.log.error("config_rejected", reason=problem)
         if new is None:
             return
         if new.chosen is not self._filter:
@@ -103,6 +109,21 @@ class Filtering:
         self._coefficients = self._filter.coefficients(new.params)
         self._is_rate_checked = False
         self.log.info("config_applied", file=str(watch.path), changes=new.changes_from(old))
+        if new.completed != old.completed:
+            self._tell_completed(watch)
+
+    def _tell_completed(self, watch: "ConfigWatch") -> None:
+        """With which defaults."""
+        if watch.config.completed:
+            self.log.info("config_completed", file=str(watch.path), defaults=list(watch.config.completed))
+
+    def _tell_gone(self, watch: "ConfigWatch") -> None:
+        """Once, and once more when it is back."""
+        if watch.is_gone and not self._is_gone:
+            self.log.warning("config_gone", file=str(watch.path), hint="the last one that was valid stays")
+        elif self._is_gone and not watch.is_gone:
+            self.log.info("config_back", file=str(watch.path))
+        self._is_gone = watch.is_gone
 
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
