@@ -20,4 +20,4 @@ class LiveYaw:
     @property
     def text(self) -> str:
         """What the live line says of it."""
-        return f"yaw {self._state.yaw_deg:+.1f} deg"
+        return f"yaw {round(self._state.yaw_deg, 1) + 0.0:+.1f} deg"  # no −0.0
