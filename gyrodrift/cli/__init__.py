@@ -6,7 +6,6 @@ import sys
 from difflib import get_close_matches
 from importlib import import_module
 
-from gyrodrift import __version__
 from gyrodrift.errors import GyrodriftError, UsageError
 
 COMMANDS = {
@@ -76,6 +75,8 @@ def _run(name: str, arguments: list[str]) -> int:
 
 
 def _outside_of_commands(arguments: list[str], name: str) -> int:
+    from gyrodrift.installation import version_line
+
     width = max(map(len, COMMANDS))
     listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
     parser = argparse.ArgumentParser(
@@ -85,7 +86,7 @@ def _outside_of_commands(arguments: list[str], name: str) -> int:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"gyrodrift {__version__}")
+    parser.add_argument("--version", action="version", version=version_line())
     if name in COMMANDS:
         raise UsageError(f"{name!r} stands behind options; write gyrodrift {name} first")
     if name:

@@ -2,7 +2,7 @@
 
 What is worth a second look has a ! in front. Bias and noise are those of the stretches in which the device stood still:
 by the encoder, or, without one, where the rate is steady, which a constant spin is as well. Times of stretches are s
-after the first sample. --picture needs pip install 'gyrodrift[lab]'.
+after the first sample. --picture needs matplotlib; where it is missing, the command that installs it is told.
 """
 
 import argparse
@@ -69,7 +69,9 @@ def _check_picture(path: Path, sessions: list[Path]) -> None:
     try:
         import matplotlib as mpl  # noqa: F401 - asked for before the session is read
     except ImportError as error:
-        raise UsageError("--picture needs matplotlib: pip install 'gyrodrift[lab]'") from error
+        from gyrodrift.installation import extra_command
+
+        raise UsageError(f"--picture needs the package matplotlib: {extra_command('lab')}") from error
 
 
 def _draw(session: "Session", description: "SessionDescription", path: Path) -> None:

@@ -103,7 +103,9 @@ def need_packages(command: str, *names: str) -> None:
         for name in names:
             import_module(name)
     except ImportError as error:
-        raise UsageError(f"{command} needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+        from gyrodrift.installation import extra_command
+
+        raise UsageError(f"{command} needs the package {error.name}: {extra_command('lab')}") from error
 
 
 def hold_product_threads() -> None:

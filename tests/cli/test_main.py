@@ -1,9 +1,13 @@
 """The command line as a whole: help, mistakes, exit statuses."""
 
+import platform
+import sys
+from pathlib import Path
+
 import pytest
 from support import Command
 
-from gyrodrift import __version__
+import gyrodrift
 from gyrodrift.cli import COMMANDS, main
 
 
@@ -25,11 +29,15 @@ def test_help_lists_the_commands() -> None:
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """As every tool does."""
+    """And which copy of the program that is, run by which Python."""
     with pytest.raises(SystemExit) as ended:
         main(["--version"])
     assert ended.value.code == 0
-    assert capsys.readouterr().out == f"gyrodrift {__version__}\n"
+    package = Path(gyrodrift.__file__).parent
+    expected = (
+        f"gyrodrift {gyrodrift.__version__} from {package} (Python {platform.python_version()}, {sys.executable})"
+    )
+    assert capsys.readouterr().out == f"{expected}\n"
 
 
 @pytest.mark.parametrize(

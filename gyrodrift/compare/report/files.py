@@ -13,6 +13,7 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.evaluation.score import Score
 from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
+from gyrodrift.installation import package_command
 
 DIGITS = 3
 
@@ -108,7 +109,7 @@ def e_cell(score: Score) -> str:
 
 def absence(method: Method) -> str:
     """Why a method has no numbers."""
-    return f"its package {method.package} is not installed (pip install {method.package})"
+    return f"its package {method.package} is not installed ({package_command(method.package)})"
 
 
 def _by_folder(comparison: Comparison) -> list[str]:
