@@ -30,7 +30,8 @@ class Config:
     sample_rate_hz
         The rate the parameters were tuned at, Hz; None where the file does not say.
     completed
-        One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun.
+        One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
+        block says which filter is meant.
     """
 
     filter: str = DEFAULT.name
@@ -115,7 +116,7 @@ def _config(file: _Strict, given: Mapping[str, Any]) -> Config:
     content = file.model_dump()
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
-    completed = [] if "filter" in given else [f"filter: {chosen}"]
+    completed = [] if "filter" in given or begun else [f"filter: {chosen}"]
     blocks = {}
     for name, known in FILTERS.items():
         values = content[name] or {}

@@ -65,17 +65,17 @@ def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
         ),
         (
             "hdr:\n  # tau_s: 1\n",
-            Config("hdr", {"hdr": HdrParams()}, None, ("filter: hdr", *(f"hdr.{line}" for line in HDR_DEFAULTS))),
+            Config("hdr", {"hdr": HdrParams()}, None, tuple(f"hdr.{line}" for line in HDR_DEFAULTS)),
         ),
         (
             "restlevel:\n",
-            Config("restlevel", {"restlevel": RestlevelParams()}, None, ("filter: restlevel", *RESTLEVEL_DEFAULTS)),
+            Config("restlevel", {"restlevel": RestlevelParams()}, None, RESTLEVEL_DEFAULTS),
         ),
         (
             f"filter: restlevel\n{GOOD}",
             Config("restlevel", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)}, None, RESTLEVEL_DEFAULTS),
         ),
-        (GOOD, Config("hdr", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)}, None, ("filter: hdr",))),
+        (GOOD, Config("hdr", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)})),
     ],
 )
 def test_what_is_left_out_has_a_default_and_is_told(tmp_path: Path, text: str, config: Config) -> None:
