@@ -13,6 +13,7 @@ from contextlib import suppress
 from typing import Any
 
 from gyrodrift.errors import GyrodriftError, UsageError
+from gyrodrift.installation import extra_command
 
 CONNECT_S = 5.0
 FIRST_WORKER_S = 10.0
@@ -173,9 +174,7 @@ def _library(purpose: str) -> Any:
     try:
         import distributed  # noqa: PLC0415 - a second to import, for who has a cluster
     except ImportError as error:
-        raise UsageError(
-            f"{purpose} on a cluster needs a package: pip install 'gyrodrift[cluster]' ({error})"
-        ) from error
+        raise UsageError(f"{purpose} on a cluster needs a package: {extra_command('cluster')} ({error})") from error
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.ERROR)
     return distributed

@@ -8,9 +8,12 @@ from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
 
-SESSION_COLUMN, DERIVED_COLUMN, LONGEST_HEADER = b"t_device_s", b"yaw_deg", 4096
-"""What the first line of a CSV session names, what that of one names that a filter has made of
-another, and how much of that line is looked at."""
+MCAP_MAGIC = b"\x89MCAP"
+COMMENT, LONGEST_LINE = b"#", 4096
+"""What a line of a table begins with that is not yet its header, and how much of a line is looked at."""
+
+FILTERED_COLUMN = b"yaw_deg"
+"""Of tables that a filter has written: they can be worked out again, other tables cannot."""
 
 NAMED = 3
 """Of many files that a message is about."""
@@ -63,35 +66,50 @@ def check_kept(targets: Iterable[Path], inputs: Iterable[Path], *, force: bool) 
     UsageError
         With the names of what would be lost.
     """
-    sources, there = list(inputs), []
-    for target in targets:
-        for source in sources:
-            if _is_same(target, source):
-                what = "the input itself" if target == source else f"the input {source} itself"
-                raise UsageError(f"{target}: is {what}, which is never written over: choose another name")
-        if _is_session(target):
-            there.append(str(target))
+    places = list(targets)
+    check_inputs_kept(places, inputs)
+    there = [str(place) for place in places if _is_recorded(place)]
     if there and not force:
         more = f" and {len(there) - NAMED} more" if len(there) > NAMED else ""
         raise UsageError(f"{', '.join(there[:NAMED])}{more}: already recorded; --force replaces what is there")
 
 
-def _is_same(target: Path, source: Path) -> bool:
-    """Also through links and other spellings."""
+def check_inputs_kept(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """See that what is read is never written over, also through links and other spellings.
+
+    Raises
+    ------
+    UsageError
+        With the name of what would be lost.
+    """
+    sources = {_identity(source): source for source in reversed(list(inputs))}
+    for target in targets:
+        source = sources.get(_identity(target))
+        if source is not None:
+            what = "the input itself" if target == source else f"the input {source} itself"
+            raise UsageError(f"{target}: is {what}, which is never written over: choose another name")
+
+
+def _identity(path: Path) -> tuple[int, int] | str:
+    """The same for every name of a file; where nothing is there yet, the name without links."""
     try:
-        return target.samefile(source)
+        status = path.stat()
     except OSError:
-        return target.resolve() == source.resolve()
+        return os.path.realpath(path)
+    return status.st_dev, status.st_ino
 
 
-def _is_session(path: Path) -> bool:
+def _is_recorded(path: Path) -> bool:
+    """Whether it is an .mcap file or a table of numbers that no filter has written."""
     if not path.is_file() or path.stat().st_size == 0:
         return False
-    if path.suffix != ".csv":
-        return path.suffix == ".mcap"
     with path.open("rb") as file:
-        header = file.readline(LONGEST_HEADER)
-    return SESSION_COLUMN in header and DERIVED_COLUMN not in header
+        first = file.readline(LONGEST_LINE)
+        if path.suffix == ".mcap" or first.startswith(MCAP_MAGIC):
+            return True
+        while first.startswith(COMMENT) or first.isspace():
+            first = file.readline(LONGEST_LINE)
+    return path.suffix == ".csv" and FILTERED_COLUMN not in first
 
 
 def check_writable(folder: Path) -> None:

@@ -18,7 +18,7 @@ RECORDINGS = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_
 
 
 def yaw_of_filter(session: Path, out: Path) -> list[float]:
-    assert main(["filter", str(session), "--out", str(out)]) == 0
+    assert main(["filter", str(session), "--filter", "hdr", "--out", str(out)]) == 0
     with out.open() as file:
         return [float(row["yaw_deg"]) for row in csv.DictReader(file)]
 
@@ -32,7 +32,7 @@ def test_a_real_recording_comes_out_of_serve_as_it_comes_out_of_filter(
     session, expected = load_session(path), yaw_of_filter(path, tmp_path / "out.csv")
     with Command("replay", path, "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
-        with Command("serve", "--port", link) as serve:
+        with Command("serve", "--port", link, "--filter", "hdr") as serve:
             lines = serve.take_lines(len(expected))
             assert serve.stop() == 0
     assert len(expected) == len(session.t_device_s)

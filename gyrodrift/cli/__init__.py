@@ -6,7 +6,6 @@ from importlib import import_module
 from textwrap import indent
 from types import ModuleType
 
-from gyrodrift import __version__
 from gyrodrift.cli.parser import Parser, unknown
 from gyrodrift.errors import GyrodriftError, UsageError
 
@@ -97,6 +96,8 @@ def parser_of(name: str) -> Parser:
 
 def program_parser() -> Parser:
     """The parser of what stands outside of commands."""
+    from gyrodrift.installation import version_line
+
     width = max(map(len, COMMANDS))
     listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
     parser = Parser(
@@ -104,7 +105,7 @@ def program_parser() -> Parser:
         description=f"Yaw from a low-cost gyro, with the drift taken out as it streams.\n\ncommands:\n{listing}",
         epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
-    parser.add_argument("--version", action="version", version=f"gyrodrift {__version__}")
+    parser.add_argument("--version", action="version", version=version_line())
     return parser
 
 

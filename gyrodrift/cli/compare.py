@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
-from gyrodrift.files import check_writable
+from gyrodrift.files import check_inputs_kept, check_writable
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison, ComparisonRequest, ConfigFile
@@ -67,7 +67,12 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.compare.comparison import compare
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
-        comparison = compare(_asked(arguments, progress))
+        request = _asked(arguments, progress)
+        if arguments.out is not None:
+            config = [arguments.config] if arguments.config else []
+            written = [arguments.out / name for name in ("compare.json", "report.html")]
+            check_inputs_kept(written, [*request.paths, *request.train, *config])
+        comparison = compare(request)
     _write(arguments, comparison)
     return 0
 
@@ -75,19 +80,18 @@ def run(arguments: argparse.Namespace) -> int:
 def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
     from gyrodrift.compare.comparison import ComparisonRequest
     from gyrodrift.compare.methods.registry import methods
-    from gyrodrift.config.model import Config, load_config
     from gyrodrift.session.files import session_paths
 
-    config = load_config(arguments.config) if arguments.config else Config()
+    config = options.loaded_config(arguments.config) if arguments.config else None
     stills = session_paths(arguments.still)
     return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.blocks),
+        methods=methods(config.blocks if config else {}),
         train=session_paths(arguments.train),
         stills=frozenset(stills),
         iterations=arguments.iterations,
         seed=arguments.seed,
-        config=_config_file(arguments.config, config) if arguments.config else None,
+        config=_config_file(arguments.config, config) if config else None,
         jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
     )

@@ -1,7 +1,8 @@
 """Convert a recorded session between .mcap and .csv, by the endings of the two paths; every digit is kept.
 
 An .mcap IN may be anybody's: samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with
-t_device_s and rate_dps, chunked, compressed or cut off.
+t_device_s and rate_dps, chunked, compressed or cut off. What OUT cannot hold is named before it is left out: raw bytes,
+link events and other channels always, metadata in .csv, encoder angle, temperature and counter with --as imu.
 """
 
 import argparse
@@ -55,10 +56,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
     if topic is not None and source.suffix != ".mcap":
         raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
+    from gyrodrift.session.files import ENDINGS
+
     check_kept([target], [source], force=arguments.force)
     with options.progress_of(arguments) as progress:
         progress.evaluated(f"{source.name} read", 0, 0)
         session = _loaded(source, topic)
+        if target.suffix in ENDINGS:
+            _tell_left_out(arguments, session)
         _write(target, form, session, in_pieces(session, progress.evaluated))
     return 0
 
@@ -82,16 +87,23 @@ def _loaded(source: Path, topic: str | None) -> "Session":
     return read_foreign(source, topic)
 
 
+def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
+    """Before anything is written."""
+    from gyrodrift.session.left_out import left_out, listed
+
+    form = "csv" if arguments.target.suffix == ".csv" else arguments.form or "sample"
+    without = left_out(arguments.source, session, arguments.topic, form)
+    said = ["has its rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
+    said += [f"is written without {listed(without)}"] if without else []
+    if said:
+        print(f"gyrodrift: {arguments.target}: {'; '.join(said)}", file=sys.stderr)
+
+
 def _write(target: Path, form: str | None, session: "Session", pieces: "Iterator[Session]") -> None:
     from gyrodrift.session.files import write_session
     from gyrodrift.session.foreign.export import write_imu, write_json
 
     if form == "imu":
-        columns = {"encoder angle": session.encoder_deg, "temperature": session.temp_c, "counter": session.seq}
-        left_out = [name for name, column in columns.items() if column is not None]
-        words = ", ".join(left_out[:-1]) + " and " * (len(left_out) > 1) + "".join(left_out[-1:])
-        lost = f"; {words} {'do' if len(left_out) > 1 else 'does'} not go along" if left_out else ""
-        print(f"gyrodrift: {target}: sensor_msgs/msg/Imu has its rate in rad/s{lost}", file=sys.stderr)
         write_imu(target, pieces)
     elif form == "json":
         write_json(target, pieces)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
+from gyrodrift.files import check_inputs_kept, check_writable
 
 EXAMPLES = """\
 gyrodrift demo
@@ -43,8 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when its summary is printed."""
     options.positive("--duration", arguments.duration)
     options.positive("--speed", arguments.speed)
-    if arguments.svg is not None and not arguments.svg.parent.is_dir():
-        raise UsageError(f"--svg {arguments.svg}: there is no folder {arguments.svg.parent}")
+    if arguments.svg is not None:
+        _check_picture(arguments)
     from gyrodrift.demo.show import run_demo
 
     run_demo(
@@ -58,3 +59,14 @@ def run(arguments: argparse.Namespace) -> int:
         is_quiet=arguments.quiet,
     )
     return 0
+
+
+def _check_picture(arguments: argparse.Namespace) -> None:
+    """Before the demo, not behind it."""
+    if arguments.svg.suffix != ".svg":
+        raise UsageError(f"--svg {arguments.svg}: a picture ends in .svg")
+    if not arguments.svg.parent.is_dir():
+        raise UsageError(f"--svg {arguments.svg}: there is no folder {arguments.svg.parent}")
+    check_writable(arguments.svg.parent)
+    read = [path for path in (arguments.config, arguments.rig) if path is not None]
+    check_inputs_kept([arguments.svg], [*read, Path(arguments.profile)])

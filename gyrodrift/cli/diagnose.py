@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable, write_whole
+from gyrodrift.files import check_inputs_kept, check_writable, write_whole
 
 EXAMPLES = """\
 gyrodrift diagnose sessions --out report
@@ -62,25 +62,29 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
-    from gyrodrift.diagnose.report.files import summary, write_files
+    from gyrodrift.diagnose.report.files import NAMES, summary, write_files
     from gyrodrift.session.files import session_paths
 
     try:
         rig = load_rig(arguments.rig)
     except FileError as error:
         raise UsageError(str(error)) from error
+    paths = session_paths(arguments.paths)
+    baseline = session_paths(arguments.baseline) if arguments.baseline else []
+    rigs = [arguments.rig] if arguments.rig else []
+    check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
     jobs = options.processes(arguments.jobs)
     with options.progress_of(arguments, None if arguments.baseline else SHARES) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
             DiagnosisRequest(
-                session_paths(arguments.paths),
+                paths,
                 rig,
                 withheld,
                 jobs,
                 arguments.cluster,
                 progress.evaluated,
-                session_paths(arguments.baseline) if arguments.baseline else (),
+                baseline,
             )
         )
         progress.evaluated(REPORT, 0, 0)

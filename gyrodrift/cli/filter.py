@@ -1,7 +1,7 @@
 """Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
 
-Samples whose time does not advance or whose rate is not finite are left out and counted. Without --config it is hdr
-with the published parameters. Columns are t_device_s and rate_dps, so that it can be read as a session, and then
+Samples whose time does not advance or whose rate is not finite are left out and counted. Columns are t_device_s and
+rate_dps, so that it can be read as a session, and then
 """
 
 import argparse
@@ -33,9 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     columns = [f"  with {name}: {', '.join(known.columns)}" for name, known in FILTERS.items()]
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with a filter and its parameters (default: published hdr)"
-    )
+    options.add_filter_options(parser, "YAML with a filter and its parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
     options.add_force_option(parser)
 
@@ -45,18 +43,17 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a pager is not to be drawn over
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
-        from gyrodrift.config.model import Config, load_config
         from gyrodrift.files import check_kept
         from gyrodrift.session.files import load_session
 
         if arguments.out is not None:
             inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
             check_kept([arguments.out], inputs, force=arguments.force)
-        config = load_config(arguments.config) if arguments.config else Config()
+        chosen, params = options.chosen_filter(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = load_session(arguments.session)
-        state: FilterState = config.chosen.state()
-        _write(arguments.out, session, csv_lines(session, config.chosen, config.params, state), progress.evaluated)
+        state: FilterState = chosen.state()
+        _write(arguments.out, session, csv_lines(session, chosen, params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0

@@ -2,8 +2,8 @@
 
 What is worth a second look has a ! in front. Bias and noise are those of the stretches in which the device stood still:
 by the encoder, or, without one, where the rate is steady, which a constant spin is as well. Times of stretches are s
-after the first sample. --out and --picture draw yaw too, raw and corrected by a filter, and need
-pip install 'gyrodrift[lab]'.
+after the first sample. --out and --picture draw yaw too, raw and corrected by a filter, and need matplotlib; where it
+is missing, the command that installs it is told.
 """
 
 import argparse
@@ -34,7 +34,6 @@ PICTURES = (".png", ".svg", ".pdf")
 EXAMPLES = """\
 gyrodrift info sessions
 gyrodrift info sessions --out report
-gyrodrift info session.mcap --picture session.png
 gyrodrift info sessions --json
 """
 
@@ -67,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.session.files import session_paths
 
         paths = session_paths(arguments.sessions)
-        drawing = _drawing(arguments, len(paths))
+        drawing = _drawing(arguments, paths)
         for number, path in enumerate(paths):
             progress.evaluated("sessions", number, len(paths))
             _tell(arguments, path, drawing, progress, is_first=number == 0)
@@ -99,7 +98,7 @@ def _tell(
         drawing.take(session, description, groups)
 
 
-def _drawing(arguments: argparse.Namespace, sessions: int) -> "_Drawing | None":
+def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing | None":
     """What draws the sessions; None where nothing is to be drawn. All that could be wrong is found beforehand."""
     if arguments.picture is None and arguments.out is None:
         if arguments.config is not None:
@@ -113,11 +112,14 @@ def _drawing(arguments: argparse.Namespace, sessions: int) -> "_Drawing | None":
     return _Drawing(arguments)
 
 
-def _check_picture(path: Path, sessions: int) -> None:
+def _check_picture(path: Path, sessions: list[Path]) -> None:
+    from gyrodrift.files import check_inputs_kept
+
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")
-    if sessions > 1:
-        raise UsageError(f"--picture shows one session, {sessions} were given; --out DIR makes a page of all")
+    if len(sessions) > 1:
+        raise UsageError(f"--picture shows one session, {len(sessions)} were given; --out DIR makes a page of all")
+    check_inputs_kept([path], sessions)
 
 
 class _Drawing:

@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError
+from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
+    from gyrodrift.config.model import Config
     from gyrodrift.link.link import LinkOptions
     from gyrodrift.progress import Progress
 
@@ -50,7 +53,7 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
         metavar="SPEC",
         help="read lines of text with these columns, one entry each: _ (ignored), t_us, t_ms, t_s, seq, "
         "rate[:dps|:rads|:lsb/N][:-], encoder[:deg|:counts/N], temp, such as 't_ms, _, _, rate:lsb/131'; of labelled "
-        "values and JSON, LABEL=rate",
+        "values and JSON, LABEL=rate (default: none)",
     )
     parser.add_argument(
         "--timeout",
@@ -183,6 +186,36 @@ def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | No
     return Progress(sys.stderr, shares, is_quiet=arguments.quiet)
 
 
+def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> None:
+    """The options of every command that corrects a rate as it comes."""
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument("--config", type=Path, metavar="FILE", help=config_help)
+    either.add_argument(
+        "--filter",
+        choices=tuple(FILTERS),
+        help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
+    )
+
+
+def chosen_filter(arguments: argparse.Namespace) -> tuple[Filter, FilterParams]:
+    """The filter that is asked for, and its parameters; what a config leaves to the defaults is told."""
+    if arguments.config is None:
+        chosen = FILTERS[arguments.filter or DEFAULT.name]
+        return chosen, chosen.params()
+    config = loaded_config(arguments.config)
+    return config.chosen, config.params
+
+
+def loaded_config(path: Path) -> "Config":
+    """A config that is read once; what it leaves to the defaults is told."""
+    from gyrodrift.config.model import load_config
+
+    config = load_config(path)
+    if config.completed:
+        print(f"gyrodrift: {path}: defaults are {', '.join(config.completed)}", file=sys.stderr)
+    return config
+
+
 def check_seed(seed: int) -> None:
     """Refuse a seed that no generator takes."""
     if seed < 0:
@@ -195,7 +228,9 @@ def need_packages(command: str, *names: str) -> None:
         for name in names:
             import_module(name)
     except ImportError as error:
-        raise UsageError(f"{command} needs the package {error.name}: pip install 'gyrodrift[lab]'") from error
+        from gyrodrift.installation import extra_command
+
+        raise UsageError(f"{command} needs the package {error.name}: {extra_command('lab')}") from error
 
 
 def hold_product_threads() -> None:

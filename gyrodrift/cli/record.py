@@ -2,7 +2,8 @@
 
 A file is named by date (UTC), device and --profile. Nothing that is older than a second is lost by a kill, nothing
 older than five seconds by a power cut. Files that an earlier recording into the same folder left open are closed
-first. The paths that were written go to stdout, the log to stderr.
+first. The paths that were written go to stdout, the log to stderr. On a terminal a line shows how it goes, with the yaw
+that the filter makes of the samples; the file has the samples as they came.
 """
 
 import argparse
@@ -14,6 +15,7 @@ from gyrodrift.cli import options
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
+    from gyrodrift.recording.live_yaw import LiveYaw
     from gyrodrift.recording.recorder import Recorder
     from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.signals import StopSignal
@@ -34,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--duration", type=float, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
     )
+    options.add_filter_options(parser, "YAML with a filter and its parameters, for the yaw on the terminal")
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -48,11 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
+    from gyrodrift.recording.live_yaw import LiveYaw
     from gyrodrift.recording.recorder import Recorder, RecordOptions
     from gyrodrift.recording.resilient import repair_interrupted
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
 
+    yaw = LiveYaw(*options.chosen_filter(arguments))
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
     log_to = AboveLine(stderr) if is_shown else None
@@ -65,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         repair_interrupted(arguments.out, log)
         events.listeners.append(recorder.on_event)
         try:
-            listeners = _listeners(link, recorder, stop, arguments.duration, stderr if is_shown else None)
+            listeners = _listeners(link, recorder, stop, arguments.duration, yaw, stderr if is_shown else None)
             Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S, end_event="record_end").run()
         finally:
             for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
@@ -74,12 +79,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _listeners(
-    link: "Link", recorder: "Recorder", stop: "StopSignal", duration_s: float | None, terminal: TextIO | None
+    link: "Link",
+    recorder: "Recorder",
+    stop: "StopSignal",
+    duration_s: float | None,
+    yaw: "LiveYaw",
+    terminal: TextIO | None,
 ) -> "list[SampleListener]":
     from gyrodrift.recording.duration import Duration
     from gyrodrift.recording.live_line import LiveLine
 
     listeners: list[SampleListener] = [recorder if duration_s is None else Duration(recorder, duration_s, stop)]
     if terminal is not None:
-        listeners.append(LiveLine(link, recorder, terminal))
+        listeners.append(LiveLine(link, recorder, yaw, terminal))
     return listeners

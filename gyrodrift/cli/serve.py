@@ -51,12 +51,7 @@ gyrodrift serve --port /dev/ttyUSB0 --record sessions --rotate 1h > yaw.jsonl
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
-    parser.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE",
-        help="YAML with a filter and its parameters; followed while serve runs (default: none)",
-    )
+    options.add_filter_options(parser, "YAML with a filter and its parameters; followed while serve runs")
     parser.add_argument(
         "--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time (default: all)"
     )
@@ -93,6 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         watch = ConfigWatch(arguments.config)
 
+    from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log
@@ -107,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(options.link_options(arguments, baud), events)
         stdout = JsonLines(STDOUT, rate_hz)
-        filtering = Filtering(link, [stdout], log, watch)
+        filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
         listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             listeners.insert(0, _recording(arguments, link, events, log, watch))

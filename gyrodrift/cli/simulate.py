@@ -66,11 +66,11 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(
             "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
         )
-    _check_kept(arguments)
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         rig, profile = _asked(arguments)
+        _check_kept(arguments, rig)
         try:
             for text in _written(arguments, rig, profile, progress.evaluated):
                 if not arguments.quiet:
@@ -92,17 +92,33 @@ def _asked(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
         raise UsageError(str(error)) from error
 
 
-def _check_kept(arguments: argparse.Namespace) -> None:
-    """Sessions of other rigs lie in folders of the set's own; those of one rig have numbers."""
-    from gyrodrift.files import check_kept
+def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
+    """Neither rig, profile and table that are read nor the sessions and the rig of another simulation are lost."""
+    from gyrodrift.files import check_inputs_kept, check_kept
+    from gyrodrift.simulation.sessions import RIG, rig_yaml
 
-    folder, ending = arguments.out, arguments.format
-    if arguments.hard_cases or arguments.twin:
-        sessions = sorted(folder.glob(f"*/*.{ending}"))
-    else:
-        sessions = [folder / f"session-{number + 1:02d}.{ending}" for number in range(arguments.sessions or 1)]
-    inputs = [path for path in (arguments.rig, arguments.twin) if path is not None]
-    check_kept([*sessions, folder / "rig.yaml", folder / "twin.csv"], inputs, force=arguments.force)
+    paths = _paths(arguments)
+    is_set = arguments.hard_cases or arguments.twin is not None
+    rigs = [path.with_suffix(".rig.yaml") for path in paths] if is_set else [arguments.out / RIG]
+    profile = None if arguments.profile is None else Path(arguments.profile)
+    inputs = [path for path in (arguments.rig, arguments.twin, profile) if path is not None]
+    check_inputs_kept(rigs, inputs)
+    check_kept(paths, inputs, force=arguments.force)
+    if not is_set and not arguments.force and rigs[0].is_file() and rigs[0].read_bytes() != rig_yaml(rig).encode():
+        raise UsageError(f"{rigs[0]}: is another rig than the one to be simulated; --force replaces it")
+
+
+def _paths(arguments: argparse.Namespace) -> list[Path]:
+    """What will be written, but for the rigs beside it."""
+    from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_paths
+    from gyrodrift.simulation.published_set import read_rows, twin_paths
+    from gyrodrift.simulation.sessions import simulated_paths
+
+    if arguments.twin is not None:
+        return twin_paths(read_rows(arguments.twin), arguments.out, arguments.format)
+    if arguments.hard_cases:
+        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format)
+    return simulated_paths(arguments.out, arguments.sessions or 1, arguments.format)
 
 
 def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Profile", progress: "OnProgress") -> Iterator[str]:

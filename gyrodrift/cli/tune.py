@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, options
 from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable
-from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.files import check_inputs_kept, check_writable
+from gyrodrift.filters.registry import FILTERS, PUBLISHED
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
     parser.add_argument(
-        "--filter", default=DEFAULT.name, choices=tuple(FILTERS), help=f"which to tune (default {DEFAULT.name})"
+        "--filter", default=PUBLISHED.name, choices=tuple(FILTERS), help=f"which to tune (default {PUBLISHED.name})"
     )
     parser.add_argument(
         "--report", type=Path, metavar="DIR", help="folder for report.html and tune.json (default: none)"
@@ -94,14 +94,17 @@ def _check_place(out: Path, report: Path | None) -> None:
 
 
 def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning, bool]":
+    sources, path = _sources(arguments), arguments.out.with_suffix(".progress.npz")
+    reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
+    check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
+
     from gyrodrift.tune.search.journal import Journal
     from gyrodrift.tune.tuning import TuningRun
     from gyrodrift.tune.tuning_set import TuningSet, identity
 
     plan = _plan(arguments)
     how = (arguments.seed, arguments.jobs, arguments.cluster)
-    with TuningSet(_sources(arguments), *how, progress, plan.filter) as held:
-        path = arguments.out.with_suffix(".progress.npz")
+    with TuningSet(sources, *how, progress, plan.filter) as held:
         journal = Journal(path, identity(plan, held), is_resumed=arguments.resume)
         search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
         tuning = search.run()

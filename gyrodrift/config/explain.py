@@ -1,5 +1,6 @@
 """What a value has to be and what it is instead, in words, from the annotations of a field."""
 
+from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any, Literal, get_args, get_origin
 
@@ -18,13 +19,18 @@ class Strict(BaseModel):
 
 def unknown_key(name: str, known: list[str], where: str) -> str:
     """Of a key that is none, with the nearest that is one."""
-    nearest = get_close_matches(name, known, n=1)
-    meant = f"did you mean {nearest[0]}?" if nearest else f"expected {', '.join(known) or 'none'}"
-    return f"is not {where}; {meant}"
+    return f"is not {where}; {nearest(name, known) or 'expected ' + (', '.join(known) or 'none')}"
 
 
-def expectation(name: str, info: FieldInfo) -> str:
-    """What a field takes."""
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The nearest of what is known, in whichever case it was written; empty where nothing is near."""
+    names = {name.lower(): name for name in known}
+    found = get_close_matches(word.lower(), names, n=1)
+    return f"did you mean {names[found[0]]}?" if found else ""
+
+
+def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:
+    """What a field takes; its unit follows from its name where it is not given."""
     kinds = [kind for kind in _kinds(info.annotation) if kind is not type(None)]
     for kind in kinds:
         if get_origin(kind) is Literal:
@@ -36,7 +42,7 @@ def expectation(name: str, info: FieldInfo) -> str:
         longest = next((bound.max_length for bound in bounds if isinstance(bound, MaxLen)), None)
         shortest = any(isinstance(bound, MinLen) for bound in bounds)
         return f"text{' that is not empty' if shortest else ''}{f' of up to {longest} characters' if longest else ''}"
-    return f"{'a whole number' if int in kinds else 'a number'} {_range(bounds)}{_unit(name)}"
+    return f"{'a whole number' if int in kinds else 'a number'} {_range(bounds)}{_unit(name) if unit is None else unit}"
 
 
 def said(value: Any) -> str:

@@ -10,13 +10,15 @@ from annotated_types import Gt, Le
 from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
-from gyrodrift.config.explain import Strict, expectation, said, unknown_key
+from gyrodrift.config.explain import Strict, expectation, nearest, said, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.outputs.options import OutputSpec
+
+SAMPLE_RATE = "sample_rate_hz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +33,15 @@ class Config:
         The rate the parameters were tuned at, Hz; None where the file does not say.
     outputs
         Where corrected samples go beside stdout.
+    completed
+        One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
+        block says which filter is meant.
     """
 
     filter: str = DEFAULT.name
     blocks: Mapping[str, FilterParams] = field(default_factory=dict)
     sample_rate_hz: float | None = None
+    completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
 
     @property
@@ -58,7 +64,7 @@ class Config:
         """One `key: old → new` for each value that differs."""
         pairs: list[tuple[str, object, object]] = [
             ("filter", old.filter, self.filter),
-            ("sample_rate_hz", old.sample_rate_hz, self.sample_rate_hz),
+            (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
         ]
         for name, known in FILTERS.items():
             before, after = old.params_of(known), self.params_of(known)
@@ -71,22 +77,20 @@ class Config:
 
 @cache
 def _block_of(known: Filter) -> type[Strict]:
-    """A model with the fields and bounds of a filter's parameters, each of which has to be given."""
-    hints = get_type_hints(known.params, include_extras=True)
-    required: dict[str, Any] = {name: (hints[name], ...) for name in known.names}
-    return create_model(known.params.__name__, __base__=Strict, **required)
+    """A model with the fields, bounds and defaults of a filter's parameters."""
+    hints, defaults = get_type_hints(known.params, include_extras=True), known.params()
+    content: dict[str, Any] = {name: (hints[name], getattr(defaults, name)) for name in known.names}
+    return create_model(known.params.__name__, __base__=Strict, **content)
 
 
-def _file_of(named: Filter) -> type[Strict]:
-    """The model of a file that names this filter: its block has to be there, those of the others may."""
-    blocks = {name: _block_of(known) for name, known in FILTERS.items()}
+def _file() -> type[Strict]:
+    """The model of a file: every key may be left out, and a block may be empty."""
     content: dict[str, Any] = {"filter": (Literal[tuple(FILTERS)], DEFAULT.name)}
-    content |= {name: (block | None, None) for name, block in blocks.items()}
+    content |= {name: (_block_of(known) | None, None) for name, known in FILTERS.items()}
     content |= {
-        "sample_rate_hz": (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
+        SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
-        named.name: (blocks[named.name], ...),
     }
     return create_model("File", __base__=Strict, **content)
 
@@ -94,23 +98,40 @@ def _file_of(named: Filter) -> type[Strict]:
 def load_config(path: Path) -> Config:
     """Read and check a config file.
 
+    A file without `filter` means that of its blocks which stands first in FILTERS, or the default.
+
     Raises
     ------
     ConfigError
         With every mistake, one line each: `file:line:column key: what is wrong and what is expected`.
     """
     read = read_yaml(path)
+    named = " or ".join(f"filter: {name}" for name in FILTERS)
     if read.value is None and not read.problems:
-        read.report((), f"is empty; expected a block {DEFAULT.name}: with {', '.join(DEFAULT.names)}")
+        read.report((), f"is empty; expected at least {named}")
     elif read.value is not None and not isinstance(read.value, dict):
-        read.report((), f"holds {said(read.value)}; expected keys such as {DEFAULT.name}:")
+        read.report((), f"holds {said(read.value)}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
     outputs = outputs_in(read.value.get("outputs"), _in_outputs(read)) if isinstance(read.value, dict) else ()
     if file is None or read.problems:
         raise ConfigError(read.problems)
+    return _config(file, read.value, outputs)
+
+
+def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...]) -> Config:
     content = file.model_dump()
-    blocks = {name: known.params(**content[name]) for name, known in FILTERS.items() if content[name] is not None}
-    return Config(content["filter"], blocks, content["sample_rate_hz"], outputs)
+    begun = [name for name in FILTERS if name in given]
+    chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
+    completed = [] if "filter" in given or begun else [f"filter: {chosen}"]
+    blocks = {}
+    for name, known in FILTERS.items():
+        values = content[name] or {}
+        if name in begun:
+            blocks[name] = known.params(**values)
+        if name in begun or name == chosen:
+            left = [key for key in known.names if key not in (given.get(name) or {})]
+            completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs)
 
 
 def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:
@@ -118,8 +139,7 @@ def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:
 
 
 def _check(read: YamlFile) -> Strict | None:
-    named = read.value.get("filter")
-    model = _file_of(FILTERS[named] if isinstance(named, str) and named in FILTERS else DEFAULT)
+    model = _file()
     try:
         return model.model_validate(read.value)
     except ValidationError as error:
@@ -131,21 +151,21 @@ def _check(read: YamlFile) -> Strict | None:
 
 
 def _explain(file: type[Strict], key: Key, kind: str, given: Any) -> str:
-    model, name = (_block_of(FILTERS[str(key[0])]), key[-1]) if len(key) > 1 else (file, key[-1])
-    known = model.model_fields
+    block, name = (FILTERS.get(str(key[0])) if len(key) > 1 else None), str(key[-1])
+    known = (_block_of(block) if block else file).model_fields
     if kind == "extra_forbidden":
-        return unknown_key(str(name), list(known), "a key of this file")
-    expected = _expectation(str(name), known[str(name)]) if str(name) in known else "another value"
-    if kind == "missing":
-        return f"is missing; expected {expected}"
-    return f"is {said(given)}; expected {expected}"
+        return unknown_key(name, list(known), "a key of this file")
+    meant = nearest(given, FILTERS) if name == "filter" and isinstance(given, str) else ""
+    return f"is {said(given)}; {meant or 'expected ' + _expectation(block, name, known)}"
 
 
-def _expectation(name: str, info: FieldInfo) -> str:
+def _expectation(block: Filter | None, name: str, known: Mapping[str, FieldInfo]) -> str:
+    if name not in known:
+        return "another value"
     if name in FILTERS:
         return f"a block with {', '.join(FILTERS[name].names)}"
     if name == "filter":
         return " or ".join(FILTERS)
     if name == "provenance":
         return "a block of keys"
-    return expectation(name, info)
+    return expectation(name, known[name], f" {block.parameter(name).unit}".rstrip() if block else None)

@@ -6,6 +6,9 @@ from gyrodrift.config.model import Config, load_config
 
 FileVersion = tuple[int, int, int]
 
+GONE_LOOKS = 2
+"""A file that two looks in a row do not find is gone; between the halves of a careless save one may not find it."""
+
 
 class ConfigWatch:
     """Loads the file at once, and again whenever its time, size or inode changes.
@@ -20,6 +23,12 @@ class ConfigWatch:
         self.path = path
         self._seen = _version_of(path)
         self.config = load_config(path)
+        self._in_vain = 0
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether there is no such file any more."""
+        return self._in_vain >= GONE_LOOKS
 
     def poll(self, *, again: bool = False) -> Config | None:
         """The new config where there is one; None where nothing changed, or the file is gone for a moment.
@@ -27,6 +36,7 @@ class ConfigWatch:
         `again` reads it in any case.
         """
         found = _version_of(self.path)
+        self._in_vain = 0 if found else self._in_vain + 1
         if not again and (found is None or found == self._seen):
             return None
         self._seen = found

@@ -22,7 +22,7 @@ from rich.live import Live
 from gyrodrift.demo.view import PICTURE, Size, draw, summary
 from gyrodrift.demo.yaw_error import YawError
 from gyrodrift.errors import LinkError
-from gyrodrift.files import shipped_config
+from gyrodrift.files import shipped_config, write_whole
 
 FRAMES_PER_S = 10
 STARTING_S = 10.0
@@ -106,7 +106,7 @@ def save_svg(path: Path, error: YawError, duration_s: float) -> None:
     """The view as a picture; a frame of it, not the film."""
     console = Console(width=PICTURE.columns, file=io.StringIO(), record=True, force_terminal=True, no_color=False)
     console.print(draw(error, duration_s, DEVICE, PICTURE))
-    console.save_svg(str(path), title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)
+    write_whole(path, [console.export_svg(title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)])
 
 
 def _is_for_eyes() -> bool:

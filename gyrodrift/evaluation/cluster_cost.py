@@ -31,7 +31,7 @@ from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_refer
 from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.filters.registry import FILTERS, PUBLISHED
 
 BATCHES_PER_THREAD = 2
 """So that a thread with quick batches may take over, while the scheduler, at up to a millisecond a task, keeps up."""
@@ -129,7 +129,7 @@ class ClusterCost:
     what is known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
     """
 
-    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], chosen: Filter = DEFAULT) -> None:
+    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], chosen: Filter = PUBLISHED) -> None:
         self._name = chosen.name
         self.evaluations = 0
         self._workers = ClusterWorkers(address, "tuning")

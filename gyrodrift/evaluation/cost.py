@@ -16,7 +16,7 @@ from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
 from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.registry import PUBLISHED
 
 FLOAT_BYTES = 8
 BLOCK = 512
@@ -77,7 +77,7 @@ class Cost:
         references: Iterable[Reference],
         threads: int | None = None,
         memory_bytes: int | None = None,
-        chosen: Filter = DEFAULT,
+        chosen: Filter = PUBLISHED,
     ) -> None:
         self._kernel = kernel_of(chosen)
         self.references = tuple(_held(references, _half_of_memory_bytes() if memory_bytes is None else memory_bytes))

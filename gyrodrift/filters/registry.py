@@ -13,8 +13,11 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
 SHIPPED = (HDR, RESTLEVEL)
 
-DEFAULT = HDR
+DEFAULT = RESTLEVEL
 """What runs where nothing is said."""
+
+PUBLISHED = HDR
+"""What is tuned and measured where nothing is said: the one that there are published figures of."""
 
 CONFIG_KEYS = frozenset({"filter", "sample_rate_hz", "provenance", "outputs", "text"})
 """Keys of a config that are no filter's block."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from gyrodrift.link.link import Link
+from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder, disk_left_bytes
 from gyrodrift.sample import Sample
 
@@ -15,17 +16,19 @@ CLEAR = "\r\x1b[K"
 
 
 class LiveLine:
-    """Time, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every tick."""
+    """Time, yaw, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every tick."""
 
-    def __init__(self, link: Link, recorder: Recorder, stream: TextIO = sys.stderr) -> None:
+    def __init__(self, link: Link, recorder: Recorder, yaw: LiveYaw, stream: TextIO = sys.stderr) -> None:
         self._link = link
         self._recorder = recorder
+        self._yaw = yaw
         self._stream = stream
         self._first_s: float | None = None
         self._marks: list[tuple[float, int, int]] = []
 
     def take(self, samples: list[Sample]) -> None:
-        """Nothing: the counters tell."""
+        """For yaw; of all else the counters tell."""
+        self._yaw.take(samples)
 
     def tick(self, now_s: float) -> None:
         """Write the line anew."""
@@ -43,6 +46,7 @@ class LiveLine:
         counters, decoder = self._link.counters, self._link.decoder
         parts = [
             _clock(now_s - self._first_s),
+            self._yaw.text,
             f"{(samples_now - samples) / elapsed_s:.1f} Hz",
             f"{samples_now} samples",
             f"{counters.gaps} gaps",

@@ -33,6 +33,8 @@ class Filtering:
 
     sinks
         Who they are handed to; one whose reader is gone is taken out, as long as another one is wanted.
+    chosen
+        What runs at its defaults where there is no config.
     on_config
         Called with each config that is taken while the service runs.
     on_event
@@ -52,6 +54,7 @@ class Filtering:
     watch: "ConfigWatch | None" = None
     on_config: "Callable[[Config], None] | None" = None
     on_event: Callable[[str, dict[str, Any]], Any] | None = None
+    chosen: Filter = DEFAULT
     state: FilterState = field(init=False)
     reference: YawReference = field(default_factory=YawReference)
     raw_yaw_deg: float = 0.0
@@ -65,12 +68,16 @@ class Filtering:
     applied: int = 0
     refused: int = 0
     applied_s: float | None = None
+    _is_gone: bool = False
 
     def __post_init__(self) -> None:
         if self.watch is None:
-            self.filter, self.params = DEFAULT, DEFAULT.params()
+            self.filter, self.params = self.chosen, self.chosen.params()
+            self.log.info("filter_chosen", name=self.filter.name, parameters="defaults")
         else:
             self.filter, self.params = self.watch.config.chosen, self.watch.config.params
+            self.log.info("filter_chosen", name=self.filter.name, parameters=str(self.watch.path))
+            self._tell_completed(self.watch)
         self._coefficients, self.state = self.filter.coefficients(self.params), self.filter.state()
 
     def take(self, samples: list[Sample]) -> None:
@@ -178,12 +185,12 @@ class Filtering:
         return [] if new is None else self._apply(watch, old, new)
 
     def _follow_config(self, watch: "ConfigWatch") -> None:
-        old = watch.config
+        old, new = watch.config, None
         try:
             new = watch.poll()
         except ConfigError as error:
             self._refuse(error)
-            return
+        self._tell_gone(watch)
         if new is not None:
             self._apply(watch, old, new)
 
@@ -204,9 +211,26 @@ class Filtering:
         fields = {"file": str(watch.path), "changes": changes}
         self.log.info("config_applied", **fields)
         self._tell("config_applied", fields)
+        if new.completed != old.completed:
+            self._tell_completed(watch)
         if self.on_config is not None:
             self.on_config(new)
         return changes
+
+    def _tell_completed(self, watch: "ConfigWatch") -> None:
+        """With which defaults."""
+        if watch.config.completed:
+            self.log.info("config_completed", file=str(watch.path), defaults=list(watch.config.completed))
+
+    def _tell_gone(self, watch: "ConfigWatch") -> None:
+        """Once, and once more when it is back."""
+        if watch.is_gone and not self._is_gone:
+            self.log.warning("config_gone", file=str(watch.path), hint="the last one that was valid stays")
+            self._tell("config_gone", {"file": str(watch.path)})
+        elif self._is_gone and not watch.is_gone:
+            self.log.info("config_back", file=str(watch.path))
+            self._tell("config_back", {"file": str(watch.path)})
+        self._is_gone = watch.is_gone
 
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""

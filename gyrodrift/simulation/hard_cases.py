@@ -158,18 +158,30 @@ def write_hard_cases(
     """
     for case in CASES:
         for is_still in (True, False):
-            place = folder / f"{case.name}-{'still' if is_still else 'moving'}"
-            place.mkdir(parents=True, exist_ok=True)
             for number in range(sessions):
-                yield _write(place, simulation(case, seed, number, minutes, is_still=is_still), ending)
+                path = _path(folder, case, number, ending, is_still=is_still)
+                _write(path, simulation(case, seed, number, minutes, is_still=is_still))
+                yield path
 
 
-def _write(place: Path, simulated: Simulation, ending: str) -> Path:
-    name = f"session-{simulated.number + 1:02d}"
-    write_whole(place / f"{name}.rig.yaml", [rig_yaml(simulated.rig)])
-    path = place / f"{name}.{ending}"
-    write_simulation(path, simulated, f"{place.name}-{simulated.number + 1:02d}")
-    return path
+def hard_case_paths(folder: Path, sessions: int = SESSIONS, ending: str = "mcap") -> list[Path]:
+    """Where the sessions of `write_hard_cases` go."""
+    versions = [(case, is_still) for case in CASES for is_still in (True, False)]
+    return [
+        _path(folder, case, number, ending, is_still=is_still)
+        for case, is_still in versions
+        for number in range(sessions)
+    ]
+
+
+def _path(folder: Path, case: Case, number: int, ending: str, *, is_still: bool) -> Path:
+    return folder / f"{case.name}-{'still' if is_still else 'moving'}" / f"session-{number + 1:02d}.{ending}"
+
+
+def _write(path: Path, simulated: Simulation) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path.with_suffix(".rig.yaml"), [rig_yaml(simulated.rig)])
+    write_simulation(path, simulated, f"{path.parent.name}-{simulated.number + 1:02d}")
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:

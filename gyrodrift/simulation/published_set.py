@@ -32,6 +32,8 @@ CLOSE_ENOUGH_DEG = 5e-4
 
 MOST_TRIES = 20
 
+TABLE = "twin.csv"
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -82,11 +84,9 @@ def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str 
     for number, row in enumerate(rows):
         profile = load_profile("rest" if "still" in row.name else "turntable")
         strength, session = find_strength(row, rig, profile, seed, number)
-        place = folder / row.split
-        place.mkdir(parents=True, exist_ok=True)
-        name = f"{number + 1:02d}-{re.sub(r'[^0-9A-Za-z]+', '-', row.name).strip('-')}"
-        write_whole(place / f"{name}.rig.yaml", [rig_yaml(drifting(rig, strength))])
-        path = place / f"{name}.{ending}"
+        path = _path(folder, number, row, ending)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path.with_suffix(".rig.yaml"), [rig_yaml(drifting(rig, strength))])
         write_session(path, [session])
         twins.append(Twin(row, path, strength, _mean_abs(session)))
         yield twins[-1]
@@ -95,7 +95,17 @@ def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str 
         f"{t.row.split},{t.row.name},{t.row.minutes!r},{t.row.e_euler_deg!r},{t.e_euler_deg:.6f},{t.strength!r}\n"
         for t in twins
     ]
-    write_whole(folder / "twin.csv", [header, *lines])
+    write_whole(folder / TABLE, [header, *lines])
+
+
+def twin_paths(rows: list[Row], folder: Path, ending: str = "mcap") -> list[Path]:
+    """Where the sessions of `write_twins` and their table go."""
+    return [*(_path(folder, number, row, ending) for number, row in enumerate(rows)), folder / TABLE]
+
+
+def _path(folder: Path, number: int, row: Row, ending: str) -> Path:
+    name = re.sub(r"[^0-9A-Za-z]+", "-", row.name).strip("-")
+    return folder / row.split / f"{number + 1:02d}-{name}.{ending}"
 
 
 def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session]:

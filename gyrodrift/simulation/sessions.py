@@ -16,6 +16,9 @@ from gyrodrift.progress import OnProgress, counted, untold
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
+RIG = "rig.yaml"
+"""Beside the sessions that were simulated with it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
@@ -75,16 +78,20 @@ def write_sessions(
 ) -> Iterator[Path]:
     """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / "rig.yaml", [rig_yaml(rig)])
+    write_whole(folder / RIG, [rig_yaml(rig)])
     samples = _samples(rig, minutes)
 
     def pass_on(what: str, done: int, _: int) -> None:
         progress(what, number * samples + done, sessions * samples)
 
-    for number in range(sessions):
-        path = folder / f"session-{number + 1:02d}.{ending}"
+    for number, path in enumerate(simulated_paths(folder, sessions, ending)):
         write_simulation(path, Simulation(rig, profile, seed, number, minutes), progress=pass_on)
         yield path
+
+
+def simulated_paths(folder: Path, sessions: int, ending: str = "mcap") -> list[Path]:
+    """Where the sessions of `write_sessions` go."""
+    return [folder / f"session-{number + 1:02d}.{ending}" for number in range(sessions)]
 
 
 def write_simulation(

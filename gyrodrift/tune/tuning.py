@@ -17,7 +17,7 @@ from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
 from gyrodrift.filters.filter import Filter, FilterParams
-from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.registry import PUBLISHED
 from gyrodrift.progress import OnProgress, untold
 from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
@@ -39,8 +39,8 @@ class Plan:
     evaluations: int = 3000
     seeds: tuple[int, ...] = (0,)
     method: str = "race"
-    axes: tuple[Axis, ...] = axes_of(DEFAULT)
-    filter: Filter = DEFAULT
+    axes: tuple[Axis, ...] = axes_of(PUBLISHED)
+    filter: Filter = PUBLISHED
 
 
 class Costs(Protocol):

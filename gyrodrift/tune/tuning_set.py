@@ -19,7 +19,7 @@ from gyrodrift.evaluation.dataset import (
 )
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.registry import PUBLISHED
 from gyrodrift.progress import Progress
 from gyrodrift.tune.tuning import Costs, Plan
 
@@ -42,7 +42,7 @@ class TuningSet:
         threads: int | None,
         cluster: str | None,
         progress: Progress,
-        chosen: Filter = DEFAULT,
+        chosen: Filter = PUBLISHED,
     ) -> None:
         self._sources = split_sources(sources, seed)
         self.splits = [source.split or Split.TRAIN for source in self._sources]

@@ -115,7 +115,10 @@ def _flood(folder: Path, protocol: str) -> tuple[float, float]:
     """Samples per second, and per second of processor time, of a `serve` that is never left waiting."""
     folder.mkdir()
     port, log = folder / "gyro", folder / "serve.log"
-    with metronome(port, FLOOD_SAMPLES, protocol=protocol) as device, serving(port, log=log) as serve:
+    with (
+        metronome(port, FLOOD_SAMPLES, protocol=protocol) as device,
+        serving(port, "--filter", "hdr", log=log) as serve,
+    ):
         device.wait(PATIENCE_S)
         busy_s = cpu_s(serve.pid)
         serve.terminate()

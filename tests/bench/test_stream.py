@@ -63,7 +63,10 @@ def _stream_once(folder: Path, rate_hz: float, count: int) -> None:
     port, log = folder / "gyro", folder / "serve.log"
     gc.collect()
     gc.disable()
-    with metronome(port, count, rate_hz) as device, serving(port, log=log, stdout=subprocess.PIPE) as serve:
+    with (
+        metronome(port, count, rate_hz) as device,
+        serving(port, "--filter", "hdr", log=log, stdout=subprocess.PIPE) as serve,
+    ):
         assert serve.stdout is not None
         heard = listen(serve.pid, serve.stdout.fileno(), count)
         device.wait(PATIENCE_S)

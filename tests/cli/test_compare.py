@@ -17,6 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.installation import package_command
 from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
@@ -246,7 +247,7 @@ def test_a_package_that_is_missing_is_named(
     """In the table, in the file and on the page, in place of its numbers."""
     monkeypatch.setattr("gyrodrift.compare.methods.method.find_spec", lambda name: None if name == "vqf" else name)
     assert main(["compare", str(tables / "a"), "--jobs", "1", "--out", str(tmp_path)]) == 0
-    assert "VQF: its package vqf is not installed (pip install vqf)" in capsys.readouterr().out
+    assert f"VQF: its package vqf is not installed ({package_command('vqf')})" in capsys.readouterr().out
     said = numbers(tmp_path)
     assert said["missing"] == [{"method": "vqf", "package": "vqf"}, {"method": "vqf_offline", "package": "vqf"}]
     assert not any(one["method"].startswith("vqf") for one in said["methods"])

@@ -13,7 +13,9 @@ from mcap_ros2.decoder import DecoderFactory
 from support import Command
 
 from gyrodrift.cli import main
+from gyrodrift.sample import Sample
 from gyrodrift.session.files import load_session
+from gyrodrift.session.mcap.write import McapWriter
 
 CSV = """\
 t_device_s,t_host_s,seq,rate_dps,encoder_deg,temp_c
@@ -61,14 +63,70 @@ def test_imu_is_written_for_ros_and_says_what_it_lacks(tmp_path: Path, capsys: p
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err == (
-        f"gyrodrift: {out}: sensor_msgs/msg/Imu has its rate in rad/s; "
-        "encoder angle, temperature and counter do not go along\n"
+        f"gyrodrift: {out}: has its rate in rad/s (sensor_msgs/msg/Imu); "
+        "is written without encoder angle, temperature and counter\n"
     )
     reader = make_reader(io.BytesIO(out.read_bytes()), validate_crcs=True, decoder_factories=[DecoderFactory()])
     rates = [imu.angular_velocity.z for _, _, _, imu in reader.iter_decoded_messages()]
     assert rates == [math.radians(rate_dps) for rate_dps in (0.1, -0.2, 1e-9)]
     assert main(["convert", str(out), str(tmp_path / "b.csv"), "--topic", "/imu"]) == 0
     assert load_session(tmp_path / "b.csv").rate_dps == pytest.approx(np.array([0.1, -0.2, 1e-9]))
+
+
+WITHOUT = "is written without encoder angle, temperature, counter,"
+
+
+def recorded(folder: Path) -> Path:
+    """A recording with raw bytes and events of its link, as `record --raw` writes it."""
+    path = folder / "r.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file, {"recording": {"note": "bench"}, "device": {"device_id": "7"}})
+        writer.add_all([Sample(i, i / 100, i / 100, 0.5, 0.1 * i, 25.0) for i in range(10)])
+        for i in range(4):
+            writer.add_read(b"0,0.5\n", i / 100)
+        writer.add_event("gap", 0.03, {"missing": 1})
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("target", "options", "said"),
+    [
+        ("o.csv", [], "is written without 1 link event, 4 reads of raw bytes and metadata (recording, device)"),
+        ("o.mcap", [], "is written without 1 link event and 4 reads of raw bytes"),
+        ("o.mcap", ["--as", "json"], "is written without 1 link event and 4 reads of raw bytes"),
+        (
+            "o.mcap",
+            ["--as", "imu"],
+            f"has its rate in rad/s (sensor_msgs/msg/Imu); {WITHOUT} 1 link event and 4 reads of raw bytes",
+        ),
+    ],
+)
+def test_what_a_target_has_no_room_for_is_named(
+    tmp_path: Path, target: str, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All of it, in a file that was closed and in one that was cut off."""
+    path, out = recorded(tmp_path), str(tmp_path / target)
+    for content in (path.read_bytes(), path.read_bytes()[:-200]):
+        path.write_bytes(content)
+        assert main(["convert", str(path), out, *options, "--force"]) == 0
+        assert capsys.readouterr().err == f"gyrodrift: {out}: {said}\n"
+
+
+def test_channels_of_others_and_comments_are_named_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever is not among the samples that were read."""
+    out = str(tmp_path / "o.csv")
+    assert main(["convert", str(others(tmp_path, "/a", "/b", "/c")), out, "--topic", "/b"]) == 0
+    told = capsys.readouterr().err
+    assert told == f"gyrodrift: {out}: is written without 20 messages on /a, 20 messages on /c and metadata (robot)\n"
+    commented = tmp_path / "c.csv"
+    commented.write_text(f"# bench\n{CSV}# the end\n")
+    imu = str(tmp_path / "i.mcap")
+    assert main(["convert", str(commented), imu, "--as", "imu"]) == 0
+    assert "temperature, counter and 2 comment lines\n" in capsys.readouterr().err
+    assert main(["convert", imu, out, "--force"]) == 0
+    rest = "orientation, acceleration and rates about x and y"
+    assert capsys.readouterr().err == f"gyrodrift: {out}: is written without {rest}\n"
 
 
 @pytest.mark.parametrize("options", [[], ["--as", "sample"]])

@@ -12,6 +12,7 @@ import pytest
 from support import Command, Recordings
 
 from gyrodrift.cli import main
+from gyrodrift.filters.hdr_filter import HDR as HDR_FILTER
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
@@ -68,6 +69,24 @@ def test_what_it_writes_is_a_session_too(tmp_path: Path) -> None:
     assert twice.read_text() == once.read_text()
 
 
+@pytest.mark.parametrize(("options", "columns"), [([], RESTLEVEL.columns), (["--filter", "hdr"], HDR_FILTER.columns)])
+def test_a_filter_is_chosen_without_a_file(
+    tmp_path: Path, options: list[str], columns: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Restlevel where nothing is said; a file that names no more than the filter gives the same."""
+    (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n0,0.5\n0.01,0.25\n")
+    assert main(["filter", str(tmp_path / "s.csv"), *options]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.splitlines()[0].split(",")[2:] == list(columns)
+    assert shown.err == ""
+    name = options[1] if options else "restlevel"
+    (tmp_path / "c.yaml").write_text(f"filter: {name}\n")
+    assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml")]) == 0
+    again = capsys.readouterr()
+    assert again.out == shown.out
+    assert again.err.startswith(f"gyrodrift: {tmp_path}/c.yaml: defaults are {name}.")
+
+
 def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A repeated time and a rate that is no number."""
     (tmp_path / "s.csv").write_text(SESSION)
@@ -80,7 +99,7 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
 def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path: Path) -> None:
     """4 for the data, 2 for config and place."""
     (tmp_path / "s.csv").write_text(SESSION)
-    (tmp_path / "c.yaml").write_text("hdr: {}\n")
+    (tmp_path / "c.yaml").write_text("hdr: 1\n")
     out = tmp_path / "out.csv"
     assert main(["filter", str(tmp_path / "none.csv"), "--out", str(out)]) == 4
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 2

@@ -13,6 +13,7 @@ from page_support import row, words
 from support import Recordings
 
 from gyrodrift.cli import main
+from gyrodrift.installation import extra_command
 from gyrodrift.sample import Sample
 from gyrodrift.session.files import write_session
 from gyrodrift.session.mcap.write import McapWriter
@@ -246,10 +247,8 @@ def test_without_matplotlib_the_extra_is_named(
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert main(["info", str(small), "--picture", str(tmp_path / "s.png")]) == 2
     shown = capsys.readouterr()
-    assert (shown.out, shown.err) == (
-        "",
-        "gyrodrift: --picture needs the package matplotlib: pip install 'gyrodrift[lab]'\n",
-    )
+    command = extra_command("lab")
+    assert (shown.out, shown.err) == ("", f"gyrodrift: --picture needs the package matplotlib: {command}\n")
 
 
 def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

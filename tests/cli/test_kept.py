@@ -97,9 +97,98 @@ def test_hard_cases_do_not_replace_those_of_another_seed(tmp_path: Path, capsys:
     assert "and 23 more: already recorded" in capsys.readouterr().err
 
 
-def test_what_a_target_has_no_room_for_is_named_before_it_is_left_out(
-    session: Path, capsys: pytest.CaptureFixture[str]
+@pytest.fixture
+def places(tmp_path: Path, session: Path) -> dict[str, Path]:
+    """An input of every kind, and a folder in which each name that a command writes is one of them."""
+    rig, config, profile = (tmp_path / f"{name}.yaml" for name in ("a-rig", "a-config", "a-profile"))
+    rig.write_text("base: {encoder_cpr: 4096}\n")
+    config.write_text("filter: restlevel\n")
+    profile.write_text("about: at rest\nsegments: [{kind: rest, seconds: 1}]\n")
+    return {"session": session, "rig": rig, "config": config, "profile": profile, "out": tmp_path / "out"}
+
+
+@pytest.mark.parametrize(
+    ("words", "lost", "name"),
+    [
+        ("tune {session} --out {out}/my.yaml", "session", "my.yaml"),
+        ("tune {session} --out {out}/my.yaml", "session", "my.progress.npz"),
+        ("tune {session} --out {out}/my.yaml --report {out}", "session", "tune.json"),
+        ("tune {session} --out {out}/my.yaml --report {out}", "session", "report.html"),
+        ("compare {session} --out {out}", "session", "compare.json"),
+        ("compare {session} --config {config} --out {out}", "config", "compare.html"),
+        ("diagnose {session} --rig {rig} --out {out}", "rig", "rig.yaml"),
+        ("diagnose {rig} --baseline {session} --out {out}", "session", "gap.json"),
+        ("info {session} --picture {out}/view.png", "session", "view.png"),
+        ("demo --rig {rig} --svg {out}/view.svg", "rig", "view.svg"),
+        ("demo --config {config} --svg {out}/view.svg", "config", "view.svg"),
+        ("demo --profile {profile} --svg {out}/view.svg", "profile", "view.svg"),
+        ("filter {session} --config {config} --out {out}/yaw.csv --force", "config", "yaw.csv"),
+        ("simulate --profile {profile} --out {out} --force", "profile", "session-01.mcap"),
+        ("simulate --profile {profile} --out {out} --force", "profile", "rig.yaml"),
+        ("simulate --rig {rig} --out {out} --force", "rig", "rig.yaml"),
+    ],
+)
+def test_whatever_a_command_reads_stays(
+    places: dict[str, Path], words: str, lost: str, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Only what the session has."""
-    assert main(["convert", str(session), str(session.with_suffix(".mcap")), "--as", "imu"]) == 0
-    assert capsys.readouterr().err.endswith("rad/s; encoder angle does not go along\n")
+    """Under every name that it would write to, by a link of either kind."""
+    before = places[lost].read_bytes()
+    out = places["out"]
+    for link in ("symlink_to", "hardlink_to"):
+        out.mkdir(exist_ok=True)
+        getattr(out / name, link)(places[lost])
+        assert main(words.format(**places).split()) == 2
+        said = capsys.readouterr().err
+        assert f"{out / name}: is the input {places[lost]} itself, which is never written over" in said
+        assert places[lost].read_bytes() == before
+        assert (out / name).samefile(places[lost])
+        (out / name).unlink()
+
+
+def test_a_session_is_no_name_for_a_device(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whether it is the one that is played or another."""
+    for path in spellings(session):
+        assert main(["replay", str(session), "--link", str(path)]) == 3
+        assert f"{path} exists and is not a link to a pty" in capsys.readouterr().err
+    assert session.read_text() == CSV
+
+
+def test_a_table_of_other_people_is_kept_like_a_session(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever its columns and the comments before them; so is a recording under another ending."""
+    other = session.with_name("other.csv")
+    other.write_text("# bench 7\n\ntime;gz\n0;1\n")
+    hidden = session.with_name("recording.bak")
+    assert main(["convert", str(session), str(session.with_suffix(".mcap"))]) == 0
+    session.with_suffix(".mcap").rename(hidden)
+    for target in (other, hidden):
+        before = target.read_bytes()
+        assert main(["filter", str(session), "--out", str(target)]) == 2
+        assert f"{target}: already recorded; --force" in capsys.readouterr().err
+        assert target.read_bytes() == before
+
+
+def test_a_link_that_leads_in_a_circle_is_no_input(session: Path) -> None:
+    """It is replaced by what was asked for."""
+    loop = session.with_name("loop.csv")
+    loop.symlink_to(loop)
+    assert main(["filter", str(session), "--out", str(loop)]) == 0
+    assert not loop.is_symlink()
+
+
+def test_a_rig_of_other_sessions_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One that a person wrote, say, and forgot to name; the same one may be written again."""
+    words = ["simulate", "--out", str(tmp_path), "--minutes", "0.05"]
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base: {encoder_cpr: 4096}\n")
+    assert main(words) == 2
+    assert f"{rig}: is another rig than the one to be simulated; --force" in capsys.readouterr().err
+    assert rig.read_text() == "base: {encoder_cpr: 4096}\n"
+    assert main([*words, "--force"]) == 0
+    assert main([*words, "--format", "csv"]) == 0
+
+
+def test_a_picture_of_the_demo_is_no_other_file(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has to be called one."""
+    assert main(["demo", "--svg", str(session)]) == 2
+    assert "a picture ends in .svg" in capsys.readouterr().err
+    assert session.read_text() == CSV

@@ -1,13 +1,15 @@
 """The command line as a whole: help, mistakes, exit statuses."""
 
+import platform
 import re
 import shlex
-from importlib import import_module
+import sys
+from pathlib import Path
 
 import pytest
 from support import Command
 
-from gyrodrift import __version__
+import gyrodrift
 from gyrodrift.cli import COMMANDS, main, parser_of
 
 
@@ -30,7 +32,7 @@ def test_every_command_has_help_with_units_and_exit_statuses(command: str, capsy
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_examples_of_every_command_are_understood(command: str) -> None:
     """Two or three, of that command, and shown."""
-    examples = import_module(f"gyrodrift.cli.{command}").EXAMPLES.splitlines()
+    examples = command_of(command).EXAMPLES.splitlines()
     assert 2 <= len(examples) <= 3
     for line in examples:
         assert line in parser_of(command).format_help()
@@ -57,18 +59,22 @@ def test_help_lists_the_commands() -> None:
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """As every tool does."""
+    """And which copy of the program that is, run by which Python."""
     with pytest.raises(SystemExit) as ended:
         main(["--version"])
     assert ended.value.code == 0
-    assert capsys.readouterr().out == f"gyrodrift {__version__}\n"
+    package = Path(gyrodrift.__file__).parent
+    expected = (
+        f"gyrodrift {gyrodrift.__version__} from {package} (Python {platform.python_version()}, {sys.executable})"
+    )
+    assert capsys.readouterr().out == f"{expected}\n"
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["serv"], "gyrodrift: serv: there is no such command; did you mean serve?"),
-        (["xyz"], "gyrodrift: xyz: there is no such command; there are serve, record"),
+        (["xyz"], "gyrodrift: xyz: there is no such command; there are serve, ctl"),
         ([], "usage: gyrodrift COMMAND"),
         (["--verbose", "serve"], "gyrodrift: 'serve' stands behind options"),
         (["help", "tun"], "gyrodrift: tun: there is no such command; did you mean tune?"),

@@ -257,7 +257,7 @@ def test_mistakes_are_one_line(port: Path, out: Path, options: list[str], status
 
 
 def test_a_terminal_shows_how_it_goes(port: Path, out: Path) -> None:
-    """On stderr, one line written over and over: time, rate, gaps, damaged, size, disk."""
+    """On stderr, one line written over and over: time, yaw, rate, gaps, damaged, size, disk."""
     master, slave = pty.openpty()
     command = [sys.executable, "-m", "gyrodrift", "record", "--port", str(port), "--out", str(out), "--duration", "1"]
     with speaking_on(port) as device:
@@ -276,6 +276,7 @@ def test_a_terminal_shows_how_it_goes(port: Path, out: Path) -> None:
         os.close(master)
     line = [part for part in shown.decode().split("\r\x1b[K") if " Hz" in part and "samples" in part][-1]
     assert " 90 samples   0 gaps   0 damaged   " in line
+    assert "   yaw " in line
     assert " GB left" in line
 
 

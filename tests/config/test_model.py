@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -18,6 +19,9 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 
 KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs")
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
+
+HDR_DEFAULTS = ("i_c_dps: 0.0006", "tau_s: 0.9447", "theta_w_dps: 0.5608", "c1: 0.7839", "c2: 1.2161")
+RESTLEVEL_DEFAULTS = tuple(f"restlevel.{name}: {value:g}" for name, value in asdict(RestlevelParams()).items())
 
 
 def problems(tmp_path: Path, text: str | bytes) -> list[str]:
@@ -50,15 +54,68 @@ def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
     ]
 
 
-def test_the_filter_that_is_named_has_to_have_its_block(tmp_path: Path) -> None:
-    """Whatever else stands in the file."""
-    (said,) = problems(tmp_path, GOOD + "filter: restlevel\n")
-    assert said.startswith("c.yaml:1:1 restlevel: is missing; expected a block with window_s, quiet, turn_on_dps,")
-    given = asdict(RestlevelParams()) | {"still_start": 1, "rest_share": "often"}
-    assert problems(tmp_path, f"filter: restlevel\nrestlevel: {json.dumps(given)}\n") == [
-        "c.yaml:2:110 restlevel.still_start: is 1; expected a number from 0 to below 1",
-        "c.yaml:2:128 restlevel.rest_share: is 'often' (text); expected a number from 0 to below 1",
+@pytest.mark.parametrize(
+    ("text", "config"),
+    [
+        ("filter: hdr\n", Config("hdr", {}, None, tuple(f"hdr.{line}" for line in HDR_DEFAULTS))),
+        ("{}\n", Config("restlevel", {}, None, ("filter: restlevel", *RESTLEVEL_DEFAULTS))),
+        ("sample_rate_hz: 50\n", Config("restlevel", {}, 50.0, ("filter: restlevel", *RESTLEVEL_DEFAULTS))),
+        (
+            "filter: restlevel\nrestlevel: {window_s: 0.5}\n",
+            Config("restlevel", {"restlevel": RestlevelParams(window_s=0.5)}, None, RESTLEVEL_DEFAULTS[1:]),
+        ),
+        (
+            "hdr:\n  # tau_s: 1\n",
+            Config("hdr", {"hdr": HdrParams()}, None, tuple(f"hdr.{line}" for line in HDR_DEFAULTS)),
+        ),
+        (
+            "restlevel:\n",
+            Config("restlevel", {"restlevel": RestlevelParams()}, None, RESTLEVEL_DEFAULTS),
+        ),
+        (
+            f"filter: restlevel\n{GOOD}",
+            Config("restlevel", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)}, None, RESTLEVEL_DEFAULTS),
+        ),
+        (GOOD, Config("hdr", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)})),
+    ],
+)
+def test_what_is_left_out_has_a_default_and_is_told(tmp_path: Path, text: str, config: Config) -> None:
+    """The filter, a block, keys of a block; a filter that is not named is that of the block."""
+    path = tmp_path / "c.yaml"
+    path.write_text(text)
+    assert load_config(path) == config
+    assert load_config(path).params == config.params
+
+
+def test_units_are_those_of_the_parameters(tmp_path: Path) -> None:
+    """A drift is no time; and each line is one mistake."""
+    text = "restlevel:\n" + "".join(f"  {name}: -1\n" for name in asdict(RestlevelParams()))
+    assert [problem.partition("expected ")[2] for problem in problems(tmp_path, text)] == [
+        "a number above 0 up to 60 s",
+        "a number above 0 up to 100",
+        "a number above 0 up to 1000 deg/s",
+        "a number from 0 to 10 deg/s/√s",
+        "a number from 0 to 10 deg/s²",
+        "a number from 0 to below 1",
+        "a number from 0 to below 1",
+        "a number from 0 to 100 %",
     ]
+    text = "hdr: {i_c_dps: -1, theta_w_dps: 0}\n"
+    assert [problem.partition("expected ")[2] for problem in problems(tmp_path, text)] == [
+        "a number from 0 to 10 deg/s per sample",
+        "a number above 0 up to 2000 deg/s",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("named", "meant"), [("HDR", "hdr"), ("hrd", "hdr"), ("restlvl", "restlevel"), ("Rest_Level", "restlevel")]
+)
+def test_a_filter_written_wrongly_is_one_mistake(tmp_path: Path, named: str, meant: str) -> None:
+    """Whatever blocks there are."""
+    for rest in ("", GOOD, "restlevel: {quiet: 4}\n"):
+        assert problems(tmp_path, f"filter: {named}\n{rest}") == [
+            f"c.yaml:1:1 filter: is {named!r} (text); did you mean {meant}?"
+        ]
 
 
 def test_the_shipped_config_is_valid() -> None:
@@ -69,15 +126,15 @@ def test_the_shipped_config_is_valid() -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", "c.yaml:1:1 is empty; expected a block hdr: with i_c_dps, tau_s, theta_w_dps, c1, c2"),
-        ("# nothing\n", "c.yaml:1:1 is empty; expected a block hdr: with i_c_dps, tau_s, theta_w_dps, c1, c2"),
-        ("just words", "c.yaml:1:1 holds 'just words' (text); expected keys such as hdr:"),
-        ("- 1\n", "c.yaml:1:1 holds a list; expected keys such as hdr:"),
+        ("", "c.yaml:1:1 is empty; expected at least filter: hdr or filter: restlevel"),
+        ("# nothing\n", "c.yaml:1:1 is empty; expected at least filter: hdr or filter: restlevel"),
+        ("just words", "c.yaml:1:1 holds 'just words' (text); expected keys such as filter: hdr or filter: restlevel"),
+        ("- 1\n", "c.yaml:1:1 holds a list; expected keys such as filter: hdr or filter: restlevel"),
         ("hdr: [1, 2\n", "c.yaml:2:1 is not YAML: did not find expected ',' or ']'"),
         ("a: b: c\n", "c.yaml:1:5 is not YAML: mapping values are not allowed in this context"),
         (b"hdr:\n  \xff\xfe\n", "c.yaml:2:1 is not text: byte 0xff is not UTF-8"),
-        ("filter: hdr\n", "c.yaml:1:1 hdr: is missing; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
-        ("hdr:\n", "c.yaml:1:1 hdr: is empty; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
+        ("filter:\n", "c.yaml:1:1 filter: is empty; expected hdr or restlevel"),
+        ("hdr: 1\n", "c.yaml:1:1 hdr: is 1; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
         (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr or restlevel"),
         (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
         (
@@ -114,7 +171,6 @@ def test_all_mistakes_are_told_at_once_in_the_order_of_the_file(tmp_path: Path) 
     places = [problem.split(" ")[:2] for problem in problems(tmp_path, text)]
     assert places == [
         ["c.yaml:1:1", "filtr:"],
-        ["c.yaml:2:1", "hdr.tau_s:"],
         ["c.yaml:3:3", "hdr.i_c_dps:"],
         ["c.yaml:4:3", "hdr.tau:"],
         ["c.yaml:5:3", "hdr.theta_w_dps:"],
@@ -140,7 +196,7 @@ def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
         (GOOD.replace(".5", "1" * 5000), "hdr.tau_s: is inf"),
         (f"sample_rate_hz: {'9' * 400}", "sample_rate_hz: is inf"),
         (GOOD.replace(".5", f"'{'x' * 5000}'"), "hdr.tau_s: is 'xxx"),
-        ("\n".join(f"k{i}: 1" for i in range(9000)), "8981 mistakes more"),
+        ("\n".join(f"k{i}: 1" for i in range(9000)), "8980 mistakes more"),
         ("a" * 200_000, "is larger than 128 KiB"),
     ],
 )
@@ -172,8 +228,8 @@ def test_any_bytes_are_a_config_or_a_config_error(tmp_path_factory: pytest.TempP
     """Never another exception."""
     path = tmp_path_factory.mktemp("any") / "c.yaml"
     path.write_bytes(content)
-    with pytest.raises(ConfigError):
-        load_config(path)
+    with suppress(ConfigError):
+        assert isinstance(load_config(path), Config)
 
 
 def test_changes_are_told_key_by_key() -> None:

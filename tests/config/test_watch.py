@@ -56,8 +56,19 @@ def test_a_file_that_is_away_for_a_moment_changes_nothing(path: Path) -> None:
     watch = ConfigWatch(path)
     path.unlink()
     assert watch.poll() is None
+    assert not watch.is_gone
     path.write_text(BLOCK.format(tau_s=4))
     assert watch.poll() is not None
+
+
+def test_a_file_that_stays_away_is_gone_until_it_is_back(path: Path) -> None:
+    """As it was, or as another one; the last config stays."""
+    watch = ConfigWatch(path)
+    path.rename(path.with_name("away"))
+    assert [(watch.poll(), watch.is_gone) for _ in range(3)] == [(None, False), (None, True), (None, True)]
+    assert _tau_s(watch.config) == 1.0
+    path.with_name("away").rename(path)
+    assert (watch.poll(), watch.is_gone) == (None, False)
 
 
 def test_a_file_with_mistakes_is_told_once_and_the_old_config_stays(path: Path) -> None:

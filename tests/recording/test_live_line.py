@@ -11,15 +11,20 @@ import tty
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from random import Random
 from types import SimpleNamespace
 from typing import TextIO, cast
 
 import pytest
 
+from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.link.link import Link
 from gyrodrift.recording import live_line
 from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
+from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
+from gyrodrift.sample import Sample
 
 QUIET_S = 0.2
 
@@ -30,7 +35,9 @@ class Going:
     def __init__(self, stream: TextIO) -> None:
         self.link = SimpleNamespace(name="/dev/gyro", counters=SimpleNamespace(gaps=0), decoder=None)
         self.recorder = SimpleNamespace(samples=0, size_bytes=0, options=SimpleNamespace(folder=Path("/")))
-        self.line = LiveLine(cast("Link", self.link), cast("Recorder", self.recorder), stream)
+        self.line = LiveLine(
+            cast("Link", self.link), cast("Recorder", self.recorder), LiveYaw(RESTLEVEL, RestlevelParams()), stream
+        )
 
     def go_on(self, now_s: float, samples: int, size_bytes: int) -> str:
         self.recorder.samples, self.recorder.size_bytes = samples, size_bytes
@@ -85,14 +92,16 @@ def test_it_waits_until_samples_come() -> None:
     assert Going(io.StringIO()).go_on(5.0, 0, 400) == "waiting for samples on /dev/gyro"
 
 
-def test_it_tells_time_rate_gaps_damage_size_and_how_long_the_disk_will_do() -> None:
+def test_it_tells_time_yaw_rate_gaps_damage_size_and_how_long_the_disk_will_do() -> None:
     """The rate over the last two seconds or so, the time since the first sample."""
     going = Going(io.StringIO())
     going.go_on(10.0, 100, 1_000_000)
     going.link.counters.gaps = 2
     going.link.decoder = SimpleNamespace(counters=SimpleNamespace(damaged=7))
     said = going.go_on(12.0, 300, 3_000_000)
-    assert said == "0:00:02   100.0 Hz   300 samples   2 gaps   7 damaged   3.0 MB   36.0 GB left for 10 h"
+    assert (
+        said == "0:00:02   yaw +0.0 deg   100.0 Hz   300 samples   2 gaps   7 damaged   3.0 MB   36.0 GB left for 10 h"
+    )
 
 
 def test_the_rate_is_that_of_the_last_moments() -> None:
@@ -160,8 +169,10 @@ def test_the_log_clears_the_line_and_ends_its_own() -> None:
     assert stream.getvalue() == f"{CLEAR}level=info event=gap\n"
 
 
-def test_it_takes_nothing_and_has_nothing_for_the_log() -> None:
-    """The counters tell."""
-    line = Going(io.StringIO()).line
-    line.take([])
-    assert line.stats() == {}
+def test_yaw_is_that_of_the_filter() -> None:
+    """A bias of 0.35 deg/s from a rest, then a turn of 90 degrees; nothing of it is for the log."""
+    going = Going(io.StringIO())
+    rates_dps, noise = [0.35] * 1000 + [90.35] * 100 + [0.35] * 100, Random(1)
+    going.line.take([Sample(n, n / 100, n / 100, rate + noise.gauss(0.0, 0.03)) for n, rate in enumerate(rates_dps)])
+    assert "   yaw +90.0 deg   " in going.go_on(12.0, 1200, 100_000)
+    assert going.line.stats() == {}

@@ -41,7 +41,7 @@ def served(
     faulty = [word for fault in faults for word in ("--fault", fault)]
     with Command("--link", link, "--wait", *options, *faulty, module="firmware_sim") as device:
         device.until(lambda _: link.is_symlink(), "link")
-        with Command("serve", "--port", link, "--baud", baud, "--log-format", "json") as serve:
+        with Command("serve", "--port", link, "--baud", baud, "--filter", "hdr", "--log-format", "json") as serve:
             yield serve, device
 
 

@@ -20,7 +20,7 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.link.protocols.registry import listed
@@ -34,16 +34,25 @@ def spoken(protocol: str, count: int) -> list[bytes]:
     return [frame.content for frame in islice(frames, count)]
 
 
-def test_every_sample_becomes_a_line_with_the_yaw_of_the_filter(port: Path) -> None:
-    """What stepping through the same samples gives, to the last digit that is written."""
-    frames = spoken("native", 606)
-    c, state, expected = coefficients(HdrParams()), HdrState(), []
+@pytest.mark.parametrize(
+    ("options", "name", "certain"),
+    [
+        ([], "restlevel", {"yaw_sigma_deg", "confidence", "bias_sigma_dps", "rest_probability"}),
+        (["--filter", "hdr"], "hdr", set()),
+    ],
+)
+def test_every_sample_becomes_a_line_with_the_yaw_of_the_filter(
+    port: Path, options: list[str], name: str, certain: set[str]
+) -> None:
+    """What stepping through the same samples gives, to the last digit that is written, at the filter's defaults."""
+    frames, chosen = spoken("native", 606), FILTERS[name]
+    c, state, expected = chosen.coefficients(chosen.params()), chosen.state(), []
     for reading in NativeDecoder().push(b"".join(frames)):
         assert reading.t_us is not None
-        step(c, state, reading.t_us / 1e6, reading.rate_dps)
-        rounded = (round(reading.rate_dps, 5), round(state.yaw_deg, 4), round(-state.i_dps, 5))
+        chosen.step(c, state, reading.t_us / 1e6, reading.rate_dps)
+        rounded = (round(reading.rate_dps, 5), round(state.yaw_deg, 4), round(state.bias_dps, 5))
         expected.append((reading.seq, reading.t_us / 1e6, *rounded))
-    with speaking_on(port) as device, Command("serve", "--port", port) as serve:
+    with speaking_on(port) as device, Command("serve", "--port", port, *options) as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(frames), never)
         lines = serve.take_lines(len(expected))
@@ -51,7 +60,20 @@ def test_every_sample_becomes_a_line_with_the_yaw_of_the_filter(port: Path) -> N
     got = [(x["seq"], x["t_s"], x["rate_dps"], x["yaw_deg"], x["bias_dps"]) for x in lines]
     assert got == expected
     assert all(x["corrected_dps"] == near(x["rate_dps"] - x["bias_dps"], 1.6e-5) for x in lines)
-    assert set(lines[0]) == {"seq", "t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps", "encoder_deg", "temp_c"}
+    keys = {"seq", "t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps", "encoder_deg", "temp_c"}
+    assert set(lines[0]) == keys | certain
+    assert f"event=filter_chosen name={name} parameters=defaults" in serve.log
+
+
+def test_what_runs_without_a_word_keeps_yaw_on_the_shipped_rig(port: Path) -> None:
+    """20 s with a bias of 0.35 deg/s, which plain integration makes seven degrees of."""
+    with Command("--link", port, "--speed", "max", "--duration", "20", module="firmware_sim") as device:
+        device.until_log("native on")
+        with Command("serve", "--port", port) as serve:
+            last = serve.take_lines(2000)[-1]
+            serve.stop()
+    assert abs(last["yaw_deg"] - last["encoder_deg"]) < 1.0
+    assert last["bias_dps"] == pytest.approx(0.35, abs=0.03)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -133,6 +155,30 @@ def test_an_invalid_change_is_refused_whole_and_the_old_config_stays(port: Path,
         assert serve.stop() == 0
 
 
+def test_defaults_are_told_and_so_is_a_file_that_is_gone_for_a_while(port: Path, tmp_path: Path) -> None:
+    """Each once; what was learnt stays, and the file that comes back is followed again."""
+    config = tmp_path / "c.yaml"
+    config.write_text("filter: hdr\nhdr: {tau_s: 0.5}\n")
+    frames = spoken("csv", 300)
+    with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
+        serve.until_log("config_completed")
+        told = "defaults=\"['hdr.i_c_dps: 0.0006', 'hdr.theta_w_dps: 0.5608', 'hdr.c1: 0.7839', 'hdr.c2: 1.2161']\""
+        assert told in serve.log
+        device.wait_for_reader(never)
+        device.send_all(b"".join(frames[:100]), never)
+        before = serve.take_lines(99)[-1]
+        config.rename(tmp_path / "away")
+        serve.until_log("config_gone")
+        device.send_all(b"".join(frames[100:200]), never)
+        after = serve.take_lines(100)
+        config.write_text("filter: hdr\nhdr: {tau_s: 0.25}\n")
+        serve.until_log("hdr.tau_s: 0.5 → 0.25")
+        assert serve.stop() == 0
+    assert abs(after[0]["bias_dps"] - before["bias_dps"]) < 0.001
+    events = [line.split("event=")[1].split(" ")[0] for line in serve.log.splitlines() if "event=config_" in line]
+    assert events == ["config_completed", "config_gone", "config_back", "config_applied"]
+
+
 def test_a_stream_of_another_rate_than_the_config_is_warned_of(port: Path, tmp_path: Path) -> None:
     """Its numbers count samples."""
     config = tmp_path / "c.yaml"
@@ -151,7 +197,7 @@ def test_a_device_that_comes_back_goes_on_with_yaw_and_drift_estimate(port: Path
     with ExitStack() as stack:
         first = stack.enter_context(ExitStack())
         device = first.enter_context(speaking_on(port))
-        serve = stack.enter_context(Command("serve", "--port", port))
+        serve = stack.enter_context(Command("serve", "--port", port, "--filter", "hdr"))
         device.wait_for_reader(never)
         device.send_all(frames, never)
         before = serve.take_lines(297)[-1]
@@ -262,6 +308,11 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
         (["--port", "{port}", "--rate", "0"], 2, "gyrodrift: --rate 0: expected a number above 0"),
         (["--port", "{port}", "--timeout", "0.3"], 3, "gyrodrift: {port}: the device said nothing within 0.3 s"),
         (["--port", "{port}", "--config", "nowhere.yaml"], 2, "gyrodrift: nowhere.yaml:1:1 cannot be read"),
+        (
+            ["--port", "{port}", "--config", "c.yaml", "--filter", "hdr"],
+            2,
+            "gyrodrift: serve: argument --filter:",
+        ),
         (["--port"], 2, "gyrodrift: serve: argument --port: expected one argument"),
         ([], 2, "gyrodrift: serve: the following arguments are required: --port"),
     ],

@@ -16,6 +16,7 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.uncertainty import Uncertainty
 from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
+from gyrodrift.installation import package_command
 
 DIGITS = 3
 
@@ -153,7 +154,7 @@ def e_cell(score: Score) -> str:
 
 def absence(method: Method) -> str:
     """Why a method has no numbers."""
-    return f"its package {method.package} is not installed (pip install {method.package})"
+    return f"its package {method.package} is not installed ({package_command(method.package)})"
 
 
 def _by_folder(comparison: Comparison) -> list[str]:

@@ -13,7 +13,7 @@ from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference, reference_of
 from gyrodrift.evaluation.space import axes_of, values_of
-from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.registry import PUBLISHED
 from gyrodrift.session.session import Session
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
@@ -99,7 +99,7 @@ def _as_session(recording: Recording) -> Session:
 def _tuned(references: Sequence[Reference]) -> Floats:
     """(1, 5) parameters."""
     with Cost(references) as cost:
-        axes = axes_of(DEFAULT)
+        axes = axes_of(PUBLISHED)
         objective = Objective(cost.pi, axes, EVALUATIONS)
         run_to_budget(METHODS["race"](), objective, 0)
         return values_of(axes, objective.cube[objective.best][np.newaxis])

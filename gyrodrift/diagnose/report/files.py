@@ -16,6 +16,9 @@ from gyrodrift.files import write_whole
 SHOWN = 3
 PROFILE = "next-profile.yaml"
 
+NAMES = ("gap.json", "rig.yaml", PROFILE, "report.html")
+"""Of all files of a diagnosis."""
+
 
 def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     """`gap.json`, `rig.yaml` and the next motion where there is one, each whole or not at all.

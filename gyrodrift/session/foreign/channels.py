@@ -1,7 +1,7 @@
 """The channels of an MCAP file that others wrote: which ones have messages, and which one to read."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,14 +42,22 @@ class Messages:
 
 @dataclass(frozen=True, slots=True)
 class ForeignFile:
-    """What a file holds: its channels that have messages, by id, and its metadata, by name."""
+    """What a file holds: its channels that have messages, by id, its metadata, by name, and how many attachments."""
 
     channels: dict[int, Messages]
     metadata: dict[str, dict[str, str]]
+    attachments: int = 0
 
 
-def contents_of(records: Iterable[ForeignRecord]) -> ForeignFile:
+def contents_of(records: Iterable[ForeignRecord], counted: Mapping[int, int] | None = None) -> ForeignFile:
     """Read a file once for what it declares, and count.
+
+    Parameters
+    ----------
+    records
+        Of the file.
+    counted
+        Messages that are not among the records, by channel.
 
     Raises
     ------
@@ -59,7 +67,8 @@ def contents_of(records: Iterable[ForeignRecord]) -> ForeignFile:
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     metadata: dict[str, dict[str, str]] = {}
-    counts: Counter[int] = Counter()
+    counts = Counter(counted or {})
+    attachments = 0
     for record in records:
         match record.opcode:
             case Opcode.MESSAGE:
@@ -73,7 +82,10 @@ def contents_of(records: Iterable[ForeignRecord]) -> ForeignFile:
             case Opcode.METADATA:
                 table = metadata_of(record.body)
                 metadata[table.name] = table.metadata
-    return ForeignFile({key: _declared(key, count, channels, schemas) for key, count in counts.items()}, metadata)
+            case Opcode.ATTACHMENT:
+                attachments += 1
+    found = {key: _declared(key, count, channels, schemas) for key, count in counts.items()}
+    return ForeignFile(found, metadata, attachments)
 
 
 def _declared(channel_id: int, count: int, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Messages:

@@ -136,8 +136,11 @@ def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes
     tail = os.pread(file.fileno(), length, end)
     if closing.startswith(tail) or _is_torn_record(tail):
         return None
-    saved = path.with_name(f"{path.name}.tail")
-    with saved.open("wb") as copy:
+    saved, number = path.with_name(f"{path.name}.tail"), 1
+    while os.path.lexists(saved):  # an earlier one, or whatever it is
+        number += 1
+        saved = path.with_name(f"{path.name}.tail_{number}")
+    with saved.open("xb") as copy:
         for block in _blocks(file, end, walk.size):
             copy.write(block)
         copy.flush()

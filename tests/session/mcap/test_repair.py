@@ -144,6 +144,11 @@ def test_bytes_that_are_no_torn_record_are_kept_beside(tmp_path: Path) -> None:
     assert done.tail == tmp_path / "s.mcap.tail"
     assert done.tail.read_bytes() == garbage
     assert len(public(path)) == 20
+    path.write_bytes(written() + garbage[1:])
+    again = repair(path)
+    assert again is not None
+    assert again.tail == tmp_path / "s.mcap.tail_2"
+    assert (again.tail.read_bytes(), done.tail.read_bytes()) == (garbage[1:], garbage)
 
 
 def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:

@@ -1,0 +1,89 @@
+"""The wheel, as `pipx install .` builds it: installed into an environment of its own, run from a folder of its own."""
+
+import shlex
+import subprocess
+import sys
+import venv
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import gyrodrift
+
+ROOT = Path(__file__).parent.parent
+
+pytestmark = pytest.mark.xdist_group("wheel")  # it is built once
+
+WITHOUT_CMA = "import sys; sys.modules['cma'] = None; from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
+
+
+@dataclass(frozen=True)
+class Installed:
+    """A Python with gyrodrift, and a folder that has nothing to do with where it comes from."""
+
+    bin: Path
+    folder: Path
+
+    def run(self, *words: str | Path) -> "subprocess.CompletedProcess[str]":
+        command = [str(self.bin / words[0]), *map(str, words[1:])]
+        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """From a wheel that was just built; what it depends on is that of the tests."""
+    pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
+    subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
+    (wheel,) = folder.glob("*.whl")
+    venv.create(folder / "venv", with_pip=False)
+    python = folder / "venv" / "bin" / "python"
+    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)]
+    subprocess.run(install, capture_output=True, check=True)
+    (site,) = (folder / "venv" / "lib").glob("python*/site-packages")
+    (site / "of-the-tests.pth").write_text("".join(f"{p}\n" for p in sys.path if p.endswith("site-packages")))
+    place = folder / "elsewhere"
+    place.mkdir()
+    return Installed(python.parent, place)
+
+
+def test_it_says_where_it_runs_from(installed: Installed) -> None:
+    """In its own environment, and not in the clone that it was built from."""
+    done = installed.run("gyrodrift", "--version")
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"gyrodrift {gyrodrift.__version__} from {installed.bin.parent}/lib/")
+    assert f"{installed.bin}/python" in done.stdout
+
+
+def test_its_types_are_for_others_too(installed: Installed) -> None:
+    """Both packages are marked as typed."""
+    (site,) = (installed.bin.parent / "lib").glob("python*/site-packages")
+    assert (site / "gyrodrift" / "py.typed").is_file()
+    assert (site / "firmware_sim" / "py.typed").is_file()
+
+
+def test_rigs_profiles_and_config_are_inside(installed: Installed) -> None:
+    """A simulated session is filtered, and the demo runs with what is shipped."""
+    simulated = installed.run("gyrodrift", "simulate", "--out", "s", "--minutes", "0.05", "--profile", "identify")
+    assert (simulated.returncode, simulated.stderr) == (0, "s/session-01.mcap\n")
+    filtered = installed.run("gyrodrift", "filter", "s/session-01.mcap", "--out", "yaw.csv")
+    assert (filtered.returncode, filtered.stderr) == (0, "")
+    assert "yaw_sigma_deg" in (installed.folder / "yaw.csv").read_text().splitlines()[0]
+    demo = installed.run("gyrodrift", "demo", "--duration", "2", "--speed", "20")
+    assert (demo.returncode, demo.stderr) == (0, "")
+    assert "gyrodrift        mean |error|" in demo.stdout
+
+
+@pytest.mark.parametrize("where", ["wheel", "clone"])
+def test_the_command_that_a_message_gives_installs_the_extra(where: str, installed: Installed) -> None:
+    """Asking no index for gyrodrift itself; here its packages are there already."""
+    one = installed if where == "wheel" else Installed(Path(sys.executable).parent, installed.folder)
+    done = one.run("python", "-c", WITHOUT_CMA, "tune", "s", "--out", "found.yaml")
+    assert done.returncode == 2
+    said, _, command = done.stderr.rstrip("\n").partition(": ")[2].partition(": ")
+    assert said == "tune needs the package cma"
+    tried = subprocess.run([*shlex.split(command), "--no-index"], capture_output=True, text=True, check=False)
+    assert tried.returncode == 0, tried.stderr
+    assert "Requirement already satisfied: gyrodrift[lab]" in tried.stdout
