@@ -10,7 +10,7 @@ import pytest
 from support import Command
 
 import gyrodrift
-from gyrodrift.cli import COMMANDS, main, parser_of
+from gyrodrift.cli import COMMANDS, command_of, main, parser_of
 
 
 @pytest.mark.parametrize("command", COMMANDS)
