@@ -7,7 +7,7 @@ by two, and a list of hypotheses that is made anew at each constant-rate segment
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import cauchy, norm
 
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.model import RestlevelParams
@@ -63,6 +63,7 @@ class ReferenceHypothesis:
     was_at_rest: bool = False
     moving_s: float = 0.0
     is_unexpected_bias: bool = False
+    held_back: float = 1.0
     checkpoint: tuple[float, Floats, float] = (0.0, np.zeros((2, 2)), 0.0)
 
 
@@ -104,8 +105,8 @@ def first_kalman_update(
     h = replace(h, is_unexpected_bias=not h.knows_bias or innovation > 3.0 * np.sqrt(h.cov[1, 1] + var))
     if h.knows_bias:
         return kalman_update(h, mean_dps, var, (p.drift_dps_s * min(h.moving_s, 20.0)) ** 2)
-    typical = norm.logpdf(mean_dps, scale=np.sqrt(p.turn_on_dps**2 + var)) + np.log(0.97)
-    wide = norm.logpdf(mean_dps, scale=np.sqrt(16.0 * p.turn_on_dps**2 + var)) + np.log(0.03)
+    typical = norm.logpdf(mean_dps, scale=np.sqrt(h.cov[1, 1] + var)) + np.log(0.97)
+    wide = norm.logpdf(mean_dps, scale=np.sqrt(16.0 * h.cov[1, 1] + var)) + np.log(0.03)
     far = max(1.0, mean_dps**2 / (9.0 * h.cov[1, 1]))
     cov = h.cov + (far - 1.0) * np.outer(h.cov[:, 1], h.cov[:, 1]) / h.cov[1, 1]
     found, _ = kalman_update(replace(h, cov=cov), mean_dps, var, 0.0)
@@ -115,6 +116,9 @@ def first_kalman_update(
 def in_merge_gate(a: ReferenceHypothesis, b: ReferenceHypothesis) -> bool:
     """Whether two hypotheses may be one."""
     apart = np.abs(a.mean - b.mean)
+    variances = (a.cov[1, 1], b.cov[1, 1])
+    if not a.knows_bias and max(variances) > 4.0 * min(variances):
+        return False
     return (
         a.is_at_rest == b.is_at_rest
         and a.knows_bias == b.knows_bias
@@ -145,10 +149,16 @@ class ReferenceFilter:
     ended_mean: float = 0.0
     ended_gently: bool = False
     was_long: bool = False
+    wander: float = 0.0
+    wander_dps: float = 10.0
+    breaks: int = 0
+    was_stationary: bool = False
+    travelled: float = 0.0
 
     def is_stationary(self, b: ReferenceBlock) -> bool:
         """Whether the block shows no more than the noise, which is followed."""
-        if b.resolution_dps > 0.0 and not self.has_steps:
+        is_quiet = self.stationary_blocks < 5 or max(b.variance, 0.0009) < 1.44
+        if b.resolution_dps > 0.0 and not self.has_steps and is_quiet:
             self.noise_var, self.before, self.stationary_blocks = -1.0, -1.0, 0
             self.has_steps, self.is_walk_measured = True, False
         variance = max(b.variance, self.rounding(b), 1e-12)
@@ -158,6 +168,7 @@ class ReferenceFilter:
         limit = 1.0 + self.p.quiet * error * np.sqrt(1.0 + 1.0 / max(self.stationary_blocks, 1))
         if max(variance, self.before) < self.noise_var * np.exp(-4.5 * error):
             self.noise_var = max(variance, self.before)
+            self.wander, self.wander_dps, self.breaks = 0.0, 10.0, 0
         elif variance < self.noise_var * limit:
             self.stationary_blocks = min(self.stationary_blocks + 1, 20)
             if self.stationary_blocks == 20:
@@ -173,7 +184,7 @@ class ReferenceFilter:
 
     def rounding(self, b: ReferenceBlock) -> float:
         """Variance that steps may hide."""
-        return 0.25 * b.resolution_dps**2 if self.has_steps else 0.0009
+        return min(0.25 * b.resolution_dps**2, 0.015625) if self.has_steps else 0.0009
 
     def follow(self, b: ReferenceBlock, mean_dps: float) -> None:
         """The segment grows, begins or ends."""
@@ -182,9 +193,17 @@ class ReferenceFilter:
         was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b)
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds
         spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + ramp**2 + self.flicker)
+        agrees = not self.segment or abs(mean_dps - self.mean) < 4.0 * spread
+        if is_stationary and self.was_stationary and not (agrees and was >= 5):
+            self.wander = 0.98 * self.wander + (np.log(0.8 / 0.98) if agrees else np.log(0.2 / 0.02))
+            if not agrees:
+                self.breaks += 1
+                gain = max(0.1, 1.0 / self.breaks)
+                self.wander_dps *= np.exp(np.sign(abs(mean_dps - self.mean) - self.wander_dps) * gain)
+        self.was_stationary = is_stationary
         if not is_stationary:
             self.segment = []
-        elif not self.segment or abs(mean_dps - self.mean) >= 4.0 * spread:
+        elif not self.segment or not agrees:
             self.segment, self.mean = [mean_dps], mean_dps
         else:
             self.segment.append(mean_dps)
@@ -229,10 +248,15 @@ class ReferenceFilter:
         self.flicker = max(0.0, self.flicker + 0.002 * pull)
         for k, h in enumerate(self.hypotheses):
             if h.is_at_rest:
-                is_unexpected_bias = h.is_unexpected_bias and len(self.segment) * b.seconds < 8.0
-                self.hypotheses[k], _ = kalman_update(
-                    replace(h, is_unexpected_bias=is_unexpected_bias), mean_dps, var, ramp**2
+                gain = min(0.98 / 0.8, h.held_back)
+                lasting = replace(
+                    h,
+                    weight=h.weight * gain,
+                    held_back=h.held_back / gain,
+                    is_unexpected_bias=h.is_unexpected_bias and len(self.segment) * b.seconds < 8.0,
                 )
+                self.hypotheses[k], _ = kalman_update(lasting, mean_dps, var, ramp**2)
+        self.normalise()
         self.is_walk_measured = self.is_walk_measured or resting > 0.5
         found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.walk)
         self.walk += 0.05 * resting * (found - self.walk)
@@ -261,22 +285,47 @@ class ReferenceFilter:
             return
         is_still = max(self.means) - min(self.means) < 6.0 * np.sqrt(self.walk / b.seconds)
         share = self.p.still_start if self.number < 15 and is_still else self.p.rest_share
-        louder = max(0.0, np.log(np.sqrt(self.noise_var) / 0.06))
-        odds = share / (1.0 - share) / 0.03 * min(1.0, 0.4 * np.exp(-(louder**2) / 2.0) / 0.11)
+        odds = share / (1.0 - share) * self.quietness()
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
             back = replace(gone_back(h), was_at_rest=False)
             found, log_likelihood = first_kalman_update(back, self.mean, var, self.p)
+            density = self.level_density(self.mean - h.mean[1], h.cov[1, 1])
             place = min(set(range(12)) - {other.place for other in everyone})
             everyone.append(
-                replace(found, is_at_rest=True, place=place, weight=h.weight * odds * np.exp(log_likelihood))
+                replace(
+                    found,
+                    is_at_rest=True,
+                    place=place,
+                    weight=h.weight * odds * np.exp(log_likelihood) / density,
+                    held_back=1.0 if h.knows_bias else density / 0.03,
+                )
             )
         self.hypotheses = merged_and_pruned(sorted(everyone, key=lambda h: h.place))
+
+    def quietness(self) -> float:
+        """How much likelier such a noise is of a sensor than of a motion."""
+        louder = max(0.0, np.log(np.sqrt(self.noise_var) / 0.06))
+        return float(min(1.0, 0.4 * np.exp(-(louder**2) / 2.0) / 0.11))
+
+    def level_density(self, away_dps: float, bias_var: float) -> float:
+        """Of a level that is no rest, 1/(deg/s)."""
+        wanders = 1.0 / (1.0 + 9.0 * np.exp(-self.wander))
+        near = cauchy.pdf(away_dps, scale=np.sqrt(self.wander_dps**2 + bias_var))
+        loud = cauchy.pdf(away_dps, scale=np.sqrt(self.noise_var + bias_var))
+        return float(0.03 + 4.0 * wanders * near + (1.0 - self.quietness()) * loud)
 
 
 def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
-    one = ReferenceFilter(p, [ReferenceHypothesis(0, 1.0, np.zeros(2), np.diag([0.0, p.turn_on_dps**2]))])
+    kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0))
+    one = ReferenceFilter(
+        p,
+        [
+            ReferenceHypothesis(k, weight, np.zeros(2), np.diag([0.0, share * p.turn_on_dps**2]))
+            for k, (weight, share) in enumerate(kinds)
+        ],
+    )
     rows = []
     for b in blocks_of(t_s, rate_dps, p.window_s):
         mean_dps = b.turned_deg / b.seconds
@@ -332,5 +381,7 @@ def collapsed(hypotheses: list[ReferenceHypothesis]) -> tuple[float, float, floa
     weights = np.array([h.weight for h in hypotheses])
     means = np.array([h.mean for h in hypotheses])
     mean = weights**2 @ means / (weights**2).sum()
-    cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(weights, hypotheses, strict=True))
+    kept = np.maximum(weights - 0.045, 0.0)
+    kept /= kept.sum()
+    cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(kept, hypotheses, strict=True))
     return float(mean[0]), float(mean[1]), float(cov[0, 0]), float(np.sqrt(cov[1, 1]))

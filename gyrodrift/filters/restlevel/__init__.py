@@ -4,8 +4,8 @@ The rate is cut into blocks. Stationary blocks of one mean are a constant-rate s
 or a spin at a constant rate. At each segment every hypothesis branches into these two. A hypothesis of rest takes
 zero-velocity updates; one of a spin goes on turning. Hypotheses that agree are merged, improbable ones are pruned.
 
-In reading order: `model` and `state` (the records), `step` (sample by sample), `noise` and `segments` (what the rate
-shows), `hypotheses`, `kalman` and `mixture` (what may have happened). The equations stand in docs/restlevel.md.
+In reading order: `model` and `state` (the records), `step` (sample by sample), `noise`, `wander` and `segments` (what
+the rate shows), `hypotheses`, `kalman` and `mixture` (what may have happened). Equations stand in docs/restlevel.md.
 
 Prior art: sums of Gaussians as a filter (Alspach and Sorenson, "Nonlinear Bayesian estimation using Gaussian sum
 approximations", IEEE Transactions on Automatic Control 17(4), 1972); a tree of hypotheses that is kept small (Reid, "An

@@ -14,21 +14,33 @@ from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelSt
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest, noise_odds
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.state import EndedSegment, Hypothesis
+from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, level_density
 
 CURVE_PENALTY = 0.002
 """What is left of the probability of a short rest with an unexpected bias that ended gently: a curve, even for once."""
+
+WELL_CALIBRATED, CALIBRATED_SO_SO = 0.25, 0.25
+CALIBRATED = 0.01
+"""Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
+is left at each of these."""
 
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """The one hypothesis that there is before anything is known."""
-    first = s.hypotheses[0]
-    first.weight = 1.0
-    first.yaw_deg = s.yaw_deg
-    first.bias_var = c.turn_on_var
+    """Before anything is known: a part has taken its own bias out well, or so, or not at all."""
+    _begin_one(s, s.hypotheses[0], WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
+    _begin_one(s, s.hypotheses[1], CALIBRATED_SO_SO, c.turn_on_var * CALIBRATED)
+    _begin_one(s, s.hypotheses[2], 1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO, c.turn_on_var)
     collapse(s)
+
+
+def _begin_one(s: RestlevelState, h: Hypothesis, weight: float, bias_var: float) -> None:
+    """A hypothesis that knows of no rest."""
+    h.weight = weight
+    h.yaw_deg = s.yaw_deg
+    h.bias_var = bias_var
 
 
 def enter_segment(s: RestlevelState) -> None:
@@ -71,8 +83,8 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the segment began; what was turned since is taken back.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    odds_dps = c.start_odds_dps if is_from_start(s, seconds) else c.rest_odds_dps
-    odds_dps *= noise_odds(s.noise)
+    odds = c.start_odds if is_from_start(s, seconds) else c.rest_odds
+    odds *= noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
@@ -86,7 +98,9 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         rest.bias_var = h.bias_var
         rest.knows_bias = h.knows_bias
         rest.is_at_rest, rest.was_at_rest = True, False
-        rest.weight = h.weight * odds_dps * exp(first_kalman_update(c, rest, mean_dps, mean_var))
+        density = level_density(s.noise, s.wander, mean_dps - h.bias_dps, h.bias_var)
+        rest.held_back = 1.0 if h.knows_bias else density / SPINS_PER_DPS
+        rest.weight = h.weight * odds / density * exp(first_kalman_update(c, rest, mean_dps, mean_var))
     merge_and_prune(s)
 
 
@@ -118,11 +132,15 @@ def zero_velocity_update(
         rest_weight += h.weight
         if s.segment.blocks * seconds >= SHORT_REST_S:
             h.is_unexpected_bias = False
+        gain = min(AGREEMENT_ODDS, h.held_back)
+        h.weight *= gain
+        h.held_back /= gain
         innovation_dps = mean_dps - h.bias_dps
         beyond_var = innovation_dps * innovation_dps - h.bias_var - mean_var - noise.flicker_var
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
         h.moving_s = 0.0
+    normalise(s)
     learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
 
 

@@ -113,7 +113,7 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
         log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)
     else:
-        log_likelihood = _turn_on_logpdf(c.turn_on_var, mean_dps, mean_var)
+        log_likelihood = _turn_on_logpdf(h.bias_var, mean_dps, mean_var)
         widened = mean_dps * mean_dps / (UNEXPECTED_VAR * h.bias_var)
         if widened > 1.0:  # what the bias has added to yaw widens with it
             h.yaw_var += (widened - 1.0) * h.covariance * h.covariance / h.bias_var

@@ -11,6 +11,13 @@ from gyrodrift.filters.restlevel.state import Hypothesis
 
 MIN_WEIGHT = 1e-9
 
+TAIL = 0.045
+"""What is taken off each probability for the variances: two sigmas hold nineteen in twenty, not all."""
+
+TURN_ON_FACTOR = 4.0
+"""Hypotheses that know no bias stand for kinds of parts: variances of their biases that are further apart than this
+are two kinds."""
+
 GATE_YAW_VAR = 1e-4
 """What the merge gate adds to the variance of yaw, deg²: in a long rest from the start yaw has none."""
 
@@ -46,8 +53,11 @@ def is_in_merge_gate(h: Hypothesis, other: Hypothesis) -> bool:
         return False
     if h.is_at_rest != other.is_at_rest or h.knows_bias != other.knows_bias:
         return False
+    least_var, most_var = min(h.bias_var, other.bias_var), max(h.bias_var, other.bias_var)
+    if not h.knows_bias and most_var > TURN_ON_FACTOR * least_var:
+        return False
     apart_dps, apart_deg = h.bias_dps - other.bias_dps, h.yaw_deg - other.yaw_deg
-    is_same_bias = apart_dps * apart_dps < min(h.bias_var, other.bias_var)
+    is_same_bias = apart_dps * apart_dps < least_var
     return is_same_bias and apart_deg * apart_deg < GATE_YAW_VAR + min(h.yaw_var, other.yaw_var)
 
 
@@ -78,7 +88,8 @@ def normalise(s: RestlevelState) -> None:
 def collapse(s: RestlevelState) -> None:
     """Take the hypotheses together: means by squared probability, so that improbable ones pull little.
 
-    The covariance about that mean is by probability.
+    The covariance about that mean is by probability, without a tail of each: what is improbable by itself says nothing
+    of how far yaw is off in nineteen cases of twenty.
     """
     total = yaw_deg = bias_dps = rest_weight = most = 0.0
     for h in s.hypotheses:
@@ -94,15 +105,19 @@ def collapse(s: RestlevelState) -> None:
             rest_weight += weight
     yaw_deg /= total
     bias_dps /= total
-    yaw_var = covariance = bias_var = 0.0
+    yaw_var = covariance = bias_var = total = 0.0
     for h in s.hypotheses:
-        weight = h.weight
-        if weight == 0.0:
+        weight = h.weight - TAIL
+        if weight <= 0.0:
             continue
+        total += weight
         apart_deg, apart_dps = h.yaw_deg - yaw_deg, h.bias_dps - bias_dps
         yaw_var += weight * (h.yaw_var + apart_deg * apart_deg)
         covariance += weight * (h.covariance + apart_deg * apart_dps)
         bias_var += weight * (h.bias_var + apart_dps * apart_dps)
+    yaw_var /= total
+    covariance /= total
+    bias_var /= total
     moments = s.moments
     moments.yaw_deg = yaw_deg
     moments.bias_var, moments.covariance, moments.yaw_var = bias_var, covariance, yaw_var

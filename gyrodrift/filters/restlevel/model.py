@@ -12,6 +12,7 @@ from gyrodrift.filters.restlevel.state import (
     MixtureMoments,
     NoiseModel,
     RateSegment,
+    RateWander,
 )
 
 MAX_HYPOTHESES = 6
@@ -71,9 +72,8 @@ class RestlevelCoefficients:
         K² of the rate random walk: what it adds to the variance of the bias, (deg/s)² per s.
     rate_ramp_dps_s
         R of the rate ramp, deg/s².
-    start_odds_dps, rest_odds_dps
-        Prior odds of a rest against a spin of some constant rate, at the start and later, deg/s: times the
-        probability density of a rate they are a number.
+    start_odds, rest_odds
+        Prior odds of a rest against a segment that is none, at the start and later.
     scale_sigma
         Sigma of the scale factor, as a share.
     """
@@ -83,8 +83,8 @@ class RestlevelCoefficients:
     turn_on_var: float
     rate_walk_var: float
     rate_ramp_dps_s: float
-    start_odds_dps: float
-    rest_odds_dps: float
+    start_odds: float
+    rest_odds: float
     scale_sigma: float
 
 
@@ -111,11 +111,13 @@ class RestlevelState:
 
     start_yaw_deg
         Yaw at the first sample.
+    travelled_deg
+        Angle turned, to and fro, by block.
     blocks
         Blocks that have ended so far.
-    block, noise, segment, ended, hypotheses, moments
-        The block that is being filled; the sensor's noise; the present constant-rate segment and the last one that
-        has ended; the Gaussian sum, and its moments as the block began.
+    block, noise, wander, segment, ended, hypotheses, moments
+        The block that is being filled; the sensor's noise; how levels wander; the present constant-rate segment and
+        the last one that has ended; the Gaussian sum, and its moments as the block began.
     """
 
     t_s: float = 0.0
@@ -130,8 +132,10 @@ class RestlevelState:
     rejected: int = 0
     block: BlockStats = field(default_factory=BlockStats)
     start_yaw_deg: float = 0.0
+    travelled_deg: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
+    wander: RateWander = field(default_factory=RateWander)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)

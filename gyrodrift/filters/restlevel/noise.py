@@ -11,6 +11,14 @@ MIN_VAR = 1e-12
 UNSEEN_VAR = 0.03**2
 """The same while a sensor repeats itself, and its steps are not known: half a step of coarse parts."""
 
+COARSEST_VAR = 0.125**2
+"""The same of the coarsest part: a larger step is the beginning of a motion."""
+
+START_BLOCKS = 5
+LOUD_VAR = 1.2**2
+"""Where a sensor has said one thing for so many blocks, its first steps are noise if they are no louder than this,
+(deg/s)², twenty times what is usual; else the device sets out, and its noise has yet to be seen."""
+
 NOISE_BLOCKS = 20
 """Up to so many stationary blocks the noise is their mean, and itself uncertain; later it follows."""
 
@@ -43,16 +51,19 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
 
     Nothing is compared with a fixed threshold: noise is what the quietest blocks of this very sensor show.
     """
-    if noise.resolution_dps > 0.0 and not noise.has_steps:  # what was learned of one value over and over is no noise
-        noise.sample_var = noise.last_block_var = -1.0
+    variance = _variance(block, noise)
+    is_starting = noise.stationary_blocks < START_BLOCKS
+    if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < LOUD_VAR):
+        noise.sample_var = noise.last_block_var = -1.0  # what was learned of one value over and over is no noise
         noise.stationary_blocks = 0
         noise.has_steps, noise.is_walk_measured = True, False
-    variance = _variance(block, noise)
+        variance = _variance(block, noise)
     error = sqrt(2.0 / block.samples)  # of a variance, relative
     if noise.sample_var < 0.0:
         noise.sample_var = variance
     limit = 1.0 + c.stationarity_sigmas * error * sqrt(1.0 + 1.0 / max(noise.stationary_blocks, 1))
-    if max(variance, noise.last_block_var) < noise.sample_var * exp(-DROP_SIGMAS * error):
+    noise.has_dropped = max(variance, noise.last_block_var) < noise.sample_var * exp(-DROP_SIGMAS * error)
+    if noise.has_dropped:
         noise.sample_var = max(variance, noise.last_block_var)
     elif variance < noise.sample_var * limit:
         noise.stationary_blocks = min(noise.stationary_blocks + 1, NOISE_BLOCKS)
@@ -108,4 +119,6 @@ def _variance(block: BlockStats, noise: NoiseModel) -> float:
 
 def _rounding_var(noise: NoiseModel) -> float:
     """What steps of the resolution may hide, (deg/s)²."""
-    return 0.25 * noise.resolution_dps * noise.resolution_dps if noise.has_steps else UNSEEN_VAR
+    if not noise.has_steps:
+        return UNSEEN_VAR
+    return min(0.25 * noise.resolution_dps * noise.resolution_dps, COARSEST_VAR)

@@ -5,6 +5,7 @@ from math import sqrt
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import is_stationary
 from gyrodrift.filters.restlevel.state import EndedSegment, NoiseModel, RateSegment
+from gyrodrift.filters.restlevel.wander import forget_levels, see_agreement, see_break
 
 CONFIRMED_BLOCKS = 5
 """Blocks after which a segment is confirmed: the turning point of a gentle curve is over by then."""
@@ -54,6 +55,11 @@ def track_segment(
         segment.least_dps = segment.most_dps = mean_dps
     segment.least_dps = min(segment.least_dps, mean_dps)
     segment.most_dps = max(segment.most_dps, mean_dps)
+    if s.noise.has_dropped:
+        forget_levels(s.wander)
+    if is_now_stationary and s.wander.was_stationary:
+        _follow_wander(c, s, mean_dps, seconds)
+    s.wander.was_stationary = is_now_stationary
     if is_now_stationary:
         _take_block(segment, s.noise, mean_dps, c.rate_ramp_dps_s * seconds, seconds)
     else:
@@ -90,6 +96,16 @@ def continues(
     innovation_dps = segment.mean_dps - ended.mean_dps
     is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
     return is_soon and abs(innovation_dps) < sigmas * sqrt(gate_var)
+
+
+def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
+    """A stationary block behind another one: does it agree with the level so far? A confirmed one is none by chance."""
+    segment = s.segment
+    mean_var, ramp_dps = s.noise.angle_walk_var / seconds, c.rate_ramp_dps_s * seconds
+    if segment.blocks > 0 and not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, s.noise.flicker_var):
+        see_break(s.wander, mean_dps - segment.mean_dps)
+    elif segment.blocks < CONFIRMED_BLOCKS:
+        see_agreement(s.wander)
 
 
 def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_dps: float, seconds: float) -> None:

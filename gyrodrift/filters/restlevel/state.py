@@ -47,6 +47,8 @@ class NoiseModel:
         N² of the angle random walk (IEEE Std 952), deg²/s: the variance of a block mean times the block's length.
     is_walk_measured
         Whether N² has been measured at a rest; before that it is what white noise makes of `sample_var`.
+    has_dropped
+        It has just been found to be smaller than what it was taken for.
     flicker_var
         Bias instability, (deg/s)²: how far block means at rest wander beyond what N² explains.
     """
@@ -58,7 +60,28 @@ class NoiseModel:
     has_steps: bool = False
     angle_walk_var: float = -1.0
     is_walk_measured: bool = False
+    has_dropped: bool = False
     flicker_var: float = 0.0
+
+
+@dataclass(slots=True)
+class RateWander:
+    """How the levels of stationary blocks follow on each other, outside of confirmed segments.
+
+    log_odds
+        Logarithm of how much likelier wandering levels give what was seen than a sensor's noise does.
+    step_dps
+        Typical step from one level to the next: as many are larger as smaller.
+    steps
+        Steps that it is known from.
+    was_stationary
+        The block before was.
+    """
+
+    log_odds: float = 0.0
+    step_dps: float = 10.0
+    steps: int = 0
+    was_stationary: bool = False
 
 
 @dataclass(slots=True)
@@ -137,6 +160,8 @@ class Hypothesis:
         Its last rest began with a bias that it did not expect, and has not lasted long yet.
     moving_s
         Time since its last rest, s.
+    held_back
+        Factor by which its probability is held back until its rest has lasted longer than a level does by chance.
     checkpoint
         Yaw where the present segment began.
     """
@@ -152,6 +177,7 @@ class Hypothesis:
     was_at_rest: bool = False
     is_unexpected_bias: bool = False
     moving_s: float = 0.0
+    held_back: float = 1.0
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 
 

@@ -21,8 +21,8 @@ from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, tr
 MIN_BLOCK_SAMPLES = 6
 """A variance of fewer samples says little."""
 
-SPINS_PER_DPS = 0.03
-"""Probability density of the rates of constant spins, 1/(deg/s): even up to some 15 deg/s either way."""
+TURN_DEG = 30.0
+"""What a device turns in one go: errors of the scale and of cross axes are the same in one turn, not in all."""
 
 
 def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
@@ -33,8 +33,8 @@ def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
         turn_on_var=params.turn_on_dps * params.turn_on_dps,
         rate_walk_var=params.walk_dps_rts * params.walk_dps_rts,
         rate_ramp_dps_s=params.drift_dps_s,
-        start_odds_dps=params.still_start / (1.0 - params.still_start) / SPINS_PER_DPS,
-        rest_odds_dps=params.rest_share / (1.0 - params.rest_share) / SPINS_PER_DPS,
+        start_odds=params.still_start / (1.0 - params.still_start),
+        rest_odds=params.rest_share / (1.0 - params.rest_share),
         scale_sigma=params.scale_percent / 100.0,
     )
 
@@ -91,11 +91,12 @@ def advance(c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: 
         _end_block(c, s, seconds)
         seconds = 0.0
     yaw_deg = moments.yaw_deg + block.turned_deg - s.bias_dps * seconds
-    scale_deg = c.scale_sigma * (yaw_deg - s.start_yaw_deg)
+    net_deg = yaw_deg - s.start_yaw_deg
+    scale_var = c.scale_sigma * c.scale_sigma * (net_deg * net_deg + TURN_DEG * s.travelled_deg)
     angle_walk_var = max(0.0, noise.angle_walk_var)
     moving_var = seconds * (moments.bias_var * seconds - 2.0 * moments.covariance + angle_walk_var)
     s.yaw_deg = yaw_deg
-    s.yaw_sigma_deg = sqrt(max(0.0, moments.yaw_var + moving_var + scale_deg * scale_deg))
+    s.yaw_sigma_deg = sqrt(max(0.0, moments.yaw_var + moving_var + scale_var))
 
 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
@@ -119,6 +120,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         else:
             branch(c, s, seconds)
     collapse(s)
+    s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
     block.seconds = 0.0
     block.samples = 0
     block.turned_deg = 0.0

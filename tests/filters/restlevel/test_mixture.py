@@ -21,17 +21,35 @@ def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
 
 def test_the_merge_gate_is_the_smaller_sigma() -> None:
     """Of bias and of yaw; and both hypotheses say the same of rest."""
-    h = Hypothesis(weight=0.5, bias_var=1.0, yaw_var=4.0)
-    assert is_in_merge_gate(h, Hypothesis(weight=0.5, bias_dps=0.9, yaw_deg=1.9, bias_var=9.0, yaw_var=9.0))
+    h = Hypothesis(weight=0.5, bias_var=1.0, yaw_var=4.0, knows_bias=True)
+    wider = replace(h, bias_var=9.0, yaw_var=9.0)
+    assert is_in_merge_gate(h, replace(wider, bias_dps=0.9, yaw_deg=1.9))
     for other in (
-        Hypothesis(weight=0.5, bias_dps=1.1, bias_var=9.0, yaw_var=9.0),
-        Hypothesis(weight=0.5, yaw_deg=2.1, bias_var=9.0, yaw_var=9.0),
+        replace(wider, bias_dps=1.1),
+        replace(wider, yaw_deg=2.1),
         replace(h, is_at_rest=True),
-        replace(h, knows_bias=True),
+        replace(h, knows_bias=False),
         replace(h, weight=0.0),
     ):
         assert not is_in_merge_gate(h, other)
         assert not is_in_merge_gate(other, h)
+
+
+def test_kinds_of_parts_stay_apart_until_a_bias_is_known() -> None:
+    """Two that know none have the same bias, and are not the same."""
+    h = Hypothesis(weight=0.5, bias_var=1.0)
+    assert is_in_merge_gate(h, replace(h, bias_var=2.0))
+    assert not is_in_merge_gate(h, replace(h, bias_var=0.01))
+
+
+def test_variances_leave_out_what_is_improbable() -> None:
+    """A spin of 1 % does not widen yaw, one of a third does."""
+    for weight, sigma_dps in ((0.01, 1.0), (1.0 / 3.0, 3.0)):
+        s = RestlevelState()
+        s.hypotheses[0] = Hypothesis(weight=1.0 - weight, bias_var=1.0)
+        s.hypotheses[1] = Hypothesis(weight=weight, bias_var=1.0, bias_dps=6.0)
+        collapse(s)
+        assert s.bias_sigma_dps == pytest.approx(sigma_dps, rel=0.1)
 
 
 def test_the_least_probable_are_pruned() -> None:
@@ -53,7 +71,7 @@ def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
 
 
 def test_collapsed_means_are_by_squared_probability() -> None:
-    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.64/0.68, and the variance about it is by probability."""
+    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.64/0.68, the variance is by probability less a tail."""
     s = RestlevelState()
     s.hypotheses[2] = Hypothesis(weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
     s.hypotheses[5] = Hypothesis(weight=0.2, bias_var=0.5)
@@ -61,7 +79,7 @@ def test_collapsed_means_are_by_squared_probability() -> None:
     assert s.bias_dps == pytest.approx(16.0 / 17.0)
     assert s.moments.yaw_deg == pytest.approx(-32.0 / 17.0)
     assert (s.confidence, s.rest_probability) == (0.8, 0.8)
-    spread = (0.8 * 1.0 + 0.2 * 16.0**2) / 17.0**2
+    spread = (0.755 * 1.0 + 0.155 * 16.0**2) / 0.91 / 17.0**2
     assert s.bias_sigma_dps**2 == pytest.approx(0.5 + spread)
     assert s.moments.covariance == pytest.approx(-2.0 * spread)
     assert s.moments.yaw_var == pytest.approx(4.0 * spread)

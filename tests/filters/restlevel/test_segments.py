@@ -70,6 +70,16 @@ def test_a_sensor_that_said_one_thing_so_far_has_its_noise_to_come() -> None:
     assert is_stationary(C, block(0.25), noise)
 
 
+def test_a_sensor_of_coarse_steps_that_sets_out_is_not_taken_for_noise() -> None:
+    """Its first steps are those of a motion."""
+    noise = NoiseModel()
+    for _ in range(30):
+        assert is_stationary(C, block(0.0), noise)
+    noise.resolution_dps = 0.1
+    assert not is_stationary(C, block(400.0), noise)
+    assert is_stationary(C, block(0.0), noise)
+
+
 def test_means_of_coarse_steps_are_no_better_known_than_steps_allow() -> None:
     """However often one is like the other."""
     noise, full = NoiseModel(angle_walk_var=0.01, resolution_dps=0.2, has_steps=True), block(0.0)

@@ -1,0 +1,53 @@
+"""Levels that wander are told from a sensor's noise, and count for less."""
+
+import pytest
+
+from gyrodrift.filters.restlevel.state import NoiseModel, RateWander
+from gyrodrift.filters.restlevel.wander import (
+    SPINS_PER_DPS,
+    forget_levels,
+    level_density,
+    see_agreement,
+    see_break,
+    wander_probability,
+)
+
+
+def followed(blocks: int, breaks_every: int, step_dps: float = 0.5) -> RateWander:
+    """After so many blocks, of which every so-manieth breaks with the level."""
+    wander = RateWander()
+    for number in range(1, blocks + 1):
+        if number % breaks_every == 0:
+            see_break(wander, step_dps)
+        else:
+            see_agreement(wander)
+    return wander
+
+
+def test_a_sensor_breaks_seldom_and_a_motion_often() -> None:
+    """One block in fifty is flicker, one in five is a motion."""
+    assert wander_probability(RateWander()) == pytest.approx(0.1)
+    assert wander_probability(followed(100, 50)) < 0.001
+    assert wander_probability(followed(100, 5)) > 0.99
+
+
+def test_a_noise_that_turns_out_smaller_begins_anew() -> None:
+    """What passed for stationary was motion."""
+    wander = followed(100, 5)
+    forget_levels(wander)
+    assert wander == RateWander()
+
+
+def test_the_typical_step_is_found() -> None:
+    """From ten deg/s down to what is seen."""
+    assert followed(500, 2).step_dps == pytest.approx(0.5, rel=0.15)
+
+
+def test_levels_by_chance_are_dense_about_the_bias() -> None:
+    """Where they wander, or are louder than a sensor; else the rates of spins are even."""
+    quiet, loud = NoiseModel(sample_var=0.05**2), NoiseModel(sample_var=4.0)
+    steady, wandering = followed(100, 50), followed(100, 5)
+    assert level_density(quiet, steady, 0.0, 0.0) == pytest.approx(SPINS_PER_DPS, rel=0.1)
+    assert level_density(quiet, wandering, 0.0, 0.0) > 50.0 * SPINS_PER_DPS
+    assert level_density(quiet, wandering, 50.0, 0.0) == pytest.approx(SPINS_PER_DPS, rel=0.1)
+    assert level_density(loud, steady, 0.0, 0.0) > 5.0 * SPINS_PER_DPS
