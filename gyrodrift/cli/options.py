@@ -189,7 +189,7 @@ def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | No
 def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> None:
     """The options of every command that corrects a rate as it comes."""
     either = parser.add_mutually_exclusive_group()
-    either.add_argument("--config", type=Path, metavar="FILE", help=config_help)
+    either.add_argument("--config", type=Path, metavar="FILE", help=f"{config_help} (default: none)")
     either.add_argument(
         "--filter",
         choices=tuple(FILTERS),

@@ -115,7 +115,7 @@ def places(tmp_path: Path, session: Path) -> dict[str, Path]:
         ("tune {session} --out {out}/my.yaml --report {out}", "session", "tune.json"),
         ("tune {session} --out {out}/my.yaml --report {out}", "session", "report.html"),
         ("compare {session} --out {out}", "session", "compare.json"),
-        ("compare {session} --config {config} --out {out}", "config", "compare.html"),
+        ("compare {session} --config {config} --out {out}", "config", "report.html"),
         ("diagnose {session} --rig {rig} --out {out}", "rig", "rig.yaml"),
         ("diagnose {rig} --baseline {session} --out {out}", "session", "gap.json"),
         ("info {session} --picture {out}/view.png", "session", "view.png"),

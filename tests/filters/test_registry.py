@@ -116,7 +116,7 @@ def test_the_command_filter_writes_its_columns(tmp_path: Path, capsys: pytest.Ca
     config = config_of(tmp_path, CONFIG.format(bias_dps=0.25))
     assert main(["filter", str(session), "--config", str(config)]) == 0
     rows = list(csv.DictReader(StringIO(capsys.readouterr().out)))
-    assert list(rows[0]) == ["t_s", "rate_dps", "bias_dps", "yaw_deg"]
+    assert list(rows[0]) == ["t_device_s", "rate_dps", "bias_dps", "yaw_deg"]
     assert len(rows) == 4 * RATE_HZ + 1
     assert float(rows[-1]["yaw_deg"]) == pytest.approx(1.0)
 
@@ -200,7 +200,7 @@ def test_compare_has_a_row_of_it(tmp_path: Path) -> None:
     assert list(rows)[4:7] == ["hdr", "restlevel", "constant"]
     assert rows["euler"]["e_deg"] == pytest.approx(1.0)
     assert rows["constant"]["e_deg"] == pytest.approx(0.5)
-    assert rows["constant"]["title"] == "constant bias"
+    assert rows["constant"]["title"] == "constant bias, by config"
     assert "constant bias" in (tmp_path / "out" / "report.html").read_text()
 
 

@@ -98,10 +98,12 @@ def test_the_same_seed_gives_the_same_bytes(written: Path, tmp_path: Path) -> No
     assert not np.array_equal(load_session(tmp_path / "5" / path).rate_dps, first.rate_dps)
 
 
-@pytest.mark.parametrize("option", ["--profile", "--rig", "--effect", "--twin"])
+@pytest.mark.parametrize(
+    ("option", "value"), [("--profile", "drive"), ("--rig", "a.yaml"), ("--effect", "warmup"), ("--twin", "a.csv")]
+)
 def test_they_have_rigs_and_motions_of_their_own(
-    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """So none may be given."""
-    assert main(["simulate", "--hard-cases", "--out", str(tmp_path), option, "warmup"]) == 2
+    assert main(["simulate", "--hard-cases", "--out", str(tmp_path), option, value]) == 2
     assert "--hard-cases has rigs and motions of its own" in capsys.readouterr().err
