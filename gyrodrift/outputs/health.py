@@ -1,0 +1,107 @@
+"""How the service is, in plain words: the same on the page, in the terminal and wherever a person looks."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+from gyrodrift.outputs.status import ServiceStatus
+
+SILENT_S = 5.0
+BUSY = 0.85
+JITTER_MS = 20.0
+DAMAGED_SHARE = 0.001
+CLOCK_PPM = 500.0
+RATE_TOLERANCE = 0.05
+
+
+class HealthLevel(StrEnum):
+    """How much it matters."""
+
+    GOOD = "good"
+    NOTE = "note"
+    BAD = "bad"
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """One sentence about the service."""
+
+    level: HealthLevel
+    says: str
+
+
+def health(status: ServiceStatus) -> list[Health]:
+    """What is to be said of it, the worst first; one sentence that all is well where nothing is."""
+    found = [*_of_link(status), *_of_counts(status), *_of_times(status), *_of_outputs(status)]
+    order = list(HealthLevel)
+    return sorted(found, key=lambda each: -order.index(each.level)) or [
+        Health(HealthLevel.GOOD, "Every sample arrives whole.")
+    ]
+
+
+def _of_link(status: ServiceStatus) -> Iterator[Health]:
+    link = status.link
+    if not link.is_open:
+        yield Health(HealthLevel.BAD, f"The port {link.port} is gone; it is waited for.")
+    elif not link.samples:
+        yield Health(HealthLevel.NOTE, f"Nothing that can be decoded has come from {link.port} yet.")
+    elif link.silent_s > SILENT_S:
+        yield Health(HealthLevel.BAD, f"The device has said nothing for {link.silent_s:.0f} s.")
+    if link.busy > BUSY:
+        yield Health(HealthLevel.BAD, f"The line is used to {link.busy:.0%} of its capacity; samples start to be lost.")
+
+
+def _of_counts(status: ServiceStatus) -> Iterator[Health]:
+    link = status.link
+    if link.samples and link.damaged > DAMAGED_SHARE * link.samples:
+        share = link.damaged / (link.samples + link.damaged)
+        yield Health(
+            HealthLevel.BAD, f"{link.damaged} frames arrived damaged ({share:.1%}); look at cable, ground and baud."
+        )
+    elif link.damaged:
+        yield Health(HealthLevel.NOTE, f"{_counted(link.damaged, 'frame')} arrived damaged.")
+    if link.missing:
+        yield Health(HealthLevel.NOTE, f"{_counted(link.missing, 'sample')} were lost in {_counted(link.gaps, 'gap')}.")
+    if link.device_resets:
+        yield Health(HealthLevel.NOTE, f"The device began anew {_times(link.device_resets)}.")
+    if link.reconnects:
+        yield Health(
+            HealthLevel.NOTE, f"The port came back {_times(link.reconnects)}, after {link.gone_s:.1f} s away in all."
+        )
+    if link.clipped:
+        yield Health(HealthLevel.NOTE, f"{_counted(link.clipped, 'sample')} left the range of the sensor.")
+    if status.filter.rejected:
+        yield Health(HealthLevel.NOTE, f"{_counted(status.filter.rejected, 'sample')} made no sense and were left out.")
+
+
+def _of_times(status: ServiceStatus) -> Iterator[Health]:
+    link = status.link
+    if link.jitter_ms > JITTER_MS:
+        yield Health(HealthLevel.NOTE, f"Samples arrive unevenly: by up to {link.jitter_ms:.0f} ms.")
+    if link.clock_ppm is not None and abs(link.clock_ppm) > CLOCK_PPM:
+        yield Health(HealthLevel.NOTE, f"The device's clock runs {link.clock_ppm:+.0f} ppm off this computer's.")
+    told_hz = status.device.sample_rate_hz
+    if told_hz and link.rate_hz and abs(link.rate_hz / told_hz - 1.0) > RATE_TOLERANCE:
+        yield Health(HealthLevel.NOTE, f"{link.rate_hz:.1f} samples a second arrive; the device says {told_hz:g}.")
+
+
+def _of_outputs(status: ServiceStatus) -> Iterator[Health]:
+    for output in status.outputs:
+        if output.problem:
+            yield Health(HealthLevel.BAD, f"The output {output.output} is not open: {output.problem}.")
+        elif output.dropped:
+            yield Health(HealthLevel.NOTE, f"Clients of {output.output} were too slow for {output.dropped} messages.")
+    if status.dropped:
+        yield Health(HealthLevel.BAD, f"The outputs were too slow for {_counted(status.dropped, 'sample')}.")
+    if status.config.refused > 0 and status.config.file:
+        yield Health(
+            HealthLevel.NOTE, f"{status.config.file} had mistakes {_times(status.config.refused)}; see the log."
+        )
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

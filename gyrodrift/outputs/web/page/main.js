@@ -1,0 +1,100 @@
+// Puts the page together: what comes over the stream goes into the history, and is drawn with the screen's next frame.
+
+import { Charts } from "./charts.js";
+import { Connection } from "./connection.js";
+import { Dial } from "./dial.js";
+import { History } from "./history.js";
+import { showEvent, showNumbers, showState } from "./panels.js";
+import { clock } from "./words.js";
+
+const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["1 h", 3600]];
+
+const byId = (id) => document.getElementById(id);
+const dial = new Dial(byId("dial"));
+let history = null;
+let charts = null;
+let isDue = false;
+let lostAt = null;
+
+function drawSoon() {
+  if (isDue || !history) return;
+  isDue = true;
+  requestAnimationFrame(draw);
+}
+
+function draw() {
+  isDue = false;
+  if (!history.rows) return;
+  charts.draw();
+  showNumbers(history);
+  dial.show({
+    yaw: history.last("yaw_deg"), raw: history.last("raw_yaw_deg"), encoder: history.last("encoder_deg"),
+    sigma: history.last("yaw_sigma_deg"), heading: history.last("heading_deg"),
+  });
+  showPlace();
+}
+
+// Where in the hour the charts are.
+function showPlace() {
+  const isLive = charts.endS === null;
+  byId("live").hidden = isLive;
+  const back = byId("back");
+  const { firstS, lastS } = history;
+  [back.min, back.max] = [firstS, lastS];
+  back.value = charts.endS ?? lastS;
+  byId("back-text").textContent = isLive ? "Look back" : `Until ${clock(charts.endS)}`;
+  for (const button of byId("windows").children) {
+    button.setAttribute("aria-pressed", String(Number(button.value) === charts.windowS));
+  }
+}
+
+// The columns are known: from now on there is something to draw into.
+function begin(hello) {
+  if (!history || history.names.join() !== hello.columns.join()) {
+    history = new History(hello.columns);
+    byId("charts").replaceChildren();
+    charts = new Charts(byId("charts"), history, drawSoon);
+  }
+  history.startsAt(hello.now_s);
+}
+
+const TAKES = {
+  hello: begin,
+  event: showEvent,
+  state: showState,
+  dropped: ({ messages }) => showEvent({
+    t_s: Date.now() / 1000, event: "page", fields: { "too slow for messages": messages },
+  }),
+};
+
+function take(content) {
+  if (content instanceof ArrayBuffer) history.read(content);
+  else TAKES[content.kind]?.(content);
+  drawSoon();
+}
+
+function sayConnection(state) {
+  const place = byId("connection");
+  if (state === "lost") lostAt ??= Date.now() / 1000;
+  else lostAt = null;
+  const text = lostAt === null ? "Live" : `No connection since ${clock(lostAt)}; trying again …`;
+  if (place.textContent === text) return;
+  place.textContent = text;
+  place.dataset.state = state;
+  document.body.classList.toggle("stale", state === "lost");
+}
+
+for (const [text, windowS] of WINDOWS) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", textContent: text, value: windowS });
+  button.addEventListener("click", () => charts?.lookAt(charts.endS ?? Infinity, windowS));
+  byId("windows").append(button);
+}
+byId("live").addEventListener("click", () => charts?.lookAt(Infinity));
+byId("back").addEventListener("input", (event) => charts?.lookAt(Number(event.target.value)));
+document.addEventListener("visibilitychange", drawSoon);
+
+new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/stream`, {
+  message: take,
+  change: sayConnection,
+});

@@ -1,0 +1,37 @@
+"""How the service is, in words."""
+
+from dataclasses import replace
+
+from gyrodrift.outputs.health import Health, HealthLevel, health
+from gyrodrift.outputs.status import DeviceStatus, LinkStatus, OutputStatus, ServiceStatus
+
+GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=1000, rate_hz=100.0))
+
+
+def test_all_is_well() -> None:
+    """One sentence, rather than none."""
+    assert health(GOOD) == [Health(HealthLevel.GOOD, "Every sample arrives whole.")]
+
+
+def test_the_worst_is_told_first_and_everything_is_told() -> None:
+    """Counted in words a person uses."""
+    link = replace(GOOD.link, damaged=1, gaps=1, missing=3, reconnects=1, gone_s=2.5, jitter_ms=31.0)
+    outputs = (OutputStatus("tcp", problem="port 127.0.0.1:7117 is taken by nc (process 7)"),)
+    said = health(replace(GOOD, link=link, outputs=outputs, device=DeviceStatus(sample_rate_hz=50.0)))
+    assert [each.says for each in said] == [
+        "The output tcp is not open: port 127.0.0.1:7117 is taken by nc (process 7).",
+        "1 frame arrived damaged.",
+        "3 samples were lost in 1 gap.",
+        "The port came back once, after 2.5 s away in all.",
+        "Samples arrive unevenly: by up to 31 ms.",
+        "100.0 samples a second arrive; the device says 50.",
+    ]
+    assert said[0].level is HealthLevel.BAD
+
+
+def test_a_link_that_says_nothing_is_bad() -> None:
+    """A port that is gone, or a device that is silent."""
+    gone = health(replace(GOOD, link=replace(GOOD.link, is_open=False)))
+    silent = health(replace(GOOD, link=replace(GOOD.link, silent_s=12.0)))
+    assert gone[0] == Health(HealthLevel.BAD, "The port /dev/ttyUSB0 is gone; it is waited for.")
+    assert silent[0] == Health(HealthLevel.BAD, "The device has said nothing for 12 s.")
