@@ -139,7 +139,7 @@ def _page_of(folder: Path, process: subprocess.Popen[bytes]) -> str:
     while True:
         assert process.poll() is None, "the browser ended"
         assert time.monotonic() < until_s, "the browser does not come up"
-        with suppress(OSError, ValueError, StopIteration):
+        with suppress(OSError, ValueError, IndexError, StopIteration):
             number = (folder / "DevToolsActivePort").read_text().split()[0]
             with urlopen(f"http://127.0.0.1:{number}/json/list", timeout=PATIENCE_S) as answer:
                 tabs = json.load(answer)

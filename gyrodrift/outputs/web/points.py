@@ -96,7 +96,7 @@ def _known(values: Sequence[float]) -> Sequence[float]:
     return [value for value in values if value == value] or [nan]  # noqa: PLR0124 - not NaN
 
 
-TIERS = ((1, 60.0), (10, 600.0), (6, 3600.0))
+TIERS = ((1, 120.0), (10, 600.0), (6, 3600.0))
 """How many points of the tier before make one, and for how long that tier is kept, s."""
 
 
@@ -120,7 +120,7 @@ class _Tier:
 
 
 class PointHistory:
-    """The last hour for a page that has just been opened: a minute in full, the rest ever coarser; bounded."""
+    """The last hour for a page that has just been opened: two minutes in full, the rest ever coarser; bounded."""
 
     def __init__(self) -> None:
         self._tiers = []

@@ -5,6 +5,7 @@ import { clock, number } from "./words.js";
 /* global uPlot */
 
 const WIDE_PX = 56; // of the axis at the left, the same in all charts
+const RIGHT_PX = 28; // for half of the last time
 const PAD = 0.08;
 const ZOOM = 1.2;
 
@@ -29,17 +30,17 @@ const doubled = (view, value, sigma, sign) => {
 // Each line: its name, its colour, how it is got out of a view; `band` with the line after it is filled between.
 const CHARTS = [
   {
-    title: "Yaw", unit: "deg", height: 230, digits: 2, range: atLeast(1),
+    title: "Yaw", unit: "deg", height: 240, hasTimes: true, digits: 2, range: atLeast(1),
     lines: [
       { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", 1) },
       { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", -1) },
       { name: "raw", color: "raw", of: (view) => view.span("raw_yaw_deg") },
-      { name: "encoder", color: "encoder", of: (view) => view.span("encoder_deg"), needs: "encoder_deg", dash: [6, 4] },
       { name: "corrected", color: "yaw", width: 2, of: (view) => view.span("yaw_deg") },
+      { name: "encoder", color: "encoder", of: (view) => view.span("encoder_deg"), needs: "encoder_deg", dash: [4, 6] },
     ],
   },
   {
-    title: "Yaw less encoder", unit: "deg", height: 130, digits: 3, range: atLeast(0.2), needs: "encoder_deg",
+    title: "Yaw less encoder", unit: "deg", height: 110, digits: 3, range: atLeast(0.2), needs: "encoder_deg",
     lines: [
       { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "error_deg_hi", "yaw_sigma_deg", 1) },
       { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "error_deg_lo", "yaw_sigma_deg", -1) },
@@ -47,7 +48,7 @@ const CHARTS = [
     ],
   },
   {
-    title: "Drift estimate", unit: "deg/s", height: 130, digits: 4, range: atLeast(0.01),
+    title: "Drift estimate", unit: "deg/s", height: 110, digits: 4, range: atLeast(0.01),
     lines: [
       { name: "+2σ", color: "drift", band: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", 1) },
       { name: "−2σ", color: "drift", bound: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", -1) },
@@ -55,11 +56,11 @@ const CHARTS = [
     ],
   },
   {
-    title: "Rate as measured", unit: "deg/s", height: 130, digits: 2, range: atLeast(1),
+    title: "Rate as measured", unit: "deg/s", height: 110, digits: 2, range: atLeast(1),
     lines: [{ name: "rate", color: "rate", of: (view) => view.span("rate_dps") }],
   },
   {
-    title: "Probability of rest", unit: "", height: 64, digits: 2, range: () => [0, 1], needs: "rest_probability", strip: true,
+    title: "Probability of rest", unit: "", height: 72, hasTimes: true, digits: 2, range: () => [0, 1], needs: "rest_probability", strip: true,
     lines: [{ name: "rest", color: "rest", fill: true, of: (view) => view.span("rest_probability") }],
   },
 ];
@@ -78,8 +79,27 @@ function seriesOf(line, digits) {
   };
 }
 
+// A line across the chart for each time at which the config changed.
+function drawMarks(plot, marks) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.strokeStyle = color("quiet");
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
+  for (const atS of marks) {
+    if (atS < plot.scales.x.min || atS > plot.scales.x.max) continue;
+    const x = Math.round(plot.valToPos(atS, "x", true)) + 0.5;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
 class Chart {
-  constructor(place, made, onPlot) {
+  // hands(plot) listens to what a person does with it; marks are times that are marked.
+  constructor(place, made, hands, marks) {
     this.made = made;
     const figure = document.createElement("figure");
     figure.className = made.strip ? "strip" : "";
@@ -88,10 +108,10 @@ class Chart {
     figure.append(caption);
     place.append(figure);
     this.figure = figure;
-    this.plot = new uPlot(this.options(made, onPlot), [[], ...made.lines.map(() => [])], figure);
+    this.plot = new uPlot(this.options(made, hands, marks), [[], ...made.lines.map(() => [])], figure);
   }
 
-  options(made, onPlot) {
+  options(made, hands, marks) {
     const axis = { stroke: () => color("quiet"), grid: { stroke: () => color("grid"), width: 1 }, ticks: { show: false } };
     const font = "12px system-ui, sans-serif";
     return {
@@ -100,14 +120,14 @@ class Chart {
       scales: { x: { time: true, auto: false }, y: { range: made.range } },
       cursor: { sync: { key: "time" }, drag: { x: false, y: false }, points: { size: 6 } },
       legend: { show: made.lines.length > 1, live: true },
-      padding: [8, 12, made.strip ? 8 : 0, 0],
+      padding: [8, RIGHT_PX, 0, 0],
       axes: [
-        { ...axis, font, size: 24, values: "{HH}:{mm}:{ss}", space: 90, show: !made.strip },
-        { ...axis, font, size: WIDE_PX, space: 32, values: ticks, splits: made.strip ? () => [0, 1] : undefined },
+        { ...axis, font, size: made.hasTimes ? 24 : 6, values: made.hasTimes ? "{HH}:{mm}:{ss}" : () => [], space: 90 },
+        { ...axis, font, size: WIDE_PX, space: 22, values: ticks, splits: made.strip ? () => [0, 1] : undefined },
       ],
       bands: made.lines.flatMap((line, at) => (line.band ? [{ series: [at + 1, at + 2], fill: () => color(`${line.color}-band`) }] : [])),
       series: [{ value: time }, ...made.lines.map((line) => seriesOf(line, made.digits))],
-      hooks: { init: [(plot) => onPlot(plot)] },
+      hooks: { init: [(plot) => hands(plot)], draw: [(plot) => drawMarks(plot, marks)] },
     };
   }
 
@@ -132,14 +152,14 @@ class Chart {
 }
 
 export class Charts {
-  // onMove() is called when a person has chosen another stretch of time.
-  constructor(place, history, onMove) {
+  // marks: times, Unix, s, to mark in all charts. onMove() is called when a person has chosen another stretch of time.
+  constructor(place, history, marks, onMove) {
     this.place = place;
     this.history = history;
     this.onMove = onMove;
     this.windowS = 30;
     this.endS = null; // live
-    this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot)));
+    this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
     new ResizeObserver(() => this.fit()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.repaint());
     this.fit();

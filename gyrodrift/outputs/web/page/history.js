@@ -3,6 +3,7 @@
 // A row is what the service sends: a time, values as of the last sample (NAME), and the least and the greatest of all
 // samples (NAME_lo, NAME_hi). Rows of a coarser level are merged by the same rule, so no spike is ever lost.
 
+const FINEST_S = 1 / 30;
 const FACTOR = 4;
 const LEVELS = 7;
 const KEPT_S = 3660;
@@ -15,12 +16,21 @@ const newest = (a, b) => b;
 
 const ruleOf = (name) => (name.endsWith("_lo") ? least : name.endsWith("_hi") ? greatest : newest);
 
-// Rows of one width, in time order.
+// Rows in time order: one for each stretch of time of a width, or each as it comes where that is 0.
 class Level {
-  constructor(rules) {
+  constructor(rules, widthS) {
     this.rules = rules;
+    this.widthS = widthS;
+    this.stretch = NaN;
     this.count = 0;
     this.columns = rules.map((_, at) => new (at ? Float32Array : Float64Array)(FIRST_ROWS));
+  }
+
+  add(row) {
+    const stretch = Math.floor(row[0] / this.widthS);
+    if (stretch === this.stretch && this.widthS) this.merge(row);
+    else this.append(row);
+    this.stretch = stretch;
   }
 
   append(row) {
@@ -73,8 +83,7 @@ export class History {
 
   clear() {
     const rules = this.names.map(ruleOf);
-    this.levels = Array.from({ length: LEVELS }, () => new Level(rules));
-    this.rows = 0;
+    this.levels = Array.from({ length: LEVELS }, (_, depth) => new Level(rules, depth && FINEST_S * FACTOR ** depth));
     this.lastS = -Infinity;
   }
 
@@ -92,11 +101,7 @@ export class History {
 
   add(row) {
     if (row[0] <= this.lastS) return;
-    this.levels.forEach((level, depth) => {
-      if (this.rows % FACTOR ** depth === 0) level.append(row);
-      else level.merge(row);
-    });
-    this.rows += 1;
+    for (const level of this.levels) level.add(row);
     this.lastS = row[0];
   }
 
@@ -105,14 +110,17 @@ export class History {
     if (nowS < this.lastS - SAME_CLOCK_S) this.clear();
   }
 
+  get rows() {
+    return this.levels[0].count;
+  }
+
   get firstS() {
-    const oldest = this.rows ? this.levels[0].columns[0][0] : NaN;
-    return Math.max(oldest, this.lastS - KEPT_S);
+    return this.rows ? Math.max(this.levels[0].columns[0][0], this.lastS - KEPT_S) : NaN;
   }
 
   // The newest value of a column; NaN where nothing has come.
   last(name) {
-    return this.rows ? this.levels[0].columns[this.index[name]][this.levels[0].count - 1] : NaN;
+    return this.rows ? this.levels[0].columns[this.index[name]][this.rows - 1] : NaN;
   }
 
   // Rows from one time to another and one more on either side, of the finest level that has no more than `most`.

@@ -11,6 +11,7 @@ const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["
 
 const byId = (id) => document.getElementById(id);
 const dial = new Dial(byId("dial"));
+const changes = new Set(); // times at which the config was taken over
 let history = null;
 let charts = null;
 let isDue = false;
@@ -53,14 +54,19 @@ function begin(hello) {
   if (!history || history.names.join() !== hello.columns.join()) {
     history = new History(hello.columns);
     byId("charts").replaceChildren();
-    charts = new Charts(byId("charts"), history, drawSoon);
+    charts = new Charts(byId("charts"), history, changes, drawSoon);
   }
   history.startsAt(hello.now_s);
 }
 
+function hear(told) {
+  if (told.event === "config_applied") changes.add(told.t_s);
+  showEvent(told);
+}
+
 const TAKES = {
   hello: begin,
-  event: showEvent,
+  event: hear,
   state: showState,
   dropped: ({ messages }) => showEvent({
     t_s: Date.now() / 1000, event: "page", fields: { "too slow for messages": messages },

@@ -33,8 +33,8 @@ export function showNumbers(history) {
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
   byId("main-value").textContent = words.angle(hasNorth ? last("heading_deg") : last("yaw_deg"));
-  byId("main-sigma").textContent = words.sigma(last("yaw_sigma_deg"), 2, "° (2σ)");
-  const bias = `${words.signed(last("bias_dps"), 4)} ${words.sigma(last("bias_sigma_dps"), 4, "")} deg/s`;
+  byId("main-sigma").textContent = words.margin(last("yaw_sigma_deg"), 2, "° (1σ)");
+  const bias = `${words.signed(last("bias_dps"), 4)}${words.margin(last("bias_sigma_dps"), 4)} deg/s`;
   showFacts(byId("values"), [
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
     ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
@@ -42,7 +42,7 @@ export function showNumbers(history) {
     ["Drift estimate", bias, "key drift"],
     ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
     ["Rate less drift", `${words.signed(last("corrected_dps"), 2)} deg/s`],
-    ["Rest", finite(last("rest_probability"), words.rest(last("rest_probability"))), "key rest"],
+    ["At rest", finite(last("rest_probability"), words.percent(last("rest_probability"))), "key rest"],
     ["Temperature", finite(last("temp_c"), `${words.number(last("temp_c"), 1)} °C`)],
   ]);
 }
@@ -52,16 +52,16 @@ export function showState({ status, health }) {
   byId("device").textContent = [device.device_id, link.port].filter(Boolean).join(" on ");
   byId("health").replaceChildren(...health.map((each) => made("li", each.says, each.level)));
   showFacts(byId("link"), [
-    ["Samples a second", `${words.number(link.rate_hz, 1)}${device.sample_rate_hz ? ` of ${+device.sample_rate_hz.toFixed(1)}` : ""}`],
-    ["Jitter, peak to peak", `${words.number(link.jitter_ms, 1)} ms`],
+    ["Sample rate", `${words.number(link.rate_hz, 1)} Hz`],
+    ["Jitter", `${words.number(link.jitter_ms, 1)} ms`],
     ["Samples", words.count(link.samples)],
-    ["Lost, in gaps", `${words.count(link.missing)}, ${words.count(link.gaps)}`],
+    ["Gaps", link.gaps ? `${words.count(link.gaps)} (${words.counted(link.missing, "sample")})` : "0"],
     ["Damaged frames", words.count(link.damaged)],
     ["Clock against ours", link.clock_ppm === null ? "" : `${words.signed(link.clock_ppm, 0)} ppm`],
-    ["Line used", link.busy ? `${words.number(100 * link.busy, 0)} %` : ""],
+    ["Line used", link.busy ? words.percent(link.busy) : ""],
     ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
   ]);
-  const taken = config.applied ? `, taken ${config.applied} times, last at ${words.clock(config.applied_s)}` : "";
+  const taken = config.applied ? `, ${words.counted(config.applied, "change")} taken over, the last at ${words.clock(config.applied_s)}` : "";
   byId("config-file").textContent = config.file ? `${config.file}${taken}` : "Without a file: the published parameters.";
   showFacts(byId("config"), [["filter", config.filter], ...Object.entries(config.params).map(([name, value]) => [name, String(value)])]);
   showClients(status.outputs);

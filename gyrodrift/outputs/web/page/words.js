@@ -10,10 +10,12 @@ export const signed = (value, digits) =>
 
 export const angle = (value) => (Number.isFinite(value) ? `${number(value, 2)}°` : MISSING);
 
-export const sigma = (value, digits, unit) =>
-  Number.isFinite(value) ? `± ${number(2 * value, digits)}${unit}` : "";
+// Standard deviation behind a value, where it is known.
+export const margin = (sigma, digits, unit = "") => (Number.isFinite(sigma) ? ` ± ${number(sigma, digits)}${unit}` : "");
 
 export const count = (value) => Math.round(value).toLocaleString("en").replaceAll(",", "\u202f");
+
+export const counted = (value, what) => `${count(value)} ${what}${value === 1 ? "" : "s"}`;
 
 export const clock = (unixS) => new Date(1000 * unixS).toLocaleTimeString([], { hour12: false });
 
@@ -25,10 +27,7 @@ export function duration(seconds) {
 
 export const megabytes = (bytes) => `${number(bytes / 1e6, 0)} MB`;
 
-export const rest = (probability) =>
-  !Number.isFinite(probability)
-    ? MISSING
-    : `${number(100 * probability, 0)} %, ${probability > 0.9 ? "at rest" : probability < 0.1 ? "moving" : "undecided"}`;
+export const percent = (share) => (Number.isFinite(share) ? `${number(100 * share, 0)} %` : MISSING);
 
 const valueText = (value) =>
   Array.isArray(value) ? value.map(valueText).join("; ") : typeof value === "number" ? String(+value.toPrecision(6)) : String(value);
@@ -36,7 +35,7 @@ const valueText = (value) =>
 const SAID = {
   config_applied: (f) => [`${f.file} was taken over.`, ...list(f.changes)],
   config_rejected: (f) => ["Refused; the old config stays.", ...list(f.reasons)],
-  gap: (f) => [`${f.missing} samples were lost, at most ${number(1000 * f.longest_s, 0)} ms at a time.`],
+  gap: (f) => [`${counted(f.missing, "sample")} lost; the longest gap was ${number(1000 * f.longest_s, 0)} ms.`],
   link_open: (f) => [`${f.port} was opened.`],
   link_lost: (f) => [`${f.port} is gone.`],
   link_refused: (f) => [`${f.port} cannot be opened: ${f.reason}`],
@@ -46,7 +45,7 @@ const SAID = {
   device_reset: () => ["The device began anew."],
   protocol_found: (f) => [`The device speaks ${f.protocol}${f.baud ? ` at ${f.baud} baud` : ""}.`],
   samples_rejected: (f) => [`Samples made no sense: ${entries(f)}`],
-  samples_dropped: (f) => [`The outputs were too slow for ${f.count} samples.`],
+  samples_dropped: (f) => [`The outputs were too slow for ${counted(f.count, "sample")}.`],
 };
 
 const list = (value) => (Array.isArray(value) ? value : value ? [value] : []).map(valueText);
