@@ -8,8 +8,17 @@ const WIDE_PX = 56; // of the axis at the left, the same in all charts
 const RIGHT_PX = 28; // for half of the last time
 const PAD = 0.08;
 const ZOOM = 1.2;
+const LEAST_ROWS = 200;
 
-const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const known = new Map();
+
+// Of the style sheet, asked for once until the scheme changes: the browser works out all styles for an answer.
+function color(name) {
+  if (!known.has(name)) {
+    known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  }
+  return known.get(name);
+}
 
 const fixed = (digits) => (_, value) => (Number.isFinite(value) ? number(value, digits) : "");
 const time = (_, value) => (Number.isFinite(value) ? clock(value) : "");
@@ -134,7 +143,10 @@ class Chart {
   draw(history, view, fromS, toS) {
     const has = (needed) => !needed || Number.isFinite(history.last(needed));
     const isShown = has(this.made.needs);
-    this.figure.hidden = !isShown;
+    if (this.figure.hidden === isShown) {
+      this.figure.hidden = !isShown;
+      this.fit();
+    }
     if (!isShown) return;
     this.made.lines.forEach((line, at) => {
       if (line.needs) this.plot.root.classList.toggle(`without-${line.name}`, !has(line.needs));
@@ -166,11 +178,13 @@ export class Charts {
   }
 
   fit() {
+    this.widthPx = this.place.clientWidth;
     for (const chart of this.charts) chart.fit();
     this.onMove();
   }
 
   repaint() {
+    known.clear();
     for (const chart of this.charts) chart.plot.redraw();
   }
 
@@ -178,11 +192,8 @@ export class Charts {
     const toS = this.endS ?? this.history.lastS;
     if (!Number.isFinite(toS)) return;
     const fromS = toS - this.windowS;
-    const view = this.history.view(fromS, toS, Math.max(200, this.place.clientWidth));
-    for (const chart of this.charts) {
-      chart.draw(this.history, view, fromS, toS);
-      chart.fit();
-    }
+    const view = this.history.view(fromS, toS, Math.max(LEAST_ROWS, this.widthPx));
+    for (const chart of this.charts) chart.draw(this.history, view, fromS, toS);
   }
 
   // Show a stretch that ends at a time; at the newest point the charts follow the stream.

@@ -9,12 +9,15 @@ import { clock } from "./words.js";
 
 const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["1 h", 3600]];
 
+const TEXT_MS = 100; // numbers that change faster than this cannot be read
+
 const byId = (id) => document.getElementById(id);
 const dial = new Dial(byId("dial"));
 const changes = new Set(); // times at which the config was taken over
 let history = null;
 let charts = null;
 let isDue = false;
+let textTimer = null;
 let lostAt = null;
 
 function drawSoon() {
@@ -27,11 +30,16 @@ function draw() {
   isDue = false;
   if (!history.rows) return;
   charts.draw();
-  showNumbers(history);
   dial.show({
     yaw: history.last("yaw_deg"), raw: history.last("raw_yaw_deg"), encoder: history.last("encoder_deg"),
     sigma: history.last("yaw_sigma_deg"), heading: history.last("heading_deg"),
   });
+  textTimer ??= setTimeout(drawText, TEXT_MS);
+}
+
+function drawText() {
+  textTimer = null;
+  showNumbers(history);
   showPlace();
 }
 
