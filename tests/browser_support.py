@@ -84,6 +84,15 @@ class Tab:
         """Be `light` or `dark`."""
         self._ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": name}])
 
+    def drag(self, selector: str, right: float) -> None:
+        """Press in the middle of an element, move so many pixels to the right, and let go."""
+        x, y = self.run(
+            f"(() => {{ const at = document.querySelector({json.dumps(selector)}).getBoundingClientRect();"
+            "return [at.x + at.width / 2, at.y + at.height / 2]; })()"
+        )
+        for kind, to in (("mousePressed", x), ("mouseMoved", x + right), ("mouseReleased", x + right)):
+            self._ask("Input.dispatchMouseEvent", type=kind, x=to, y=y, button="left", buttons=1, clickCount=1)
+
     def picture(self) -> bytes:
         """The page as a PNG."""
         return base64.b64decode(self._ask("Page.captureScreenshot", format="png")["data"])

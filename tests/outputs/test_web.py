@@ -109,7 +109,7 @@ def test_a_spike_of_one_sample_is_in_a_point(web: Web) -> None:
     """However many samples make it up; the last values are those of the last sample."""
     outputs, address = web
     with looking(address) as client:
-        told(client, "state")
+        told(client, "hello")
         samples = [corrected(seq, yaw_deg=1.0, rest_probability=nan) for seq in range(200)]
         samples[77] = corrected(77, yaw_deg=99.0)
         outputs.samples(samples)
@@ -130,7 +130,7 @@ def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
         outputs.samples([corrected(1), corrected(2)])
         points(first, 1)
         outputs.event("config_applied", file="my.yaml", changes=["tau_s 1 → 2"])
-        outputs.status(ServiceStatus(link=LinkStatus(port="/dev/gyro", is_open=False)))
+        outputs.status(ServiceStatus(pid=1, link=LinkStatus(port="/dev/gyro", is_open=False)))
         told(first, "event")
         told(first, "state")
         with looking(address) as second:

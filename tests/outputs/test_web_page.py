@@ -23,6 +23,7 @@ pytestmark = pytest.mark.xdist_group("browser")
 
 STATUS = ServiceStatus(
     version="1.2.3",
+    pid=1,
     link=LinkStatus(port="/dev/gyro", protocol="native", is_open=True, rate_hz=100.0, samples=12345, gaps=1, missing=3),
     device=DeviceStatus(device_id="table", sample_rate_hz=100.0),
     config=ConfigStatus(file="my.yaml", filter="restlevel", params={"window_s": 0.3}),
@@ -181,6 +182,10 @@ def test_an_hour_is_looked_back_through_without_losing_a_spike(page: Tab) -> Non
         page.run(LOOK_BACK)
         page.until("!document.querySelector('#live').hidden")
         assert page.text("#back-text").startswith("Until ")
+        page.run("document.querySelector('#live').click()")
+        page.until("document.querySelector('#live').hidden")
+        page.drag("#charts .u-over", 200.0)
+        page.until("!document.querySelector('#live').hidden")
         page.run("document.querySelector('#live').click()")
         page.until("document.querySelector('#live').hidden")
         page.open("about:blank")

@@ -51,7 +51,7 @@ class Assets:
         self._files = {
             f"/{path.relative_to(FOLDER)}": (KINDS[path.suffix], path.read_bytes())
             for path in FOLDER.rglob("*")
-            if path.is_file()
+            if path.is_file() and path.suffix in KINDS
         }
         self._files["/"] = self._files["/index.html"]
         machine = socket.gethostname().lower()

@@ -100,7 +100,8 @@ class WebOutput(Output[WebOptions]):
             client.send(message)
         for told in self._events[0] + self._events[1]:
             client.send(told)
-        client.send(_state(self.host.status))
+        if self.host.status.pid:  # it has been told already
+            client.send(_state(self.host.status))
         return WebSession()
 
 

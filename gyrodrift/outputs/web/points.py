@@ -96,46 +96,45 @@ def _known(values: Sequence[float]) -> Sequence[float]:
     return [value for value in values if value == value] or [nan]  # noqa: PLR0124 - not NaN
 
 
-TIERS = ((1, 120.0), (10, 600.0), (6, 3600.0))
-"""How many points of the tier before make one, and for how long that tier is kept, s."""
+TIERS = ((0.0, 120.0), (1.0 / 3.0, 600.0), (2.0, 3600.0))
+"""For how long a point of a tier stands, s (0 for points as they come), and how long the tier reaches back, s."""
 
 
 class _Tier:
-    """Points of one width, the newest `most` of them, packed."""
+    """Points of one width, the newest of them, packed."""
 
-    def __init__(self, merges: int, most: int) -> None:
-        self.rows: deque[tuple[float, bytes]] = deque(maxlen=most)
-        self._merges = merges
+    def __init__(self, width_s: float, kept_s: float) -> None:
+        self.rows: deque[tuple[float, bytes]] = deque(maxlen=round(kept_s / (width_s or 1.0 / POINTS_HZ)))
+        self._width_s = width_s
         self._open: list[Point] = []
 
-    def add(self, point: Point) -> Point | None:
-        """Take a point of the tier before; the point of this tier that it completes."""
+    def add(self, point: Point) -> None:
+        """Take a point; those of one stretch of time become one."""
+        if self._open and not self._is_same_stretch(self._open[0].t_s, point.t_s):
+            self._close()
         self._open.append(point)
-        if len(self._open) < self._merges:
-            return None
-        whole = merged(self._open) if self._merges > 1 else point
+        if not self._width_s:
+            self._close()
+
+    def _is_same_stretch(self, one_s: float, other_s: float) -> bool:
+        return one_s // self._width_s == other_s // self._width_s
+
+    def _close(self) -> None:
+        whole = merged(self._open) if len(self._open) > 1 else self._open[0]
         self._open.clear()
         self.rows.append((whole.t_s, whole.pack()))
-        return whole
 
 
 class PointHistory:
     """The last hour for a page that has just been opened: two minutes in full, the rest ever coarser; bounded."""
 
     def __init__(self) -> None:
-        self._tiers = []
-        width_s = 1.0 / POINTS_HZ
-        for merges, kept_s in TIERS:
-            width_s *= merges
-            self._tiers.append(_Tier(merges, round(kept_s / width_s)))
+        self._tiers = [_Tier(width_s, kept_s) for width_s, kept_s in TIERS]
 
     def add(self, point: Point) -> None:
         """Keep a point."""
-        whole: Point | None = point
         for tier in self._tiers:
-            if whole is None:
-                return
-            whole = tier.add(whole)
+            tier.add(point)
 
     def rows(self) -> list[bytes]:
         """From the oldest to the newest, packed; where tiers overlap, a coarser point goes before finer ones."""

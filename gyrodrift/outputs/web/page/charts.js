@@ -22,7 +22,8 @@ function color(name) {
 
 const fixed = (digits) => (_, value) => (Number.isFinite(value) ? number(value, digits) : "");
 const time = (_, value) => (Number.isFinite(value) ? clock(value) : "");
-const ticks = (_, values) => values.map((value) => value.toLocaleString("en", { maximumFractionDigits: 6 }).replace("-", "−"));
+const PLAIN = { maximumFractionDigits: 6, useGrouping: false };
+const ticks = (_, values) => values.map((value) => value.toLocaleString("en", PLAIN).replace("-", "−"));
 
 // A range with room above and below, never so narrow that it shows noise alone.
 const atLeast = (span) => (_, low, high) => {
@@ -78,7 +79,7 @@ function seriesOf(line, digits) {
   const isBound = line.band || line.bound;
   return {
     label: line.name,
-    class: isBound ? "bound" : "line",
+    class: isBound ? "bound" : `line-${line.color}`,
     stroke: isBound ? "transparent" : () => color(line.color),
     fill: line.fill ? () => color(`${line.color}-fill`) : undefined,
     width: line.width ?? 1.25,
@@ -165,11 +166,11 @@ class Chart {
 
 export class Charts {
   // marks: times, Unix, s, to mark in all charts. onMove() is called when a person has chosen another stretch of time.
-  constructor(place, history, marks, onMove) {
+  constructor(place, history, marks, windowS, onMove) {
     this.place = place;
     this.history = history;
     this.onMove = onMove;
-    this.windowS = 30;
+    this.windowS = windowS;
     this.endS = null; // live
     this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
     new ResizeObserver(() => this.fit()).observe(place);

@@ -14,6 +14,7 @@ const TEXT_MS = 100; // numbers that change faster than this cannot be read
 const byId = (id) => document.getElementById(id);
 const dial = new Dial(byId("dial"));
 const changes = new Set(); // times at which the config was taken over
+let windowS = 30; // shown at first
 let history = null;
 let charts = null;
 let isDue = false;
@@ -62,7 +63,7 @@ function begin(hello) {
   if (!history || history.names.join() !== hello.columns.join()) {
     history = new History(hello.columns);
     byId("charts").replaceChildren();
-    charts = new Charts(byId("charts"), history, changes, drawSoon);
+    charts = new Charts(byId("charts"), history, changes, windowS, drawSoon);
   }
   history.startsAt(hello.now_s);
 }
@@ -76,9 +77,7 @@ const TAKES = {
   hello: begin,
   event: hear,
   state: showState,
-  dropped: ({ messages }) => showEvent({
-    t_s: Date.now() / 1000, event: "page", fields: { "too slow for messages": messages },
-  }),
+  dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
 };
 
 function take(content) {
@@ -98,10 +97,13 @@ function sayConnection(state) {
   document.body.classList.toggle("stale", state === "lost");
 }
 
-for (const [text, windowS] of WINDOWS) {
+for (const [text, lengthS] of WINDOWS) {
   const button = document.createElement("button");
-  Object.assign(button, { type: "button", textContent: text, value: windowS });
-  button.addEventListener("click", () => charts?.lookAt(charts.endS ?? Infinity, windowS));
+  Object.assign(button, { type: "button", textContent: text, value: lengthS });
+  button.addEventListener("click", () => {
+    windowS = lengthS;
+    charts?.lookAt(charts.endS ?? Infinity, windowS);
+  });
   byId("windows").append(button);
 }
 byId("live").addEventListener("click", () => charts?.lookAt(Infinity));

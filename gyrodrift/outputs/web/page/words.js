@@ -45,6 +45,7 @@ const SAID = {
   device_reset: () => ["The device began anew."],
   protocol_found: (f) => [`The device speaks ${f.protocol}${f.baud ? ` at ${f.baud} baud` : ""}.`],
   samples_rejected: (f) => [`Samples made no sense: ${entries(f)}`],
+  page_too_slow: (f) => [`This page was too slow for ${counted(f.messages, "message")}.`],
   samples_dropped: (f) => [`The outputs were too slow for ${counted(f.count, "sample")}.`],
 };
 
