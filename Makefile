@@ -37,6 +37,7 @@ pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
 	$(BIN)/python -m firmware_sim.gallery --out docs/effects
 	$(BIN)/python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png
+	$(BIN)/python tests/web_pictures.py docs
 
 clean:
 	rm -rf $(VENV)

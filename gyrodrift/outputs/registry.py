@@ -86,6 +86,13 @@ SHIPPED = (
     OutputKind("tcp", "newline JSON to whoever connects", "gyrodrift.outputs.tcp:TcpOutput"),
     OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
     OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
+    OutputKind(
+        "web",
+        "a page for the browser",
+        "gyrodrift.outputs.web.output:WebOutput",
+        packages=("websockets",),
+        extra="websocket",
+    ),
 )
 
 for _each in SHIPPED:

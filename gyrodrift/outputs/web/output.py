@@ -1,0 +1,129 @@
+"""The output `web`: a page for people, and the stream that it draws."""
+
+import json
+import time
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
+
+from annotated_types import MaxLen
+
+from gyrodrift import __version__
+from gyrodrift.outputs.health import health
+from gyrodrift.outputs.net.periodic import Periodic
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.status import ClientStatus, ServiceStatus
+from gyrodrift.outputs.web.assets import Assets
+from gyrodrift.outputs.web.points import COLUMNS, POINTS_HZ, PointHistory, in_messages, point_of
+from gyrodrift.sample import Corrected
+
+KEPT_EVENTS = 50
+"""Of the config, and as many others: a link that breaks every second does not push out what the config did."""
+
+
+@dataclass(frozen=True, slots=True)
+class WebOptions:
+    """Where the page is."""
+
+    host: Annotated[Host, About("address to listen on")] = LOOPBACK
+    port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 8117
+    reached_as: Annotated[str, MaxLen(253), About("a further name in the address that browsers open")] = ""
+
+
+class WebOutput(Output[WebOptions]):
+    """Serves the page; sends whoever looks the last hour, then 30 points a second, events, and the state."""
+
+    options_type = WebOptions
+
+    def __init__(self, options: WebOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        assets = Assets(options.host, options.reached_as)
+        self._server = WebSocketServer(self._session, host.log, assets.answer)
+        self._samples: list[Corrected] = []
+        self._history = PointHistory()
+        self._events: tuple[deque[str], deque[str]] = (deque(maxlen=KEPT_EVENTS), deque(maxlen=KEPT_EVENTS))
+        self._frames: Periodic | None = None
+
+    async def open(self) -> None:
+        """Begin to listen."""
+        self.address = f"http://{await self._server.listen(self.options.host, self.options.port)}"
+        self._frames = Periodic(1.0 / POINTS_HZ, self._frame)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Keep them for the next frame."""
+        self._samples += samples
+
+    def hear(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Send an event to all, and to who comes later."""
+        told = _json("event", t_s=time.time(), event=event, fields=fields)
+        self._events[event.startswith("config_")].append(told)
+        self._send(told)
+
+    def note(self, status: ServiceStatus) -> None:
+        """Send the state to all."""
+        if self._server.clients:
+            self._send(_state(status))
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Pages that are open."""
+        return self._server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Messages."""
+        return self._server.counts()
+
+    async def close(self) -> None:
+        """Say goodbye to the pages; they try again."""
+        if self._frames is not None:
+            await self._frames.close()
+        await self._server.close()
+
+    def _frame(self) -> None:
+        """What came since the last one, as one point."""
+        if not self._samples:
+            return
+        point = point_of(self._samples)
+        self._samples.clear()
+        self._history.add(point)
+        self._send(point.pack())
+
+    def _send(self, message: str | bytes) -> None:
+        for client in self._server.clients:
+            client.send(message)
+
+    def _session(self, client: WebSocketClient) -> "WebSession":
+        client.send(_json("hello", version=__version__, columns=COLUMNS, now_s=time.time()))
+        for message in in_messages(self._history.rows()):
+            client.send(message)
+        for told in self._events[0] + self._events[1]:
+            client.send(told)
+        if self.host.status.pid:  # it has been told already
+            client.send(_state(self.host.status))
+        return WebSession()
+
+
+class WebSession:
+    """One page."""
+
+    def message(self, content: str | bytes) -> None:
+        """Pages only look."""
+        del content
+        raise ValueError("this stream takes no messages")
+
+    def dropped(self, messages: int) -> str:
+        """For a page that was too slow."""
+        return _json("dropped", messages=messages)
+
+    def closed(self) -> None:
+        """Nothing is kept."""
+
+
+def _state(status: ServiceStatus) -> str:
+    return _json("state", status=asdict(status), health=[asdict(each) for each in health(status)])
+
+
+def _json(kind: str, **content: Any) -> str:
+    return json.dumps({"kind": kind, **content}, separators=(",", ":"), default=str)

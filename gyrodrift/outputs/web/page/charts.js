@@ -1,0 +1,233 @@
+// The charts: one time axis for all of them, live at its right edge or somewhere in the last hour.
+
+import { clock, number } from "./words.js";
+
+/* global uPlot */
+
+const WIDE_PX = 56; // of the axis at the left, the same in all charts
+const RIGHT_PX = 28; // for half of the last time
+const PAD = 0.08;
+const ZOOM = 1.2;
+const LEAST_ROWS = 200;
+
+const known = new Map();
+
+// Of the style sheet, asked for once until the scheme changes: the browser works out all styles for an answer.
+function color(name) {
+  if (!known.has(name)) {
+    known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  }
+  return known.get(name);
+}
+
+const fixed = (digits) => (_, value) => (Number.isFinite(value) ? number(value, digits) : "");
+const time = (_, value) => (Number.isFinite(value) ? clock(value) : "");
+const PLAIN = { maximumFractionDigits: 6, useGrouping: false };
+const ticks = (_, values) => values.map((value) => value.toLocaleString("en", PLAIN).replace("-", "−"));
+
+// A range with room above and below, never so narrow that it shows noise alone.
+const atLeast = (span) => (_, low, high) => {
+  if (low === null) return [-span / 2, span / 2];
+  const room = Math.max((high - low) * PAD, (span - (high - low)) / 2);
+  return [low - room, high + room];
+};
+
+const doubled = (view, value, sigma, sign) => {
+  const [values, sigmas] = [view.column(value), view.column(sigma)];
+  return view.values((row) => values[row] + 2 * sign * sigmas[row]);
+};
+
+// Each line: its name, its colour, how it is got out of a view; `band` with the line after it is filled between.
+const CHARTS = [
+  {
+    title: "Yaw", unit: "deg", height: 240, hasTimes: true, digits: 2, range: atLeast(1),
+    lines: [
+      { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", 1) },
+      { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", -1) },
+      { name: "raw", color: "raw", of: (view) => view.span("raw_yaw_deg") },
+      { name: "corrected", color: "yaw", width: 2, of: (view) => view.span("yaw_deg") },
+      { name: "encoder", color: "encoder", of: (view) => view.span("encoder_deg"), needs: "encoder_deg", dash: [4, 6] },
+    ],
+  },
+  {
+    title: "Yaw less encoder", unit: "deg", height: 110, digits: 3, range: atLeast(0.2), needs: "encoder_deg",
+    lines: [
+      { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "error_deg_hi", "yaw_sigma_deg", 1) },
+      { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "error_deg_lo", "yaw_sigma_deg", -1) },
+      { name: "error", color: "yaw", width: 1.5, of: (view) => view.span("error_deg") },
+    ],
+  },
+  {
+    title: "Drift estimate", unit: "deg/s", height: 110, digits: 4, range: atLeast(0.01),
+    lines: [
+      { name: "+2σ", color: "drift", band: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", 1) },
+      { name: "−2σ", color: "drift", bound: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", -1) },
+      { name: "estimate", color: "drift", width: 1.5, of: (view) => view.values((row) => view.column("bias_dps")[row]) },
+    ],
+  },
+  {
+    title: "Rate as measured", unit: "deg/s", height: 110, digits: 2, range: atLeast(1),
+    lines: [{ name: "rate", color: "rate", of: (view) => view.span("rate_dps") }],
+  },
+  {
+    title: "Probability of rest", unit: "", height: 72, hasTimes: true, digits: 2, range: () => [0, 1], needs: "rest_probability", strip: true,
+    lines: [{ name: "rest", color: "rest", fill: true, of: (view) => view.span("rest_probability") }],
+  },
+];
+
+function seriesOf(line, digits) {
+  const isBound = line.band || line.bound;
+  return {
+    label: line.name,
+    class: isBound ? "bound" : `line-${line.color}`,
+    stroke: isBound ? "transparent" : () => color(line.color),
+    fill: line.fill ? () => color(`${line.color}-fill`) : undefined,
+    width: line.width ?? 1.25,
+    dash: line.dash,
+    points: { show: false },
+    value: fixed(digits),
+  };
+}
+
+// A line across the chart for each time at which the config changed.
+function drawMarks(plot, marks) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.strokeStyle = color("quiet");
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
+  for (const atS of marks) {
+    if (atS < plot.scales.x.min || atS > plot.scales.x.max) continue;
+    const x = Math.round(plot.valToPos(atS, "x", true)) + 0.5;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
+class Chart {
+  // hands(plot) listens to what a person does with it; marks are times that are marked.
+  constructor(place, made, hands, marks) {
+    this.made = made;
+    const figure = document.createElement("figure");
+    figure.className = made.strip ? "strip" : "";
+    const caption = document.createElement("figcaption");
+    caption.textContent = made.unit ? `${made.title}, ${made.unit}` : made.title;
+    figure.append(caption);
+    place.append(figure);
+    this.figure = figure;
+    this.plot = new uPlot(this.options(made, hands, marks), [[], ...made.lines.map(() => [])], figure);
+  }
+
+  options(made, hands, marks) {
+    const axis = { stroke: () => color("quiet"), grid: { stroke: () => color("grid"), width: 1 }, ticks: { show: false } };
+    const font = "12px system-ui, sans-serif";
+    return {
+      width: 300,
+      height: made.height,
+      scales: { x: { time: true, auto: false }, y: { range: made.range } },
+      cursor: { sync: { key: "time" }, drag: { x: false, y: false }, points: { size: 6 } },
+      legend: { show: made.lines.length > 1, live: true },
+      padding: [8, RIGHT_PX, 0, 0],
+      axes: [
+        { ...axis, font, size: made.hasTimes ? 24 : 6, values: made.hasTimes ? "{HH}:{mm}:{ss}" : () => [], space: 90 },
+        { ...axis, font, size: WIDE_PX, space: 22, values: ticks, splits: made.strip ? () => [0, 1] : undefined },
+      ],
+      bands: made.lines.flatMap((line, at) => (line.band ? [{ series: [at + 1, at + 2], fill: () => color(`${line.color}-band`) }] : [])),
+      series: [{ value: time }, ...made.lines.map((line) => seriesOf(line, made.digits))],
+      hooks: { init: [(plot) => hands(plot)], draw: [(plot) => drawMarks(plot, marks)] },
+    };
+  }
+
+  draw(history, view, fromS, toS) {
+    const has = (needed) => !needed || Number.isFinite(history.last(needed));
+    const isShown = has(this.made.needs);
+    if (this.figure.hidden === isShown) {
+      this.figure.hidden = !isShown;
+      this.fit();
+    }
+    if (!isShown) return;
+    this.made.lines.forEach((line, at) => {
+      if (line.needs) this.plot.root.classList.toggle(`without-${line.name}`, !has(line.needs));
+    });
+    this.plot.batch(() => {
+      this.plot.setData([view.times, ...this.made.lines.map((line) => line.of(view))], false);
+      this.plot.setScale("x", { min: fromS, max: toS });
+    });
+  }
+
+  fit() {
+    const width = this.figure.clientWidth;
+    if (width && width !== this.plot.width) this.plot.setSize({ width, height: this.made.height });
+  }
+}
+
+export class Charts {
+  // marks: times, Unix, s, to mark in all charts. onMove() is called when a person has chosen another stretch of time.
+  constructor(place, history, marks, windowS, onMove) {
+    this.place = place;
+    this.history = history;
+    this.onMove = onMove;
+    this.windowS = windowS;
+    this.endS = null; // live
+    this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
+    new ResizeObserver(() => this.fit()).observe(place);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.repaint());
+    this.fit();
+  }
+
+  fit() {
+    this.widthPx = this.place.clientWidth;
+    for (const chart of this.charts) chart.fit();
+    this.onMove();
+  }
+
+  repaint() {
+    known.clear();
+    for (const chart of this.charts) chart.plot.redraw();
+  }
+
+  draw() {
+    const toS = this.endS ?? this.history.lastS;
+    if (!Number.isFinite(toS)) return;
+    const fromS = toS - this.windowS;
+    const view = this.history.view(fromS, toS, Math.max(LEAST_ROWS, this.widthPx));
+    for (const chart of this.charts) chart.draw(this.history, view, fromS, toS);
+  }
+
+  // Show a stretch that ends at a time; at the newest point the charts follow the stream.
+  lookAt(endS, windowS = this.windowS) {
+    const { firstS, lastS } = this.history;
+    this.windowS = Math.min(3600, Math.max(2, windowS));
+    this.endS = endS >= lastS ? null : Math.max(endS, Math.min(lastS, firstS + this.windowS));
+    this.onMove();
+  }
+
+  // Drag sideways to look back; turn the wheel to see more or less.
+  hearHands(plot) {
+    const over = plot.over;
+    let grip = null;
+    over.addEventListener("pointerdown", (event) => {
+      grip = { x: event.clientX, endS: this.endS ?? this.history.lastS };
+      over.setPointerCapture(event.pointerId);
+    });
+    over.addEventListener("pointermove", (event) => {
+      if (!grip || Math.abs(event.clientX - grip.x) < 3) return;
+      this.lookAt(grip.endS - ((event.clientX - grip.x) / over.clientWidth) * this.windowS);
+    });
+    for (const end of ["pointerup", "pointercancel"]) over.addEventListener(end, () => (grip = null));
+    over.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      const endS = this.endS ?? this.history.lastS;
+      if (Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+        this.lookAt(endS + (event.deltaX / over.clientWidth) * this.windowS);
+        return;
+      }
+      const windowS = this.windowS * (event.deltaY > 0 ? ZOOM : 1 / ZOOM);
+      const share = this.endS === null ? 1 : event.offsetX / over.clientWidth;
+      this.lookAt(endS + (1 - share) * (windowS - this.windowS), windowS);
+    }, { passive: false });
+  }
+}

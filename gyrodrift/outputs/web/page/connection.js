@@ -1,0 +1,63 @@
+// The stream of the service: one WebSocket at a time, opened again whenever it is gone, for as long as the page lives.
+
+const FIRST_WAIT_MS = 500;
+const LONGEST_WAIT_MS = 5000;
+const SILENT_MS = 6000; // the service says how it is once a second
+
+export class Connection {
+  // on.message(content) with an object or an ArrayBuffer; on.change("open" | "lost") when that changes.
+  constructor(url, on) {
+    this.url = url;
+    this.on = on;
+    this.waitMs = FIRST_WAIT_MS;
+    this.open();
+    window.addEventListener("online", () => this.hurry());
+    document.addEventListener("visibilitychange", () => document.hidden || this.hurry());
+  }
+
+  open() {
+    this.socket = new WebSocket(this.url);
+    this.socket.binaryType = "arraybuffer";
+    this.wait();
+    this.socket.onopen = () => this.listen();
+    this.socket.onmessage = (event) => {
+      this.listen();
+      this.waitMs = FIRST_WAIT_MS;
+      this.on.message(typeof event.data === "string" ? JSON.parse(event.data) : event.data);
+    };
+    this.socket.onclose = () => this.lost();
+  }
+
+  // Not for ever: a network that is gone closes nothing.
+  wait() {
+    clearTimeout(this.silence);
+    this.silence = setTimeout(() => this.lost(), SILENT_MS);
+  }
+
+  listen() {
+    this.wait();
+    this.on.change("open");
+  }
+
+  lost() {
+    clearTimeout(this.silence);
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
+    this.on.change("lost");
+    this.retry = setTimeout(() => this.again(), this.waitMs);
+    this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
+  }
+
+  again() {
+    this.retry = null;
+    this.open();
+  }
+
+  // Somebody looks, or the network is back: do not wait for the next try.
+  hurry() {
+    if (!this.retry) return;
+    clearTimeout(this.retry);
+    this.waitMs = FIRST_WAIT_MS;
+    this.again();
+  }
+}

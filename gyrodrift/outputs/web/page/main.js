@@ -1,0 +1,116 @@
+// Puts the page together: what comes over the stream goes into the history, and is drawn with the screen's next frame.
+
+import { Charts } from "./charts.js";
+import { Connection } from "./connection.js";
+import { Dial } from "./dial.js";
+import { History } from "./history.js";
+import { showEvent, showNumbers, showState } from "./panels.js";
+import { clock } from "./words.js";
+
+const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["1 h", 3600]];
+
+const TEXT_MS = 100; // numbers that change faster than this cannot be read
+
+const byId = (id) => document.getElementById(id);
+const dial = new Dial(byId("dial"));
+const changes = new Set(); // times at which the config was taken over
+let windowS = 30; // shown at first
+let history = null;
+let charts = null;
+let isDue = false;
+let textTimer = null;
+let lostAt = null;
+
+function drawSoon() {
+  if (isDue || !history) return;
+  isDue = true;
+  requestAnimationFrame(draw);
+}
+
+function draw() {
+  isDue = false;
+  if (!history.rows) return;
+  charts.draw();
+  dial.show({
+    yaw: history.last("yaw_deg"), raw: history.last("raw_yaw_deg"), encoder: history.last("encoder_deg"),
+    sigma: history.last("yaw_sigma_deg"), heading: history.last("heading_deg"),
+  });
+  textTimer ??= setTimeout(drawText, TEXT_MS);
+}
+
+function drawText() {
+  textTimer = null;
+  showNumbers(history);
+  showPlace();
+}
+
+// Where in the hour the charts are.
+function showPlace() {
+  const isLive = charts.endS === null;
+  byId("live").hidden = isLive;
+  const back = byId("back");
+  const { firstS, lastS } = history;
+  [back.min, back.max] = [firstS, lastS];
+  back.value = charts.endS ?? lastS;
+  byId("back-text").textContent = isLive ? "Look back" : `Until ${clock(charts.endS)}`;
+  for (const button of byId("windows").children) {
+    button.setAttribute("aria-pressed", String(Number(button.value) === charts.windowS));
+  }
+}
+
+// The columns are known: from now on there is something to draw into.
+function begin(hello) {
+  if (!history || history.names.join() !== hello.columns.join()) {
+    history = new History(hello.columns);
+    byId("charts").replaceChildren();
+    charts = new Charts(byId("charts"), history, changes, windowS, drawSoon);
+  }
+  history.startsAt(hello.now_s);
+}
+
+function hear(told) {
+  if (told.event === "config_applied") changes.add(told.t_s);
+  showEvent(told);
+}
+
+const TAKES = {
+  hello: begin,
+  event: hear,
+  state: showState,
+  dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
+};
+
+function take(content) {
+  if (content instanceof ArrayBuffer) history.read(content);
+  else TAKES[content.kind]?.(content);
+  drawSoon();
+}
+
+function sayConnection(state) {
+  const place = byId("connection");
+  if (state === "lost") lostAt ??= Date.now() / 1000;
+  else lostAt = null;
+  const text = lostAt === null ? "Live" : `No connection since ${clock(lostAt)}; trying again …`;
+  if (place.textContent === text) return;
+  place.textContent = text;
+  place.dataset.state = state;
+  document.body.classList.toggle("stale", state === "lost");
+}
+
+for (const [text, lengthS] of WINDOWS) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", textContent: text, value: lengthS });
+  button.addEventListener("click", () => {
+    windowS = lengthS;
+    charts?.lookAt(charts.endS ?? Infinity, windowS);
+  });
+  byId("windows").append(button);
+}
+byId("live").addEventListener("click", () => charts?.lookAt(Infinity));
+byId("back").addEventListener("input", (event) => charts?.lookAt(Number(event.target.value)));
+document.addEventListener("visibilitychange", drawSoon);
+
+new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/stream`, {
+  message: take,
+  change: sayConnection,
+});

@@ -1,0 +1,110 @@
+// What stands beside the charts: numbers, the link in words, config, events, clients.
+
+import * as words from "./words.js";
+
+const MOST_EVENTS = 100;
+
+const byId = (id) => document.getElementById(id);
+
+function made(kind, text = "", name = "") {
+  const found = document.createElement(kind);
+  found.textContent = text;
+  found.className = name;
+  return found;
+}
+
+// Names and values as a list; rows without a value are left out. Only what has changed is touched.
+function showFacts(place, facts) {
+  const shown = facts.filter(([, value]) => value !== "" && value !== null && value !== undefined);
+  while (place.children.length > 2 * shown.length) place.lastChild.remove();
+  shown.forEach(([name, value, kind = ""], at) => {
+    if (place.children.length <= 2 * at) place.append(made("dt"), made("dd"));
+    const [term, text] = [place.children[2 * at], place.children[2 * at + 1]];
+    if (term.textContent !== name) term.textContent = name;
+    if (term.className !== kind) term.className = kind;
+    if (text.textContent !== value) text.textContent = value;
+  });
+}
+
+const finite = (value, text) => (Number.isFinite(value) ? text : "");
+
+export function showNumbers(history) {
+  const last = (name) => history.last(name);
+  const hasNorth = Number.isFinite(last("heading_deg"));
+  byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
+  byId("main-value").textContent = words.angle(hasNorth ? last("heading_deg") : last("yaw_deg"));
+  byId("main-sigma").textContent = words.margin(last("yaw_sigma_deg"), 2, "° (1σ)");
+  const bias = `${words.signed(last("bias_dps"), 4)}${words.margin(last("bias_sigma_dps"), 4)} deg/s`;
+  showFacts(byId("values"), [
+    ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
+    ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
+    ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
+    ["Drift estimate", bias, "key drift"],
+    ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
+    ["Rate less drift", `${words.signed(last("corrected_dps"), 2)} deg/s`],
+    ["At rest", finite(last("rest_probability"), words.percent(last("rest_probability"))), "key rest"],
+    ["Temperature", finite(last("temp_c"), `${words.number(last("temp_c"), 1)} °C`)],
+  ]);
+}
+
+export function showState({ status, health }) {
+  const { link, device, config } = status;
+  byId("device").textContent = [device.device_id, link.port].filter(Boolean).join(" on ");
+  byId("health").replaceChildren(...health.map((each) => made("li", each.says, each.level)));
+  showFacts(byId("link"), [
+    ["Sample rate", `${words.number(link.rate_hz, 1)} Hz`],
+    ["Jitter", `${words.number(link.jitter_ms, 1)} ms`],
+    ["Samples", words.count(link.samples)],
+    ["Gaps", link.gaps ? `${words.count(link.gaps)} (${words.counted(link.missing, "sample")})` : "0"],
+    ["Damaged frames", words.count(link.damaged)],
+    ["Clock against ours", link.clock_ppm === null ? "" : `${words.signed(link.clock_ppm, 0)} ppm`],
+    ["Line used", link.busy ? words.percent(link.busy) : ""],
+    ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
+  ]);
+  const taken = config.applied ? `, ${words.counted(config.applied, "change")} taken over, the last at ${words.clock(config.applied_s)}` : "";
+  byId("config-file").textContent = config.file ? `${config.file}${taken}` : "Without a file: the published parameters.";
+  showFacts(byId("config"), [["filter", config.filter], ...Object.entries(config.params).map(([name, value]) => [name, String(value)])]);
+  showClients(status.outputs);
+  showFacts(byId("service"), [
+    ["Service", `gyrodrift ${status.version}, process ${status.pid}`],
+    ["Runs for", words.duration(status.uptime_s)],
+    ["Memory", words.megabytes(status.memory_bytes)],
+  ]);
+}
+
+function showClients(outputs) {
+  const rows = outputs.flatMap((output) => {
+    const name = [output.output, output.problem || output.address.replace(/^http:\/\//, "")];
+    const others = output.client_count - output.clients.length;
+    const lines = output.clients.map((client) => [client.peer, client.sent, client.dropped]);
+    if (others > 0) lines.push([`and ${others} more`, "", ""]);
+    if (!lines.length) lines.push([output.problem ? "" : "no client", output.sent, output.dropped]);
+    return lines.map((cells, at) => row(at ? ["", ""] : name, cells));
+  });
+  byId("clients").replaceChildren(...rows);
+}
+
+function row([name, address], [peer, sent, dropped]) {
+  const found = made("tr");
+  const output = made("th", name);
+  if (address) output.append(made("small", address));
+  const numbers = [sent, dropped].map((value) => made("td", value === "" ? "" : words.count(value), "number"));
+  found.append(output, made("td", peer), ...numbers);
+  return found;
+}
+
+// Events that are known already, as of a connection before, are not shown again.
+const seen = new Set();
+
+export function showEvent({ t_s: atS, event, fields }) {
+  const key = `${atS} ${event}`;
+  if (seen.has(key)) return;
+  seen.add(key);
+  const place = byId(event.startsWith("config_") ? "config-events" : "events");
+  place.querySelector(".none")?.remove();
+  const item = made("li", "", event.endsWith("_rejected") || event === "link_lost" ? "bad" : "");
+  const [first, ...more] = words.event(event, fields);
+  item.append(made("time", words.clock(atS)), made("span", first), ...more.map((each) => made("code", each)));
+  place.prepend(item);
+  while (place.children.length > MOST_EVENTS) place.lastChild.remove();
+}

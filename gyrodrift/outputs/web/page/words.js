@@ -1,0 +1,58 @@
+// Numbers and times as a person reads them, with their units.
+
+const MISSING = "–";
+
+export const number = (value, digits) =>
+  Number.isFinite(value) ? value.toFixed(digits).replace("-", "−") : MISSING;
+
+export const signed = (value, digits) =>
+  Number.isFinite(value) ? (value < 0 ? "" : "+") + number(value, digits) : MISSING;
+
+export const angle = (value) => (Number.isFinite(value) ? `${number(value, 2)}°` : MISSING);
+
+// Standard deviation behind a value, where it is known.
+export const margin = (sigma, digits, unit = "") => (Number.isFinite(sigma) ? ` ± ${number(sigma, digits)}${unit}` : "");
+
+export const count = (value) => Math.round(value).toLocaleString("en").replaceAll(",", "\u202f");
+
+export const counted = (value, what) => `${count(value)} ${what}${value === 1 ? "" : "s"}`;
+
+export const clock = (unixS) => new Date(1000 * unixS).toLocaleTimeString([], { hour12: false });
+
+export function duration(seconds) {
+  if (seconds < 60) return `${Math.round(seconds)} s`;
+  if (seconds < 3600) return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+  return `${Math.floor(seconds / 3600)} h ${Math.floor((seconds % 3600) / 60)} min`;
+}
+
+export const megabytes = (bytes) => `${number(bytes / 1e6, 0)} MB`;
+
+export const percent = (share) => (Number.isFinite(share) ? `${number(100 * share, 0)} %` : MISSING);
+
+const valueText = (value) =>
+  Array.isArray(value) ? value.map(valueText).join("; ") : typeof value === "number" ? String(+value.toPrecision(6)) : String(value);
+
+const SAID = {
+  config_applied: (f) => [`${f.file} was taken over.`, ...list(f.changes)],
+  config_rejected: (f) => ["Refused; the old config stays.", ...list(f.reasons)],
+  gap: (f) => [`${counted(f.missing, "sample")} lost; the longest gap was ${number(1000 * f.longest_s, 0)} ms.`],
+  link_open: (f) => [`${f.port} was opened.`],
+  link_lost: (f) => [`${f.port} is gone.`],
+  link_refused: (f) => [`${f.port} cannot be opened: ${f.reason}`],
+  link_restored: (f) => [`${f.port} is back after ${duration(f.gone_s)}.`],
+  link_silent: (f) => [`The device has said nothing for ${duration(f.seconds)}.`],
+  link_speaks: () => ["The device speaks again."],
+  device_reset: () => ["The device began anew."],
+  protocol_found: (f) => [`The device speaks ${f.protocol}${f.baud ? ` at ${f.baud} baud` : ""}.`],
+  samples_rejected: (f) => [`Samples made no sense: ${entries(f)}`],
+  page_too_slow: (f) => [`This page was too slow for ${counted(f.messages, "message")}.`],
+  samples_dropped: (f) => [`The outputs were too slow for ${counted(f.count, "sample")}.`],
+};
+
+const list = (value) => (Array.isArray(value) ? value : value ? [value] : []).map(valueText);
+const entries = (fields) =>
+  Object.entries(fields).filter(([, value]) => value !== null && value !== "").map(([name, value]) => `${name} ${valueText(value)}`).join(", ");
+
+// An event of the log in sentences.
+export const event = (name, fields) =>
+  name in SAID ? SAID[name](fields) : [`${name.replaceAll("_", " ")}: ${entries(fields)}`];

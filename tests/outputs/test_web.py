@@ -1,0 +1,160 @@
+"""The output `web` as a browser speaks to it: its files, who may have them, and the stream."""
+
+import json
+from collections.abc import Iterator
+from itertools import pairwise
+from math import isnan, nan
+from typing import Any
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+from outputs_support import HubThread, corrected, hub
+from support import PATIENCE_S
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from gyrodrift.outputs.status import LinkStatus, ServiceStatus
+from gyrodrift.outputs.web.points import COLUMNS, LAYOUT, PointHistory, point_of
+
+Web = tuple[HubThread, str]
+
+
+@pytest.fixture
+def web() -> Iterator[Web]:
+    """Outputs with a page, and where it is."""
+    with hub() as outputs:
+        outputs.want("web:port=0,reached_as=gyro.example")
+        yield outputs, outputs.opened()[0].address
+
+
+def got(address: str, path: str = "/", **headers: str) -> tuple[int, str, dict[str, str]]:
+    """Status, text and headers of the answer."""
+    try:
+        with urlopen(Request(address + path, headers=headers), timeout=PATIENCE_S) as answer:
+            return answer.status, answer.read().decode(), dict(answer.headers)
+    except HTTPError as error:
+        with error:
+            return error.code, error.read().decode(), dict(error.headers)
+
+
+def looking(address: str, **options: Any) -> ClientConnection:
+    """A client of the stream."""
+    client: ClientConnection = connect(address.replace("http", "ws", 1) + "/stream", compression=None, **options)
+    return client
+
+
+def told(client: ClientConnection, kind: str) -> dict[str, Any]:
+    """The next message of a kind."""
+    while True:
+        message = client.recv(PATIENCE_S)
+        if isinstance(message, str) and json.loads(message)["kind"] == kind:
+            return dict(json.loads(message))
+
+
+def points(client: ClientConnection, count: int) -> list[dict[str, float]]:
+    """The next points, by column."""
+    found: list[dict[str, float]] = []
+    while len(found) < count:
+        message = client.recv(PATIENCE_S)
+        if isinstance(message, bytes):
+            found += [dict(zip(COLUMNS, row, strict=True)) for row in LAYOUT.iter_unpack(message)]
+    return found
+
+
+def test_the_page_may_load_nothing_from_elsewhere(web: Web) -> None:
+    """Every file says so, and what is no file is not there."""
+    _, address = web
+    for path, kind in (("/", "text/html"), ("/main.js", "text/javascript"), ("/uplot/uPlot.min.css", "text/css")):
+        status, text, headers = got(address, path)
+        assert (status, headers["Content-Type"].partition(";")[0]) == (200, kind)
+        assert headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'self';")
+        assert int(headers["Content-Length"]) == len(text.encode())
+    assert "Permission is hereby granted" in got(address, "/uplot/LICENSE")[1]
+    assert [got(address, path)[0] for path in ("/nothing", "/../output.py", "/%2e%2e/output.py")] == [404] * 3
+
+
+def test_a_name_that_is_not_of_this_machine_is_refused(web: Web) -> None:
+    """With what to do about it."""
+    _, address = web
+    assert got(address, Host="gyro.example:80")[0] == got(address, Host="localhost")[0] == 200
+    status, text, _ = got(address, Host="evil.example")
+    assert status == 403
+    assert "give web:reached_as=NAME" in text
+    assert got(address, Host="[")[0] == 403
+
+
+def test_the_stream_is_for_its_own_page(web: Web) -> None:
+    """Another site in the same browser reads nothing; a program without an origin may."""
+    _, address = web
+    for origin in ("http://evil.example", "null"):
+        with pytest.raises(InvalidStatus) as refused:
+            looking(address, origin=origin)
+        assert refused.value.response.status_code == 403
+    for options in ({"origin": address}, {}):
+        with looking(address, **options) as client:
+            assert told(client, "hello")["columns"] == list(COLUMNS)
+
+
+def test_what_a_page_says_closes_it(web: Web) -> None:
+    """It may look, and no more."""
+    _, address = web
+    with looking(address) as client:
+        client.send('{"zero":true}')
+        with pytest.raises(ConnectionClosed, match="takes no messages"):
+            told(client, "nothing")
+
+
+def test_a_spike_of_one_sample_is_in_a_point(web: Web) -> None:
+    """However many samples make it up; the last values are those of the last sample."""
+    outputs, address = web
+    with looking(address) as client:
+        told(client, "hello")
+        samples = [corrected(seq, yaw_deg=1.0, rest_probability=nan) for seq in range(200)]
+        samples[77] = corrected(77, yaw_deg=99.0)
+        outputs.samples(samples)
+        seen = points(client, 1)
+        while seen[-1]["t_s"] < samples[-1].sample.t_host_s:
+            seen += points(client, 1)
+        assert len(seen) < 20
+        assert max(each["yaw_deg_hi"] for each in seen) == 99.0
+        assert seen[-1]["yaw_deg"] == seen[-1]["yaw_deg_lo"] == 1.0
+        assert isnan(seen[-1]["rest_probability"])
+        assert seen[-1]["error_deg_lo"] == -9.0
+
+
+def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
+    """Points, events and the state, in words too."""
+    outputs, address = web
+    with looking(address) as first:
+        outputs.samples([corrected(1), corrected(2)])
+        points(first, 1)
+        outputs.event("config_applied", file="my.yaml", changes=["tau_s 1 → 2"])
+        outputs.status(ServiceStatus(pid=1, link=LinkStatus(port="/dev/gyro", is_open=False)))
+        told(first, "event")
+        told(first, "state")
+        with looking(address) as second:
+            assert points(second, 1)[-1]["t_s"] == corrected(2).sample.t_host_s
+            assert told(second, "event")["fields"]["changes"] == ["tau_s 1 → 2"]
+            health = told(second, "state")["health"]
+            assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; it is waited for."}
+
+
+def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:
+    """In order of time, the last two minutes in full."""
+    history = PointHistory()
+    flat = point_of([corrected(0)])
+    count, spike = 3700 * 30, 700 * 30
+    for at in range(count):
+        point = flat._replace(t_s=at / 30.0)
+        history.add(point._replace(hi=(500.0, *point.hi[1:])) if at == spike else point)
+    rows = [dict(zip(COLUMNS, LAYOUT.unpack(row), strict=True)) for row in history.rows()]
+    times = [row["t_s"] for row in rows]
+    assert times == sorted(set(times))
+    assert 3590.0 < times[-1] - times[0] < 3610.0
+    assert times[-3500:] == [at / 30.0 for at in range(count - 3500, count)]
+    assert max(late - early for early, late in pairwise(times)) < 2.1
+    spikes = [row["t_s"] for row in rows if row["yaw_deg_hi"] == 500.0]
+    assert len(spikes) == 1
+    assert 0.0 <= spikes[0] - spike / 30.0 < 2.1
+    assert len(rows) * LAYOUT.size < 1 << 20, "more than waits for a client"

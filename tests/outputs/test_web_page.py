@@ -1,0 +1,191 @@
+"""The page in a real browser: what a person sees of a stream, of its end and of its return."""
+
+import socket
+from collections.abc import Iterator
+from math import nan
+from pathlib import Path
+
+import pytest
+from devtools_support import Tab, browsing, chromium
+from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving
+from support import never
+
+from gyrodrift.outputs.status import (
+    ClientStatus,
+    ConfigStatus,
+    DeviceStatus,
+    LinkStatus,
+    OutputStatus,
+    ServiceStatus,
+)
+
+pytestmark = pytest.mark.xdist_group("browser")
+
+STATUS = ServiceStatus(
+    version="1.2.3",
+    pid=1,
+    link=LinkStatus(port="/dev/gyro", protocol="native", is_open=True, rate_hz=100.0, samples=12345, gaps=1, missing=3),
+    device=DeviceStatus(device_id="table", sample_rate_hz=100.0),
+    config=ConfigStatus(file="my.yaml", filter="restlevel", params={"window_s": 0.3}),
+    outputs=(
+        OutputStatus("web", "http://127.0.0.1:8117", clients=(ClientStatus("127.0.0.1:5", 7, 0),), client_count=1),
+    ),
+)
+
+PHONE = (360, 740)
+
+INK = """(() => {
+  const canvas = document.querySelectorAll("#charts canvas")[%d];
+  const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  const colours = new Set();
+  for (let at = 0; at < data.length; at += 4) if (data[at + 3] > 250) colours.add(data.slice(at, at + 3).join());
+  return colours.size;
+})()"""
+"""How many colours one of the charts is drawn in."""
+
+HISTORY = """(async () => {
+  const { History } = await import("/history.js");
+  const history = new History(["t_s", "v", "v_lo", "v_hi"]);
+  const count = 3600 * 30 * 2;
+  for (let at = 0; at < count; at++) history.add([at / 30, 1, 1, at === count - 90000 ? 99 : 1]);
+  history.add([5, 0, 0, 0]);
+  const view = history.view(history.lastS - 3600, history.lastS, 800);
+  const few = history.view(history.lastS - 10, history.lastS, 800);
+  history.add([history.lastS + 60, 2, 2, 2]);
+  const gap = history.view(history.lastS - 65, history.lastS, 800).span("v");
+  return {
+    rows: view.to - view.from, greatest: Math.max(...view.span("v").filter(Number.isFinite)),
+    kept: history.lastS - history.levels[0].columns[0][0], room: history.levels[0].columns[0].length,
+    fine: few.to - few.from, holes: gap.filter((value) => value === null).length, last: history.last("v"),
+  };
+})()"""
+
+LOOK_BACK = """(() => {
+  const back = document.querySelector("#back");
+  back.value = Number(back.min) + 100;
+  back.dispatchEvent(new Event("input"));
+})()"""
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
+    """A browser for all tests here, which takes seconds to come up."""
+    if chromium() is None:
+        pytest.skip("no chromium is installed")
+    with browsing(tmp_path_factory.mktemp("browser")) as found:
+        yield found
+
+
+@pytest.fixture
+def page(tab: Tab) -> Iterator[Tab]:
+    """Light and wide at first; whatever the page complains of fails the test."""
+    tab.size(1280, 900)
+    tab.scheme("light")
+    tab.errors.clear()
+    tab.requests.clear()
+    yield tab
+    assert tab.errors == []
+    tab.open("about:blank")
+
+
+def test_it_shows_the_stream_and_moves_with_it(page: Tab) -> None:
+    """Dial, numbers, charts, link in words, config, clients; and it asks nobody else for anything."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        address = outputs.opened()[0].address
+        page.open(address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(200)])
+        outputs.status(STATUS)
+        outputs.event("config_applied", file="my.yaml", changes=["restlevel.window_s: 0.2 → 0.3"])
+        page.until("document.querySelector('#main-value').innerText === '10.00°'")
+        assert page.run("document.querySelector('#dial .yaw').getAttribute('transform')") == "rotate(-10.00)"
+        page.until(f"{INK % 0} > 3")
+        before = page.run("document.querySelector('#charts canvas').toDataURL()")
+        outputs.samples([corrected(seq, yaw_deg=-45.0, heading_deg=nan) for seq in range(300, 310)])
+        page.until("document.querySelector('#main-value').innerText === '−45.00°'")
+        page.until(f"document.querySelector('#charts canvas').toDataURL() !== {before!r}")
+        page.until("document.querySelector('#config-events code')")
+        assert page.text("#main-sigma") == "± 0.50° (1σ)"
+        assert "+0.2500 ± 0.0100 deg/s" in page.text("#values")
+        assert page.text("#health") == "3 samples were lost in 1 gap."
+        assert page.text("#device") == "table on /dev/gyro"
+        assert "window_s\n0.3" in page.text("#config")
+        assert "restlevel.window_s: 0.2 → 0.3" in page.text("#config-events")
+        assert "127.0.0.1:5" in page.text("#clients")
+        outputs.samples([corrected(400, heading_deg=90.0)])
+        page.until("document.querySelector('#main-name').innerText === 'Heading'")
+        assert page.run("document.querySelector('#dial .yaw').getAttribute('transform')") == "rotate(90.00)"
+        assert all(each.split("://")[1].startswith(address.split("://")[1]) for each in page.requests)
+        page.open("about:blank")
+
+
+def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None:
+    """Nothing stands out to the right, and the charts are drawn in other colours."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.size(*PHONE, is_phone=True)
+        page.open(outputs.opened()[0].address)
+        outputs.status(STATUS)
+        outputs.samples([corrected(seq) for seq in range(200)])
+        page.until("document.querySelector('#values dd')")
+        page.until(f"{INK % 0} > 3")
+        assert page.run("document.documentElement.scrollWidth") == PHONE[0]
+        light = page.run(
+            "[getComputedStyle(document.body).backgroundColor, document.querySelector('canvas').toDataURL()]"
+        )
+        page.scheme("dark")
+        page.until(f"document.querySelector('canvas').toDataURL() !== {light[1]!r}")
+        assert page.run("getComputedStyle(document.body).backgroundColor") != light[0]
+        page.open("about:blank")
+
+
+def test_it_outlives_the_service(page: Tab, port: Path) -> None:
+    """It says that the service is gone, tries again, and goes on with what it knows when the service is back."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        number = free.getsockname()[1]
+    option = f"web:port={number}"
+    with serving(port, "--output", option) as (serve, device):
+        page.open(path_of(serve, "web"))
+        device.send_all(csv_at_100_hz(100), never)
+        page.until("document.querySelector('#values dd')")
+        page.run("window.isTheSamePage = true")
+        assert serve.stop() == 0
+    page.until("document.querySelector('#connection').innerText.startsWith('No connection since')")
+    first = page.text("#main-value")
+    page.errors[:] = [each for each in page.errors if "ERR_CONNECTION_REFUSED" not in each]
+    with serving(port, "--output", option) as (serve, device):
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        device.send_all(csv_at_100_hz(1000, rate_dps=20.0), never)
+        page.until(f"document.querySelector('#main-value').innerText !== {first!r}")
+        assert page.run("window.isTheSamePage")
+        page.open("about:blank")
+        assert serve.stop() == 0
+    page.errors[:] = [each for each in page.errors if "ERR_CONNECTION_REFUSED" not in each]
+
+
+def test_an_hour_is_looked_back_through_without_losing_a_spike(page: Tab) -> None:
+    """The hour is drawn from no more rows than there are pixels; seconds are drawn as they came."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        found = page.run(HISTORY)
+        assert found["rows"] <= 800
+        assert (found["greatest"], found["fine"], found["last"], found["holes"]) == (99, 302, 2, 1)
+        assert 3600 < found["kept"] < 4500
+        assert found["room"] == 1 << 17
+        outputs.samples([corrected(seq) for seq in range(100)])
+        page.until("document.querySelector('#values dd')")
+        outputs.samples([corrected(seq) for seq in range(60_000, 60_100)])
+        page.until("document.querySelector('#back').max - document.querySelector('#back').min > 590")
+        page.run(LOOK_BACK)
+        page.until("!document.querySelector('#live').hidden")
+        assert page.text("#back-text").startswith("Until ")
+        page.run("document.querySelector('#live').click()")
+        page.until("document.querySelector('#live').hidden")
+        page.drag("#charts .u-over", 200.0)
+        page.until("!document.querySelector('#live').hidden")
+        page.run("document.querySelector('#live').click()")
+        page.until("document.querySelector('#live').hidden")
+        page.open("about:blank")

@@ -1,0 +1,66 @@
+"""Takes the pictures of the page that stand in docs/: a simulated turntable for two minutes, a change of the config.
+
+python tests/web_pictures.py docs
+"""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from devtools_support import browsing
+from outputs_support import path_of
+from support import Command
+
+CONFIG = Path(__file__).parent.parent / "config" / "gyrodrift.yaml"
+SHOWN_S = 100.0
+CHANGED_S = 45.0
+WIDE, DARK, PHONE = (1360, 1180), (1360, 860), (390, 1180)
+
+
+def main(folder: Path) -> None:
+    """Wide, dark and on a telephone."""
+    with tempfile.TemporaryDirectory() as place:
+        port, config = Path(place, "ttyUSB0"), Path(place, "my.yaml")
+        config.write_text(CONFIG.read_text())
+        with (
+            Command("--link", port, "--quiet", "--wait", module="firmware_sim") as device,
+            _serving(port, config, device) as serve,
+        ):
+            _until(serve, CHANGED_S)
+            config.write_text(CONFIG.read_text().replace("window_s: 0.3 ", "window_s: 0.25 "))
+            _until(serve, SHOWN_S)
+            _take(path_of(serve, "web"), folder)
+
+
+def _serving(port: Path, config: Path, device: Command) -> Command:
+    device.until(lambda _: port.exists(), "port")
+    options = ("--rate", "0.1", "--log-format", "json", "--config", config)
+    return Command("serve", "--port", port, *options, "--output", "tcp:port=0", "--output", "web:port=0")
+
+
+def _until(serve: Command, device_s: float) -> None:
+    """Let the service run until so much of the device's time has passed."""
+    began_s = time.monotonic()
+    while time.monotonic() < began_s + device_s and (not serve.out or serve.all_lines()[-1]["t_s"] < device_s):
+        serve._read(1.0)
+
+
+def _take(address: str, folder: Path) -> None:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, browsing(Path(profile)) as tab:
+        for name, (width, height), scheme in (
+            ("wide", WIDE, "light"),
+            ("dark", DARK, "dark"),
+            ("phone", PHONE, "light"),
+        ):
+            tab.size(width, height, is_phone=name == "phone")
+            tab.scheme(scheme)
+            tab.open(address)
+            tab.until("document.querySelector('#values dd') && document.querySelector('#clients td')")
+            tab.run("document.querySelector('#windows button:nth-child(3)').click()")
+            time.sleep(3.0)
+            (folder / f"web-{name}.png").write_bytes(tab.picture())
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
