@@ -5,6 +5,7 @@ integrated as it is (raw) and as gyrodrift corrects it.
 """
 
 import argparse
+import signal
 from pathlib import Path
 
 from gyrodrift.cli import options
@@ -48,6 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
         _check_picture(arguments)
     from gyrodrift.demo.show import run_demo
 
+    for ending in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ending, signal.default_int_handler)  # so that no process is left behind
     run_demo(
         duration_s=arguments.duration,
         config=arguments.config,

@@ -87,6 +87,23 @@ def test_an_interrupt_gives_the_terminal_back() -> None:
         assert b"\x1b[?25h" in terminal.sent
 
 
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGHUP], ids=lambda one: one.name)
+def test_a_terminal_that_is_closed_leaves_no_process_behind(ending: signal.Signals) -> None:
+    """Neither the simulated device nor the service."""
+    with Terminal(*ours("demo")) as terminal:
+        terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
+        begun = children_of(terminal.process.pid)
+        assert len(begun) == 2
+        terminal.process.send_signal(ending)
+        assert terminal.end() == 130
+    assert not any(Path(f"/proc/{pid}").exists() for pid in begun)
+
+
+def children_of(pid: int) -> list[str]:
+    """Processes that a process has begun."""
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
 def test_without_colours_it_is_plain() -> None:
     """NO_COLOR takes red and green out of the view."""
     with Terminal(*ours("demo"), environment={"NO_COLOR": "1"}) as terminal:
