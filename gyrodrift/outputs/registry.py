@@ -86,6 +86,7 @@ SHIPPED = (
     OutputKind("tcp", "newline JSON to whoever connects", "gyrodrift.outputs.tcp:TcpOutput"),
     OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
     OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
+    OutputKind("gpsd", "gpsd's JSON, for its clients", "gyrodrift.outputs.gpsd:GpsdOutput"),
 )
 
 for _each in SHIPPED:
