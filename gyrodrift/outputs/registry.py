@@ -87,6 +87,13 @@ SHIPPED = (
     OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
     OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
     OutputKind("gpsd", "gpsd's JSON, for its clients", "gyrodrift.outputs.gpsd:GpsdOutput"),
+    OutputKind(
+        "nmea",
+        "NMEA 0183: HDT, ROT and XDR",
+        "gyrodrift.outputs.nmea:NmeaOutput",
+        packages=("pynmeagps",),
+        extra="nmea",
+    ),
 )
 
 for _each in SHIPPED:
