@@ -29,6 +29,10 @@ SHOWN = 40
 """Characters of a request that an error repeats."""
 
 
+LONGEST_REQUEST = 1024
+"""Characters of a line of requests; gpsd_json(5) has 80, and its clients send more."""
+
+
 @dataclass(frozen=True, slots=True)
 class GpsdOptions:
     """Where, and how often."""
@@ -148,7 +152,8 @@ class GpsdSession:
         if policy is not None:
             named = policy.get("device", self._output.path)
             if named != self._output.path:
-                raise ValueError(f"No such device as {str(named)[:SHOWN]}, there is {self._output.path}")
+                shown = f" as {named[:SHOWN]}" if isinstance(named, str) else ""
+                raise ValueError(f"No such device{shown}, there is {self._output.path}")
             self._is_enabled = _truth(policy, "enable", default=True)
             self._is_json = _truth(policy, "json", default=False)
             self._send(self._devices())
@@ -180,6 +185,8 @@ def requests(line: str) -> Iterator[tuple[str, dict[str, Any] | None]]:
     ValueError
         At what is no request.
     """
+    if len(line) > LONGEST_REQUEST:
+        raise ValueError(f"a line of requests is longer than {LONGEST_REQUEST} characters")
     rest = line.strip(" ;")
     while rest:
         opening, _, _ = rest.partition(";")
@@ -198,7 +205,7 @@ def _object_at(text: str, start: int) -> tuple[dict[str, Any], int]:
     """The JSON object that begins there, and where it ends."""
     try:
         found, end = json.JSONDecoder().raw_decode(text, start)
-    except (ValueError, RecursionError):
+    except ValueError:
         found, end = None, start
     if not isinstance(found, dict):
         raise ValueError(  # noqa: TRY004 - what a client gets is one kind

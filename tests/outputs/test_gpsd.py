@@ -1,9 +1,15 @@
 """What clients of gpsd are told: by hand, by its own tools, and by a client from PyPI."""
 
+import fcntl
 import json
+import os
+import select
 import shutil
+import struct
 import subprocess
+import termios
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -152,7 +158,10 @@ def test_the_device_is_told_when_it_comes_and_when_it_goes(outputs: HubThread, c
         (b"\xff\xfe", "Unrecognized request '\ufffd\ufffd'"),
         (b'?WATCH={"enable":1};', "Invalid WATCH: enable is true or false"),
         (b"?WATCH={;", "Invalid WATCH: no JSON object follows the ="),
-        (b"?WATCH=" + b'{"a":' * 10_000, "Invalid WATCH: no JSON object follows the ="),
+        (b"?WATCH=" + b'{"a":' * 200 + b"}" * 200, "a line of requests is longer than 1024 characters"),
+        (b"?WATCH=" + b'{"a":' * 200, "Invalid WATCH: no JSON object follows the ="),
+        (b"?POLL;" * 200, "a line of requests is longer than 1024 characters"),
+        (b'?WATCH={"device":[[]]};', "No such device, there is gyrodrift"),
         (b'?WATCH={"device":"/dev/gps0"};', "No such device as /dev/gps0, there is gyrodrift"),
         (b'?DEVICE={"bps":4800};', "the device cannot be set from here"),
     ],
@@ -173,6 +182,30 @@ def test_gpsdclient_reads_it(outputs: HubThread, gpsd: Address) -> None:
         attitude = next(found)
     assert attitude["rot"] == -75.0
     assert attitude["time"].timestamp() == 1.7e9 + 1.0
+
+
+def test_cgps_shows_it(outputs: HubThread, gpsd: Address) -> None:
+    """In a terminal, where it prints each object that it took."""
+    cgps = shutil.which("cgps")
+    if cgps is None:
+        pytest.skip("cgps is not installed: apt-get install gpsd-clients")
+    terminal, its_end = os.openpty()
+    fcntl.ioctl(its_end, termios.TIOCSWINSZ, struct.pack("4H", 40, 200, 0, 0))
+    command = [cgps, f"{gpsd[0]}:{gpsd[1]}"]
+    with (
+        os.fdopen(terminal, "rb", buffering=0) as shown,
+        subprocess.Popen(command, stdin=its_end, stdout=its_end, env=os.environ | {"TERM": "xterm"}) as running,
+    ):
+        os.close(its_end)
+        screen = b""
+        for seq in count(0, 10):
+            outputs.samples([corrected(seq)])
+            if select.select([shown], [], [], 0.1)[0]:
+                screen += shown.read(1 << 16)
+            if b'"rot":-75.0' in screen:
+                break
+            assert running.poll() is None, screen
+        running.terminate()
 
 
 def test_gpspipe_reads_a_running_service(tmp_path: Path) -> None:
