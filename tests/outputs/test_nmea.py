@@ -62,6 +62,8 @@ def test_over_tcp(outputs: HubThread) -> None:
     outputs.want("nmea:port=0")
     with connected(address(outputs)) as client:
         client.connection.sendall(b"$ECRMB,A*00\r\n")
+        while outputs.statuses()[0].client_count == 0:
+            pass
         outputs.samples([corrected(seq) for seq in range(11)])
         said = [client.line() + b"\n" for _ in range(6)]
     assert are_of_the_sample(said[:3])
