@@ -93,6 +93,14 @@ SHIPPED = (
         packages=("websockets",),
         extra="websocket",
     ),
+    OutputKind("gpsd", "gpsd's JSON, for its clients", "gyrodrift.outputs.gpsd:GpsdOutput"),
+    OutputKind(
+        "nmea",
+        "NMEA 0183: HDT, ROT and XDR",
+        "gyrodrift.outputs.nmea:NmeaOutput",
+        packages=("pynmeagps",),
+        extra="nmea",
+    ),
 )
 
 for _each in SHIPPED:

@@ -1,0 +1,280 @@
+"""gpsd's JSON on TCP, for the clients that a boat or a car has already: VERSION, DEVICES, WATCH, POLL, and then ATT.
+
+The protocol is that of gpsd_json(5), version 3.14. A daemon of gpsd is not needed, and none may have the same port.
+
+Sent per sample: an ATT for what gpsd has names for, and a GYRO, which is no class of gpsd, with all fields of the JSON
+line. libgps passes by classes that it does not know. In ATT everything is clockwise, as gpsd has it: `rot` in degrees
+per minute, minus to port.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Annotated, Any
+
+from gyrodrift import __version__
+from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.status import ClientStatus, ServiceStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+PROTOCOL = (3, 14)
+"""Major and minor version of gpsd's protocol that is spoken here."""
+
+SHOWN = 40
+"""Characters of a request that an error repeats."""
+
+
+LONGEST_REQUEST = 1024
+"""Characters of a line of requests; gpsd_json(5) has 80, and its clients send more."""
+
+
+@dataclass(frozen=True, slots=True)
+class GpsdOptions:
+    """Where, and how often."""
+
+    host: Annotated[Host, About("address to listen on")] = LOOPBACK
+    port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 2947
+    rate_hz: Annotated[Rate, About("at most so many reports a second of device time")] = 10.0
+
+
+class GpsdOutput(Output[GpsdOptions]):
+    """Serves clients of gpsd."""
+
+    options_type = GpsdOptions
+
+    def __init__(self, options: GpsdOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self.last: Corrected | None = None
+        self._server = LineServer(lambda client: GpsdSession(client, self), host.log, _greet)
+        self._thinning = Thinning(options.rate_hz)
+        self._device = device_of(host.status)
+
+    async def open(self) -> None:
+        """Begin to listen."""
+        self.address = await self._server.listen_tcp(self.options.host, self.options.port)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send reports to those who watch."""
+        self.last = samples[-1]
+        due = self._thinning.due(samples)
+        if due and (watching := self._watching()):
+            lines = b"".join(encoded(report) for each in due for report in reports(each, self.path))
+            for client in watching:
+                client.send(lines, 2 * len(due))
+
+    def note(self, status: ServiceStatus) -> None:
+        """Tell those who watch when the device came or went."""
+        device = device_of(status)
+        if device != self._device:
+            self._device = device
+            for client in self._watching():
+                client.send(encoded(device))
+
+    @property
+    def path(self) -> str:
+        """The device's name to clients."""
+        return path_of(self.host.status)
+
+    def device(self) -> dict[str, Any]:
+        """The DEVICE object."""
+        return device_of(self.host.status)
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Who is connected."""
+        return self._server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Reports and answers."""
+        return self._server.counts()
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._server.close()
+
+    def _watching(self) -> list[LineClient]:
+        sessions = ((client, client.session) for client in self._server.clients)
+        return [client for client, session in sessions if isinstance(session, GpsdSession) and session.is_watching]
+
+
+class GpsdSession:
+    """One client, and what it watches."""
+
+    def __init__(self, client: LineClient, output: GpsdOutput) -> None:
+        self._client, self._output = client, output
+        self._is_enabled = self._is_json = False
+
+    @property
+    def is_watching(self) -> bool:
+        """Whether it is sent reports."""
+        return self._is_enabled and self._is_json
+
+    def line(self, text: bytes) -> None:
+        """Answer the requests of a line; like gpsd's, mistakes are told and cost nothing."""
+        try:
+            for name, argument in requests(text.decode("ascii", "replace")):
+                self._answer(name, argument)
+        except ValueError as error:
+            self._send({"class": "ERROR", "message": str(error)})
+
+    def dropped(self, messages: int) -> bytes:
+        """For a client that was too slow; no class of gpsd."""
+        return encoded({"class": "DROPPED", "messages": messages})
+
+    def refused(self, why: str) -> bytes:
+        """For a client whose connection is closed from here."""
+        return encoded({"class": "ERROR", "message": why})
+
+    def closed(self) -> None:
+        """Nothing is kept."""
+
+    def _answer(self, name: str, argument: dict[str, Any] | None) -> None:
+        if name == "VERSION":
+            self._send(version())
+        elif name == "DEVICES":
+            self._send(self._devices())
+        elif name == "DEVICE" and argument is None:
+            self._send(self._output.device())
+        elif name == "DEVICE":
+            raise ValueError("the device cannot be set from here")
+        elif name == "WATCH":
+            self._watch(argument)
+        elif name == "POLL":
+            self._send(self._poll())
+        else:
+            raise ValueError(f"Unrecognized request '?{name[:SHOWN]}'")
+
+    def _watch(self, policy: dict[str, Any] | None) -> None:
+        if policy is not None:
+            named = policy.get("device", self._output.path)
+            if named != self._output.path:
+                shown = f" as {named[:SHOWN]}" if isinstance(named, str) else ""
+                raise ValueError(f"No such device{shown}, there is {self._output.path}")
+            self._is_enabled = _truth(policy, "enable", default=True)
+            self._is_json = _truth(policy, "json", default=False)
+            self._send(self._devices())
+        unused = {"nmea": False, "raw": 0, "scaled": False, "timing": False, "split24": False, "pps": False}
+        self._send({"class": "WATCH", "enable": self._is_enabled, "json": self._is_json, **unused})
+
+    def _devices(self) -> dict[str, Any]:
+        return {"class": "DEVICES", "devices": [self._output.device()]}
+
+    def _poll(self) -> dict[str, Any]:
+        """The last reports; as with gpsd, devices have to be watched first. There is no position in any case."""
+        path, last = self._output.path, self._output.last
+        opening = {"class": "POLL", "time": iso_time(datetime.now(UTC).timestamp())}
+        if last is None or not self._is_enabled:
+            return {**opening, "active": 0, "tpv": [], "gst": [], "sky": [], "att": [], "gyro": []}
+        att, gyro = reports(last, path)
+        no_fix = {"class": "TPV", "device": path, "mode": 0}
+        return {**opening, "active": 1, "tpv": [no_fix], "gst": [], "sky": [], "att": [att], "gyro": [gyro]}
+
+    def _send(self, report: dict[str, Any]) -> None:
+        self._client.send(encoded(report))
+
+
+def requests(line: str) -> Iterator[tuple[str, dict[str, Any] | None]]:
+    """The requests of a line: name, and the object that follows `=` where one does.
+
+    Raises
+    ------
+    ValueError
+        At what is no request.
+    """
+    if len(line) > LONGEST_REQUEST:
+        raise ValueError(f"a line of requests is longer than {LONGEST_REQUEST} characters")
+    rest = line.strip(" ;")
+    while rest:
+        opening, _, _ = rest.partition(";")
+        name, equals, _ = opening.partition("=")
+        if not name.startswith("?"):
+            raise ValueError(f"Unrecognized request '{rest[:SHOWN]}'")
+        argument = None
+        end = len(name)
+        if equals:
+            argument, end = _object_at(rest, len(name) + 1)
+        yield name[1:].strip(), argument
+        rest = rest[end:].lstrip(" ;")
+
+
+def _object_at(text: str, start: int) -> tuple[dict[str, Any], int]:
+    """The JSON object that begins there, and where it ends."""
+    try:
+        found, end = json.JSONDecoder().raw_decode(text, start)
+    except ValueError:
+        found, end = None, start
+    if not isinstance(found, dict):
+        raise ValueError(  # noqa: TRY004 - what a client gets is one kind
+            f"Invalid {text[1 : start - 1][:SHOWN]}: no JSON object follows the ="
+        )
+    return found, end
+
+
+def _truth(policy: dict[str, Any], name: str, *, default: bool) -> bool:
+    value = policy.get(name, default)
+    if not isinstance(value, bool):
+        raise ValueError(f"Invalid WATCH: {name} is true or false")  # noqa: TRY004 - what a client gets is one kind
+    return value
+
+
+def path_of(status: ServiceStatus) -> str:
+    """What clients know the device by: its port."""
+    return status.link.port or "gyrodrift"
+
+
+def device_of(status: ServiceStatus) -> dict[str, Any]:
+    """The DEVICE object; of a device that is away, with `activated` 0 and no more."""
+    opening = {"class": "DEVICE", "path": path_of(status)}
+    if not status.link.is_open:
+        return {**opening, "activated": 0}
+    serial = {"bps": status.link.baud, "parity": "N", "stopbits": 1} if status.link.baud else {}
+    name = {"subtype": status.device.device_id} if status.device.device_id else {}
+    driver = {"driver": f"gyrodrift {status.link.protocol}"}
+    return {**opening, **driver, **name, "activated": iso_time(status.started_s), "readonly": True, **serial}
+
+
+def _greet(client: LineClient) -> None:
+    client.send(encoded(version()))
+
+
+def version() -> dict[str, Any]:
+    """The VERSION object."""
+    major, minor = PROTOCOL
+    release = f"gyrodrift {__version__}"
+    return {"class": "VERSION", "release": release, "rev": __version__, "proto_major": major, "proto_minor": minor}
+
+
+def reports(sample: Corrected, path: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """ATT and GYRO of a sample; absent values are left out."""
+    opening = {"device": path, "time": iso_time(sample.sample.t_host_s)}
+    attitude = {
+        "heading": sample.heading_deg,
+        "yaw": clockwise_deg(sample.yaw_deg),
+        "rot": round(-60.0 * sample.corrected_dps, 3),
+        "temp": sample.sample.temp_c,
+    }
+    values = {name: value(sample) for name, value in FIELDS.items()}
+    return {"class": "ATT", **opening, **_known(attitude)}, {"class": "GYRO", **opening, **_known(values)}
+
+
+def _known(values: dict[str, float]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
+
+
+def clockwise_deg(yaw_deg: float) -> float:
+    """Counter-clockwise, unwrapped yaw as a clockwise one from -180 to 180."""
+    return round((180.0 - yaw_deg) % 360.0 - 180.0, 4)
+
+
+def iso_time(unix_s: float) -> str:
+    """UTC, with milliseconds, as gpsd writes it."""
+    return datetime.fromtimestamp(unix_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def encoded(report: dict[str, Any]) -> bytes:
+    """A line; libgps knows a class only where no blank stands before it."""
+    return json.dumps(report, separators=(",", ":")).encode() + b"\r\n"

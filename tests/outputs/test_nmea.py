@@ -1,0 +1,166 @@
+"""NMEA 0183 over TCP, UDP and a pty: read by pynmeagps, and by gpsd as if it were a receiver on a serial port."""
+
+import json
+import shutil
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from itertools import count
+from pathlib import Path
+
+import pytest
+from outputs_support import HubThread, Reader, connected, corrected, hub
+from serial import Serial
+from support import PATIENCE_S
+
+from gyrodrift.outputs.nmea import sentences
+
+pynmeagps = pytest.importorskip("pynmeagps", reason="NMEA 0183 is an extra: pip install 'gyrodrift[nmea]'")
+
+nan = float("nan")
+
+
+@pytest.fixture
+def outputs() -> Iterator[HubThread]:
+    with hub() as running:
+        yield running
+
+
+def address(outputs: HubThread) -> tuple[str, int]:
+    host, _, port = outputs.opened()[0].address.rpartition(":")
+    return host, int(port)
+
+
+def fields(sentence: bytes) -> dict[str, object]:
+    """Of a sentence whose checksum is right; its name is `id`."""
+    found = pynmeagps.NMEAReader.parse(sentence, validate=pynmeagps.VALCKSUM)
+    return {"id": found.identity} | {key: value for key, value in vars(found).items() if not key.startswith("_")}
+
+
+def are_of_the_sample(said: list[bytes]) -> bool:
+    """Of one that turns counter-clockwise with 1.25 deg/s."""
+    heading, rate, temperature = map(fields, said)
+    return (
+        heading == {"id": "IIHDT", "headingT": 90.0, "headingTu": "T"}
+        and rate == {"id": "IIROT", "rot": -75.0, "valid": "A"}
+        and list(temperature.values()) == ["IIXDR", "C", 25.0, "C", "GYRO"]
+    )
+
+
+def test_sentences_have_what_is_known() -> None:
+    """No heading without a reference, no temperature of a device without a thermometer, no 360 degrees."""
+    assert are_of_the_sample(sentences(corrected(0)))
+    sample = corrected(0, heading_deg=nan)
+    assert [each[3:6] for each in sentences(sample._replace(sample=sample.sample._replace(temp_c=nan)))] == [b"ROT"]
+    assert fields(sentences(corrected(0, heading_deg=359.999))[0])["headingT"] == 0.0
+
+
+def test_over_tcp(outputs: HubThread) -> None:
+    """What a plotter sends is passed by."""
+    outputs.want("nmea:port=0")
+    with connected(address(outputs)) as client:
+        client.connection.sendall(b"$ECRMB,A*00\r\n")
+        while outputs.statuses()[0].client_count == 0:
+            pass
+        outputs.samples([corrected(seq) for seq in range(11)])
+        said = [client.line() + b"\n" for _ in range(6)]
+    assert are_of_the_sample(said[:3])
+    assert are_of_the_sample(said[3:])
+
+
+def test_over_udp(outputs: HubThread) -> None:
+    """A datagram a sentence."""
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE_S)
+        outputs.want(f"nmea:to=udp,port={receiver.getsockname()[1]}")
+        outputs.opened()
+        outputs.samples([corrected(0)])
+        assert are_of_the_sample([receiver.recv(200) for _ in range(3)])
+
+
+def test_over_a_pty(outputs: HubThread, tmp_path: Path) -> None:
+    """One that nobody reads costs sentences and no more; what comes then is whole."""
+    link = tmp_path / "gyro"
+    outputs.want(f"nmea:to=pty,path={link}")
+    outputs.opened()
+    outputs.samples([corrected(seq) for seq in range(0, 10_000, 10)])
+    while (status := outputs.statuses()[0]).sent + status.dropped != 3000:
+        pass
+    assert status.dropped > 0
+    with Serial(str(link), timeout=PATIENCE_S) as port:
+        port.reset_input_buffer()
+        port.write(b"$PUBX,00*33\r\n")
+        outputs.samples([corrected(20_000)])
+        assert are_of_the_sample([port.readline() for _ in range(3)])
+    outputs.want()
+    while outputs.statuses():
+        pass
+    assert not link.is_symlink()
+
+
+def test_a_file_at_the_path_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
+    """And told."""
+    there = tmp_path / "gyro"
+    there.write_text("mine")
+    outputs.want(f"nmea:to=pty,path={there}")
+    while not (problem := next((each.problem for each in outputs.statuses()), "")):
+        pass
+    assert problem == f"{there} is there and is no link; give another with path="
+    assert there.read_text() == "mine"
+
+
+def test_gpsd_reads_the_pty(outputs: HubThread, tmp_path: Path) -> None:
+    """As it reads any compass: HDT becomes an ATT, ROT is passed on."""
+    outputs.want(f"nmea:to=pty,path={tmp_path / 'gyro'}")
+    outputs.opened()
+    with gpsd_of(tmp_path / "gyro") as client:
+        client.connection.sendall(b'?WATCH={"enable":true,"json":true,"raw":1};\n')
+        client.connection.settimeout(0.1)
+        said: list[bytes] = []
+        until_s = time.monotonic() + PATIENCE_S
+        for seq in count(0, 10):
+            outputs.samples([corrected(seq)])
+            try:
+                said.append(client.line().rstrip())
+            except TimeoutError:
+                assert time.monotonic() < until_s, said
+                continue
+            if any(b'"ATT"' in each for each in said) and any(b"ROT" in each for each in said):
+                break
+    attitude = next(json.loads(each) for each in said if b'"ATT"' in each)
+    assert attitude["heading"] == 90.0
+    assert sentences(corrected(0))[1].rstrip() in said
+
+
+@contextmanager
+def gpsd_of(device: Path) -> Iterator[Reader]:
+    """A client of a gpsd that reads a device."""
+    gpsd = shutil.which("gpsd") or shutil.which("gpsd", path="/usr/sbin")
+    if gpsd is None:
+        pytest.skip("gpsd is not installed: apt-get install gpsd")
+    with closing(socket.create_server(("127.0.0.1", 0))) as free:
+        port = free.getsockname()[1]
+    with subprocess.Popen([gpsd, "-N", "-n", "-b", "-S", str(port), device.resolve()], stderr=subprocess.DEVNULL) as it:
+        try:
+            with connected_soon(port) as client:
+                yield client
+        finally:
+            it.terminate()
+
+
+@contextmanager
+def connected_soon(port: int) -> Iterator[Reader]:
+    """Once it listens."""
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            connection = socket.create_connection(("127.0.0.1", port), PATIENCE_S)
+            break
+        except ConnectionRefusedError:
+            assert time.monotonic() < until_s
+            time.sleep(0.05)
+    with connection:
+        yield Reader(connection)
