@@ -86,6 +86,13 @@ SHIPPED = (
     OutputKind("tcp", "newline JSON to whoever connects", "gyrodrift.outputs.tcp:TcpOutput"),
     OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
     OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
+    OutputKind(
+        "rosbridge",
+        "sensor_msgs/Imu over WebSocket, as rosbridge has it",
+        "gyrodrift.outputs.rosbridge:RosbridgeOutput",
+        packages=("websockets",),
+        extra="websocket",
+    ),
 )
 
 for _each in SHIPPED:
