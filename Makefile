@@ -45,8 +45,9 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
-$(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,test]'
+$(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,foxglove,test]'
+	if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients; fi
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

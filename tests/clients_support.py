@@ -40,7 +40,11 @@ def fed(client: "subprocess.Popen[str]", serve: Command, device: Any) -> dict[st
         nonlocal sent
         device.send_all(csv_at_100_hz(5, first=sent), never)
         sent += 5
-        return client.poll() is not None
+        try:
+            client.wait(0.05)  # that is as long as five samples take
+        except subprocess.TimeoutExpired:
+            return False
+        return True
 
     try:
         serve.until(has_ended, "end of the client")

@@ -93,6 +93,13 @@ SHIPPED = (
         packages=("websockets",),
         extra="websocket",
     ),
+    OutputKind(
+        "foxglove",
+        "samples, state and link statistics for the Foxglove app",
+        "gyrodrift.outputs.foxglove:FoxgloveOutput",
+        packages=("foxglove",),
+        extra="foxglove",
+    ),
 )
 
 for _each in SHIPPED:
