@@ -3,14 +3,17 @@
 The SDK runs threads of its own and keeps the queues of its clients; it drops the oldest messages of a slow one.
 """
 
+import asyncio
 import errno
 import json
 import os
 import re
+import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from math import isnan
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from gyrodrift.outputs.foxglove_schemas import SAMPLE_SCHEMA, schema_of
 from gyrodrift.outputs.json_line import json_line
@@ -23,10 +26,12 @@ from gyrodrift.sample import Corrected
 
 if TYPE_CHECKING:
     from foxglove import Channel, Context
-    from foxglove.websocket import ChannelView, Client, Parameter, WebSocketServer
+    from foxglove.websocket import ChannelView, Client, Parameter, ServerListener, WebSocketServer
 
 BACKLOG = 4096
 """Messages that wait for a client who does not read: 1 MiB of samples of 250 bytes."""
+
+STOP_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +76,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
                 host=self.options.host,
                 port=self.options.port,
                 capabilities=[Capability.Parameters],
-                server_listener=self._listener,
+                server_listener=cast("ServerListener", self._listener),  # it has those that can be called here
                 context=context,
                 message_backlog_size=BACKLOG,
             )
@@ -112,7 +117,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
     async def close(self) -> None:
         """Close the connections."""
         if self._server is not None:
-            self._server.stop()
+            await _stopped(self._server)
             self._server = None
         for channel in self._channels.values():
             channel.close()
@@ -188,6 +193,21 @@ class FoxgloveListener:
 
     def on_parameters_unsubscribe(self, param_names: list[str]) -> None:
         """Likewise."""
+
+
+async def _stopped(server: "WebSocketServer") -> None:
+    """Stop it; the SDK waits for ever for a client who does not read, and then a thread is left that waits for it."""
+    loop, has_stopped = asyncio.get_running_loop(), asyncio.Event()
+
+    def stop() -> None:
+        server.stop()
+        with suppress(RuntimeError):  # the loop is over
+            loop.call_soon_threadsafe(has_stopped.set)
+
+    threading.Thread(target=stop, name="foxglove-stop", daemon=True).start()
+    with suppress(TimeoutError):
+        async with asyncio.timeout(STOP_S):
+            await has_stopped.wait()
 
 
 def parameters_of(config: ConfigStatus) -> dict[str, float | str]:
