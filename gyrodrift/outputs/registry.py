@@ -101,6 +101,20 @@ SHIPPED = (
         packages=("pynmeagps",),
         extra="nmea",
     ),
+    OutputKind(
+        "rosbridge",
+        "sensor_msgs/Imu over WebSocket, as rosbridge has it",
+        "gyrodrift.outputs.rosbridge:RosbridgeOutput",
+        packages=("websockets",),
+        extra="websocket",
+    ),
+    OutputKind(
+        "foxglove",
+        "samples, state and link statistics for the Foxglove app",
+        "gyrodrift.outputs.foxglove:FoxgloveOutput",
+        packages=("foxglove",),
+        extra="foxglove",
+    ),
 )
 
 for _each in SHIPPED:

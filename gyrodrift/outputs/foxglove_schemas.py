@@ -1,0 +1,31 @@
+"""JSON schemas of what the output `foxglove` sends; what is not known is left out, so that nothing is required."""
+
+from dataclasses import fields
+from types import NoneType, UnionType
+from typing import Any, get_args, get_type_hints
+
+from gyrodrift.outputs.json_line import FIELDS
+
+TYPES = {int: "integer", float: "number", str: "string", bool: "boolean"}
+
+SAMPLE_SCHEMA = {
+    "title": "gyrodrift.Sample",
+    "type": "object",
+    "properties": {name: {"type": "integer" if name == "seq" else "number"} for name in FIELDS},
+}
+
+
+def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
+    """The schema of a dataclass of plain values."""
+    hints = get_type_hints(record)
+    return {
+        "title": title,
+        "type": "object",
+        "properties": {each.name: {"type": _type_of(hints[each.name])} for each in fields(record)},
+    }
+
+
+def _type_of(hint: Any) -> str:
+    if isinstance(hint, UnionType):
+        hint = next(each for each in get_args(hint) if each is not NoneType)
+    return TYPES[hint]

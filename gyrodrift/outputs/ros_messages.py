@@ -1,0 +1,79 @@
+"""A corrected sample as `sensor_msgs/Imu` in JSON, with the axes of REP-103: x forward, y left, z up, yaw about z.
+
+Source: sensor_msgs/msg/Imu.msg. Element 0 of a covariance is -1 where there is no estimate, and a matrix of zeros
+stands for a covariance that is not known.
+"""
+
+from math import cos, isnan, modf, radians, sin
+from typing import Literal
+
+from gyrodrift.sample import Corrected
+
+RosVersion = Literal["ros2", "ros1"]
+
+IMU_TYPES: dict[RosVersion, str] = {"ros2": "sensor_msgs/msg/Imu", "ros1": "sensor_msgs/Imu"}
+"""What the type is called; clients use either name."""
+
+UNMEASURED_VARIANCE = 1e6
+"""Of roll, pitch and their rates, rad² and (rad/s)²: so large that an estimator gives them no weight. -1 there would
+tell it to disregard yaw with them."""
+
+NOT_KNOWN = "[-1.0,0.0,0.0,0.0,-1.0,0.0,0.0,0.0,-1.0]"
+NO_COVARIANCE = "[0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0]"
+
+
+class ImuMessage:
+    """Writes them.
+
+    Parameters
+    ----------
+    frame_id
+        As a JSON string, in its quotes.
+    rate_sigma_dps
+        Standard deviation of one measured rate, deg/s; None where nobody says.
+    """
+
+    def __init__(self, frame_id: str, ros: RosVersion, rate_sigma_dps: float | None) -> None:
+        self._frame_id = frame_id
+        self._is_ros1 = ros == "ros1"
+        self._rate_sigma_dps = rate_sigma_dps
+
+    def json(self, corrected: Corrected) -> str:
+        """The message for one sample."""
+        half_rad = radians(corrected.yaw_deg) / 2.0
+        return (
+            f'{{"header":{self._header(corrected)},'
+            f'"orientation":{{"x":0.0,"y":0.0,"z":{sin(half_rad)!r},"w":{cos(half_rad)!r}}},'
+            f'"orientation_covariance":{_orientation_covariance(corrected.yaw_sigma_deg)},'
+            f'"angular_velocity":{{"x":0.0,"y":0.0,"z":{radians(corrected.corrected_dps)!r}}},'
+            f'"angular_velocity_covariance":{self._rate_covariance(corrected.bias_sigma_dps)},'
+            f'"linear_acceleration":{{"x":0.0,"y":0.0,"z":0.0}},'
+            f'"linear_acceleration_covariance":{NOT_KNOWN}}}'
+        )
+
+    def _header(self, corrected: Corrected) -> str:
+        if self._is_ros1:
+            seq = corrected.sample.seq & 0xFFFFFFFF
+            return f'{{"seq":{seq},"stamp":{stamp(corrected.sample.t_host_s, "ros1")},"frame_id":{self._frame_id}}}'
+        return f'{{"stamp":{stamp(corrected.sample.t_host_s, "ros2")},"frame_id":{self._frame_id}}}'
+
+    def _rate_covariance(self, bias_sigma_dps: float) -> str:
+        if self._rate_sigma_dps is None:
+            return NO_COVARIANCE
+        bias_rad_s = 0.0 if isnan(bias_sigma_dps) else radians(bias_sigma_dps)
+        return _diagonal(radians(self._rate_sigma_dps) ** 2 + bias_rad_s**2)
+
+
+def stamp(unix_s: float, ros: RosVersion) -> str:
+    """A time as JSON: `sec` and `nanosec`, or `secs` and `nsecs` in ROS 1."""
+    fraction, whole = modf(unix_s)
+    seconds, nanoseconds = ("secs", "nsecs") if ros == "ros1" else ("sec", "nanosec")
+    return f'{{"{seconds}":{int(whole)},"{nanoseconds}":{int(fraction * 1e9)}}}'
+
+
+def _orientation_covariance(yaw_sigma_deg: float) -> str:
+    return NOT_KNOWN if isnan(yaw_sigma_deg) else _diagonal(radians(yaw_sigma_deg) ** 2)
+
+
+def _diagonal(z: float) -> str:
+    return f"[{UNMEASURED_VARIANCE!r},0.0,0.0,0.0,{UNMEASURED_VARIANCE!r},0.0,0.0,0.0,{z!r}]"

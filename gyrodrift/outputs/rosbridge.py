@@ -1,0 +1,79 @@
+"""rosbridge v2: `sensor_msgs/Imu` as JSON over WebSocket, for roslibjs, roslibpy and whatever else speaks to ROS so."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Gt, Le, MaxLen, MinLen
+
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.ros_messages import IMU_TYPES, ImuMessage, RosVersion
+from gyrodrift.outputs.rosbridge_services import RosServices
+from gyrodrift.outputs.rosbridge_session import RosbridgeSession
+from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+
+@dataclass(frozen=True, slots=True)
+class RosbridgeOptions:
+    """Where, how often, and by what names."""
+
+    host: Annotated[Host, About("address to listen on")] = LOOPBACK
+    port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 9090
+    rate_hz: Annotated[Rate, About("at most so many messages a second of device time")] = None
+    topic: Annotated[str, MinLen(1), MaxLen(200), About("topic of the Imu messages")] = "/imu/data"
+    frame_id: Annotated[str, MaxLen(200), About("frame that the sensor is fixed to")] = "imu_link"
+    ros: Annotated[RosVersion, About("whose header and type name are sent")] = "ros2"
+    rate_sigma_dps: Annotated[
+        Annotated[float, Gt(0.0), Le(1000.0)] | None,
+        About("standard deviation of one measured rate, deg/s; without it the rate's covariance is sent as not known"),
+    ] = None
+
+
+class RosbridgeOutput(Output[RosbridgeOptions]):
+    """One topic, and what a client asks before it subscribes."""
+
+    options_type = RosbridgeOptions
+
+    def __init__(self, options: RosbridgeOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self._server = WebSocketServer(self._session, host.log)
+        self._sessions: dict[RosbridgeSession, None] = {}
+        self._services = RosServices(f"/{options.topic.strip('/')}", IMU_TYPES[options.ros], options.ros)
+        self._message = ImuMessage(json.dumps(options.frame_id), options.ros, options.rate_sigma_dps)
+        self._thinning = Thinning(options.rate_hz)
+
+    async def open(self) -> None:
+        """Begin to listen."""
+        self.address = await self._server.listen(self.options.host, self.options.port)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Publish to those who have subscribed; each message is written once for all of them."""
+        subscribed = [each for each in self._sessions if each.has_subscribed]
+        if not subscribed:
+            return
+        for corrected in self._thinning.due(samples):
+            message = self._message.json(corrected)
+            for session in subscribed:
+                session.publish(corrected.sample.t_device_s, message)
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Who is connected."""
+        return self._server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Messages."""
+        return self._server.counts()
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._server.close()
+
+    def _session(self, client: WebSocketClient) -> RosbridgeSession:
+        session = RosbridgeSession(client, self._services, self._sessions.pop)
+        self._sessions[session] = None
+        return session

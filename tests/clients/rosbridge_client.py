@@ -1,0 +1,34 @@
+"""What a program with roslibpy sees: topics, their type, and three Imu messages. One JSON line."""
+
+import json
+import sys
+import threading
+
+import roslibpy
+
+host, port, throttle_ms = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+ros = roslibpy.Ros(host, port)
+ros.run(timeout=30)
+enough = threading.Event()
+messages: list[dict[str, object]] = []
+
+
+def take(message: dict[str, object]) -> None:
+    messages.append(message)
+    if len(messages) == 3:
+        enough.set()
+
+
+topics = {each: ros.get_topic_type(each) for each in ros.get_topics()}
+imu = roslibpy.Topic(ros, "/imu/data", "sensor_msgs/Imu", throttle_rate=throttle_ms)
+imu.subscribe(take)
+assert enough.wait(30), messages
+imu.unsubscribe()
+time = ros.get_time()
+try:
+    ros.get_param("/gyro/rate")
+    refused = ""
+except roslibpy.core.ServiceException as error:
+    refused = str(error)
+print(json.dumps({"topics": topics, "messages": messages[:3], "time_s": time.to_sec(), "refused": refused}))
+ros.terminate()
