@@ -86,6 +86,13 @@ SHIPPED = (
     OutputKind("tcp", "newline JSON to whoever connects", "gyrodrift.outputs.tcp:TcpOutput"),
     OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
     OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
+    OutputKind(
+        "mqtt",
+        "state topics on an MQTT broker, for Home Assistant",
+        "gyrodrift.outputs.mqtt:MqttOutput",
+        ("aiomqtt",),
+        "mqtt",
+    ),
 )
 
 for _each in SHIPPED:
