@@ -93,6 +93,13 @@ SHIPPED = (
         ("aiomqtt",),
         "mqtt",
     ),
+    OutputKind(
+        "prometheus",
+        "counters and gauges for Prometheus to scrape",
+        "gyrodrift.outputs.prometheus:PrometheusOutput",
+        ("prometheus_client", "websockets"),
+        "prometheus",
+    ),
 )
 
 for _each in SHIPPED:
