@@ -46,7 +46,7 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,mqtt,prometheus,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,mqtt,networktables,prometheus,test]'
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

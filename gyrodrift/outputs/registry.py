@@ -100,6 +100,13 @@ SHIPPED = (
         ("prometheus_client", "websockets"),
         "prometheus",
     ),
+    OutputKind(
+        "networktables",
+        "NetworkTables 4, for robots of FRC",
+        "gyrodrift.outputs.networktables:NetworkTablesOutput",
+        ("ntcore",),
+        "networktables",
+    ),
 )
 
 for _each in SHIPPED:

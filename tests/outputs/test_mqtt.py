@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import signal
 import socket
 import subprocess
 import time
@@ -37,7 +38,7 @@ def number() -> int:
 
 
 @contextmanager
-def broker(number: int, folder: Path, *lines: str) -> Iterator[None]:
+def broker(number: int, folder: Path, *lines: str) -> Iterator["subprocess.Popen[bytes]"]:
     """mosquitto, until the end of the block."""
     config = folder / "mosquitto.conf"
     config.write_text(
@@ -48,7 +49,7 @@ def broker(number: int, folder: Path, *lines: str) -> Iterator[None]:
     ) as process:
         try:
             wait_for(number, process)
-            yield
+            yield process
         finally:
             process.kill()
 
@@ -180,6 +181,23 @@ def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Pa
         with broker(number, tmp_path):
             outputs.opened()
             assert heard(number, "gyrodrift/bench/availability", 1) == ["1 online"]
+
+
+def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest(number: int, tmp_path: Path) -> None:
+    """What it costs is bounded, and counted."""
+    with broker(number, tmp_path) as process, hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench,rate_hz=1000,discovery=")
+        outputs.opened()
+        with subscribed(number, "gyrodrift/bench/state", 1_000_000) as lines:
+            process.send_signal(signal.SIGSTOP)
+            seq = 0
+            while not outputs.statuses()[0].dropped:
+                outputs.samples([corrected(seq + each) for each in range(500)])
+                seq += 500
+            process.send_signal(signal.SIGCONT)
+            outputs.samples([corrected(seq)])
+            while json.loads(next(lines))["seq"] != seq:
+                pass
 
 
 def test_home_assistant_that_starts_is_told_again_and_of_a_device_that_came_later(number: int, tmp_path: Path) -> None:
