@@ -192,8 +192,8 @@ def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest
             process.send_signal(signal.SIGSTOP)
             seq = 0
             while not outputs.statuses()[0].dropped:
-                outputs.samples([corrected(seq + each) for each in range(500)])
-                seq += 500
+                outputs.samples([corrected(seq + each) for each in range(5000)])
+                seq += 5000
             process.send_signal(signal.SIGCONT)
             outputs.samples([corrected(seq)])
             while json.loads(next(lines))["seq"] != seq:
