@@ -47,7 +47,7 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,nmea,websocket,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mqtt,networktables,nmea,prometheus,websocket,test]'
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

@@ -25,6 +25,13 @@ class About:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Secret:
+    """Marks an option that is shown to nobody: `status` and the log have stars in its place."""
+
+
+HIDDEN = "***"
+
 Host = Annotated[str, MinLen(1), MaxLen(253)]
 """A name or address."""
 
@@ -46,8 +53,9 @@ class OutputSpec:
 
     def __str__(self) -> str:
         """As `--output` would have it, without what is as it is anyway."""
+        hidden = secrets(type(self.options))
         given = [
-            f"{each.name}={getattr(self.options, each.name)}"
+            f"{each.name}={HIDDEN if each.name in hidden else getattr(self.options, each.name)}"
             for each in fields(self.options)
             if getattr(self.options, each.name) != each.default
         ]
@@ -63,3 +71,13 @@ def about(options: type[Any]) -> dict[str, str]:
         )
         for each in fields(options)
     }
+
+
+def secrets(options: type[Any]) -> frozenset[str]:
+    """The options that are shown to nobody."""
+    hints = get_type_hints(options, include_extras=True)
+    return frozenset(
+        each.name
+        for each in fields(options)
+        if any(isinstance(note, Secret) for note in getattr(hints[each.name], "__metadata__", ()))
+    )

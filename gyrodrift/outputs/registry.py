@@ -47,10 +47,12 @@ class OutputKind:
         UsageError
             With the command that installs what is missing.
         """
+        from gyrodrift.installation import extra_command
+
         for package in self.packages:
             if not _is_there(package):
                 raise UsageError(
-                    f"output {self.name} needs the package {package}: pip install 'gyrodrift[{self.extra}]'"
+                    f"output {self.name} needs the package {package}: {extra_command(self.extra)}"
                 )
 
 
@@ -114,6 +116,27 @@ SHIPPED = (
         "gyrodrift.outputs.foxglove:FoxgloveOutput",
         packages=("foxglove",),
         extra="foxglove",
+    ),
+    OutputKind(
+        "mqtt",
+        "state topics on an MQTT broker, for Home Assistant",
+        "gyrodrift.outputs.mqtt:MqttOutput",
+        ("aiomqtt",),
+        "mqtt",
+    ),
+    OutputKind(
+        "prometheus",
+        "counters and gauges for Prometheus to scrape",
+        "gyrodrift.outputs.prometheus:PrometheusOutput",
+        ("prometheus_client", "websockets"),
+        "prometheus",
+    ),
+    OutputKind(
+        "networktables",
+        "NetworkTables 4, for robots of FRC",
+        "gyrodrift.outputs.networktables:NetworkTablesOutput",
+        ("ntcore",),
+        "networktables",
     ),
 )
 

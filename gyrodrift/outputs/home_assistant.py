@@ -1,0 +1,125 @@
+"""What Home Assistant is told of the service over MQTT: a device discovery document, one for all of its entities.
+
+Keys are the abbreviations of Home Assistant's MQTT discovery, and whole words where it has none:
+https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from gyrodrift.outputs.status import DeviceStatus
+
+ONLINE, OFFLINE = "online", "offline"
+BIRTH = "online"
+"""What Home Assistant says on `PREFIX/status` when it starts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Topics:
+    """Where a service publishes.
+
+    state, link
+        JSON of the last sample and of the serial link.
+    availability
+        `online` or `offline`, by last will.
+    """
+
+    state: str
+    link: str
+    availability: str
+
+    @classmethod
+    def of(cls, base: str, name: str) -> "Topics":
+        """Below `base/name`."""
+        return cls(*(f"{base}/{name}/{each}" for each in ("state", "link", "availability")))
+
+
+@dataclass(frozen=True, slots=True)
+class Entity:
+    """One sensor: the key of the JSON that it shows, and how."""
+
+    key: str
+    name: str
+    unit: str | None = None
+    decimals: int | None = None
+    device_class: str | None = None
+    state_class: str | None = "measurement"
+
+
+MEASURED = (
+    Entity("yaw_deg", "Yaw", "°", 2),
+    Entity("yaw_sigma_deg", "Yaw uncertainty", "°", 3),
+    Entity("heading_deg", "Heading", "°", 1, state_class=None),
+    Entity("corrected_dps", "Yaw rate", "°/s", 3),
+    Entity("bias_dps", "Drift estimate", "°/s", 5),
+    Entity("bias_sigma_dps", "Drift uncertainty", "°/s", 5),
+    Entity("rest_probability", "Rest probability", None, 2),
+    Entity("temp_c", "Temperature", "°C", 1, "temperature"),
+)
+"""Of `Topics.state`; the mean of headings is none, so heading has no statistics."""
+
+DIAGNOSTIC = (
+    Entity("rate_hz", "Sample rate", "Hz", 1, "frequency"),
+    Entity("jitter_ms", "Jitter", "ms", 2, "duration"),
+    Entity("missing", "Lost samples", None, 0, None, "total_increasing"),
+    Entity("damaged", "Damaged frames", None, 0, None, "total_increasing"),
+    Entity("reconnects", "Reconnects", None, 0, None, "total_increasing"),
+    Entity("health", "Health", state_class=None),
+)
+"""Of `Topics.link`."""
+
+
+def discovery(name: str, topics: Topics, device: DeviceStatus, version: str) -> str:
+    """The document for `PREFIX/device/NAME/config`, as JSON."""
+    service = {"t": topics.availability}
+    link = {"t": topics.link, "val_tpl": _template(f"'{ONLINE}' if value_json.is_open else '{OFFLINE}'")}
+    components: dict[str, Any] = {
+        each.key: _sensor(name, each, topics.state) | {"avty": [service, link]} for each in MEASURED
+    }
+    components |= {each.key: _sensor(name, each, topics.link) | {"ent_cat": "diagnostic"} for each in DIAGNOSTIC}
+    components["is_open"] = {
+        "p": "binary_sensor",
+        "uniq_id": f"{name}_is_open",
+        "name": "Serial link",
+        "dev_cla": "connectivity",
+        "ent_cat": "diagnostic",
+        "stat_t": topics.link,
+        "val_tpl": _template("'ON' if value_json.is_open else 'OFF'"),
+    }
+    document = {
+        "dev": _device(name, device, version),
+        "o": {"name": "gyrodrift", "sw": version},
+        "cmps": components,
+        "avty": [service],
+        "avty_mode": "all",
+        "stat_t": topics.state,
+    }
+    return json.dumps(document, ensure_ascii=False)
+
+
+def _device(name: str, device: DeviceStatus, version: str) -> Mapping[str, Any]:
+    told = {"serial_number": device.device_id} if device.device_id else {}
+    return {"ids": [name], "name": name, "mf": "gyrodrift", "mdl": "Gyro on a serial link", "sw": version, **told}
+
+
+def _sensor(name: str, entity: Entity, topic: str) -> dict[str, Any]:
+    given = {
+        "unit_of_meas": entity.unit,
+        "dev_cla": entity.device_class,
+        "stat_cla": entity.state_class,
+        "suggested_display_precision": entity.decimals,
+    }
+    return {
+        "p": "sensor",
+        "uniq_id": f"{name}_{entity.key}",
+        "name": entity.name,
+        "stat_t": topic,
+        "val_tpl": _template(f"value_json.{entity.key}"),
+        **{key: value for key, value in given.items() if value is not None},
+    }
+
+
+def _template(expression: str) -> str:
+    return f"{{{{ {expression} }}}}"

@@ -1,0 +1,236 @@
+"""State topics on an MQTT broker, with availability by last will, and discovery by Home Assistant."""
+
+import asyncio
+import contextlib
+import json
+import logging
+import re
+import socket
+import ssl
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from annotated_types import MaxLen, MinLen
+
+from gyrodrift import __version__
+from gyrodrift.outputs.health import health
+from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
+from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.net.addresses import shown
+from gyrodrift.outputs.net.backlog import Backlog
+from gyrodrift.outputs.net.limits import Limits
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate, Secret
+from gyrodrift.outputs.output import Output, OutputError, OutputHost
+from gyrodrift.outputs.status import DeviceStatus, ServiceStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+if TYPE_CHECKING:
+    import aiomqtt
+
+PLAIN_PORT, TLS_PORT = 1883, 8883
+ANSWER_S = 10.0
+"""A broker that takes longer for a connection or a message is away."""
+FAREWELL_S = 1.0
+LINK_EVERY_S = 10.0
+AT_LEAST_ONCE = 1
+
+Text = Annotated[str, MaxLen(1024)]
+
+
+@dataclass(frozen=True, slots=True)
+class MqttOptions:
+    """Which broker, as whom, and what is published where."""
+
+    host: Annotated[Host, About("the broker: a name or an address")] = LOOPBACK
+    port: Annotated[Port | None, About(f"port of the broker; {PLAIN_PORT}, or {TLS_PORT} with tls, where empty")] = None
+    rate_hz: Annotated[Rate, About("at most so many states a second of device time")] = 1.0
+    id: Annotated[
+        str, MaxLen(64), About("name of this service in topics, by letters, digits, _ and -; of this host where empty")
+    ] = ""
+    topic: Annotated[str, MinLen(1), MaxLen(256), About("what topics begin with")] = "gyrodrift"
+    discovery: Annotated[
+        str, MaxLen(256), About("what Home Assistant's discovery topics begin with; nothing is announced where empty")
+    ] = "homeassistant"
+    user: Annotated[Text, About("user name at the broker")] = ""
+    password: Annotated[Text, Secret(), About("password of the user; better in password_file")] = ""
+    password_file: Annotated[Text, About("file with the password alone")] = ""
+    tls: Annotated[bool, About("speak TLS, and check the broker's certificate")] = False
+    ca: Annotated[Text, About("file of certificates to trust; those of the system where empty")] = ""
+    certificate: Annotated[Text, About("file of a client certificate")] = ""
+    key: Annotated[Text, About("file of its key, where that is another")] = ""
+
+
+class MqttOutput(Output[MqttOptions]):
+    """One connection to a broker; one that breaks is opened anew by the loop of the outputs."""
+
+    options_type = MqttOptions
+
+    def __init__(self, options: MqttOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self._name = options.id or f"gyrodrift-{re.sub(r'[^a-zA-Z0-9_-]', '-', socket.gethostname())}"
+        self._topics = Topics.of(options.topic, self._name)
+        self._config_topic = f"{options.discovery}/device/{self._name}/config"
+        self._birth_topic = f"{options.discovery}/status"
+        self._thinning = Thinning(options.rate_hz)
+        self._states: Backlog[bytes] = Backlog(Limits().queue_bytes)
+        self._retained: dict[str, str] = {}
+        self._has_news = asyncio.Event()
+        self._client: aiomqtt.Client | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+        self._sent = 0
+        self._announced: DeviceStatus | None = None
+        self._was_open: bool | None = None
+        self._link_due_s = 0.0
+
+    async def open(self) -> None:
+        """Connect, and say what there is."""
+        import aiomqtt
+
+        self._check_names()
+        port = self.options.port or (TLS_PORT if self.options.tls else PLAIN_PORT)
+        where = shown(self.options.host, port)
+        self._client = aiomqtt.Client(
+            self.options.host,
+            port,
+            username=self.options.user or None,
+            password=self._password() or None,
+            will=aiomqtt.Will(self._topics.availability, OFFLINE, AT_LEAST_ONCE, retain=True),
+            tls_context=self._tls(),
+            timeout=ANSWER_S,
+            max_queued_incoming_messages=Limits().clients,
+            logger=_silent(),
+        )
+        try:
+            await self._client.__aenter__()
+            await self._client.publish(self._topics.availability, ONLINE, AT_LEAST_ONCE, retain=True)
+            if self.options.discovery:
+                await self._client.subscribe(self._birth_topic)
+        except aiomqtt.MqttError as error:
+            raise OutputError(f"the broker at {where} does not take us: {error}") from error
+        self.address = f"{where}/{self._topics.state}"
+        self._tasks = [
+            asyncio.create_task(self._publish(self._client)),
+            asyncio.create_task(self._listen(self._client)),
+        ]
+        self.note(self.host.status)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Publish what is due."""
+        self._check_connection()
+        for each in self._thinning.due(samples):
+            self._states.append(state(each))
+            self._has_news.set()
+
+    def note(self, status: ServiceStatus) -> None:
+        """Publish how the link is every so often and when it changes, and a device that was not known before."""
+        self._check_connection()
+        now_s = asyncio.get_running_loop().time()
+        if self._was_open != status.link.is_open or now_s >= self._link_due_s:
+            self._was_open, self._link_due_s = status.link.is_open, now_s + LINK_EVERY_S
+            self._retain(self._topics.link, self._link(status))
+        if self._announced != status.device:
+            self._announce(status.device)
+
+    def counts(self) -> tuple[int, int]:
+        """States."""
+        return self._sent, self._states.dropped
+
+    async def close(self) -> None:
+        """Say that we go, and disconnect."""
+        is_connected = bool(self._tasks) and not any(task.done() for task in self._tasks)
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._client is not None:
+            from aiomqtt import MqttError
+
+            with contextlib.suppress(MqttError):  # it is gone already
+                if is_connected:
+                    await self._client.publish(
+                        self._topics.availability, OFFLINE, AT_LEAST_ONCE, retain=True, timeout=FAREWELL_S
+                    )
+                await self._client.__aexit__(None, None, None)
+
+    async def _publish(self, client: "aiomqtt.Client") -> None:
+        while True:
+            await self._has_news.wait()
+            self._has_news.clear()
+            while self._retained or self._states:
+                if self._retained:
+                    topic = next(iter(self._retained))
+                    await client.publish(topic, self._retained.pop(topic), AT_LEAST_ONCE, retain=True)
+                else:
+                    message, count = self._states.pop()
+                    await client.publish(self._topics.state, message)
+                    self._sent += count
+
+    async def _listen(self, client: "aiomqtt.Client") -> None:
+        """Until the broker is gone; a Home Assistant that has started is told again."""
+        async for message in client.messages:
+            if message.payload == BIRTH.encode():
+                self._announce(self.host.status.device)
+
+    def _check_connection(self) -> None:
+        for task in self._tasks:
+            if task.done() and not task.cancelled():
+                raise OutputError(f"the broker went away: {_reason(task.exception())}")
+
+    def _announce(self, device: DeviceStatus) -> None:
+        self._announced = device
+        if self.options.discovery:
+            self._retain(self._config_topic, discovery(self._name, self._topics, device, __version__))
+
+    def _retain(self, topic: str, text: str) -> None:
+        self._retained[topic] = text
+        self._has_news.set()
+
+    def _link(self, status: ServiceStatus) -> str:
+        worst = health(status)[0].says
+        return json.dumps({**asdict(status.link), "health": worst[:255], "states_dropped": self._states.dropped})
+
+    def _check_names(self) -> None:
+        if not re.fullmatch(r"[a-zA-Z0-9_-]+", self._name):
+            raise OutputError(f"id={self._name!r} may have letters, digits, _ and - alone")
+        for option, text in (("topic", self.options.topic), ("discovery", self.options.discovery)):
+            if re.search(r"[+#\x00]", text):
+                raise OutputError(f"{option}={text!r} may have no +, # or zero byte")
+
+    def _password(self) -> str:
+        if not self.options.password_file:
+            return self.options.password
+        try:
+            return Path(self.options.password_file).read_text(encoding="utf-8").rstrip("\r\n")
+        except (OSError, UnicodeDecodeError) as error:
+            raise OutputError(f"cannot read password_file={self.options.password_file}: {error}") from error
+
+    def _tls(self) -> ssl.SSLContext | None:
+        if not self.options.tls:
+            return None
+        try:
+            context = ssl.create_default_context(cafile=self.options.ca or None)
+            if self.options.certificate:
+                context.load_cert_chain(self.options.certificate, self.options.key or None)
+        except OSError as error:  # ssl.SSLError is one
+            raise OutputError(f"cannot use the certificates of ca, certificate and key: {error}") from error
+        return context
+
+
+def state(sample: Corrected) -> bytes:
+    """A sample as JSON with all fields, null for what is not known."""
+    values = {name: value(sample) for name, value in FIELDS.items()}
+    return json.dumps({name: value if value == value else None for name, value in values.items()}).encode()  # noqa: PLR0124 - not NaN
+
+
+def _reason(error: BaseException | None) -> str:
+    """The text of an error, with what it came from where that says more."""
+    return f"{error} ({error.__cause__})" if error and error.__cause__ else str(error)
+
+
+def _silent() -> logging.Logger:
+    """For the library: what goes wrong is raised, and told once by the loop of the outputs."""
+    logger = logging.getLogger("gyrodrift.outputs.mqtt")
+    logger.setLevel(logging.CRITICAL)
+    return logger

@@ -1,0 +1,299 @@
+"""The output mqtt with a real broker, mosquitto, and its own client, mosquitto_sub."""
+
+import json
+import shutil
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from outputs_support import HubThread, corrected, csv_at_100_hz, events, hub, path_of, serving
+from support import PATIENCE_S, never
+
+from gyrodrift.config.outputs import output_of
+from gyrodrift.outputs.home_assistant import Topics, discovery
+from gyrodrift.outputs.status import DeviceStatus, LinkStatus, ServiceStatus
+
+pytest.importorskip("aiomqtt", reason="the extra mqtt is not installed")
+
+MOSQUITTO = shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin:/usr/local/bin:/sbin")
+if MOSQUITTO is None or shutil.which("mosquitto_sub") is None:
+    pytest.skip("mosquitto and mosquitto-clients are not installed", allow_module_level=True)
+
+
+AVAILABILITY = "gyrodrift/bench/availability"
+
+
+@pytest.fixture
+def number() -> int:
+    """A port that nobody has."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
+@contextmanager
+def broker(number: int, folder: Path, *lines: str) -> Iterator["subprocess.Popen[bytes]"]:
+    """mosquitto, until the end of the block."""
+    config = folder / "mosquitto.conf"
+    config.write_text(
+        "\n".join([f"listener {number} 127.0.0.1", "user root", *(lines or ["allow_anonymous true"]), ""])
+    )
+    with subprocess.Popen(
+        [str(MOSQUITTO), "-c", config], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+    ) as process:
+        try:
+            wait_for(number, process)
+            yield process
+        finally:
+            process.kill()
+
+
+def wait_for(number: int, process: "subprocess.Popen[bytes]") -> None:
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", number), PATIENCE_S).close()
+        except ConnectionRefusedError:
+            assert process.poll() is None, "mosquitto ended"
+            assert time.monotonic() < until_s, "mosquitto does not listen"
+            time.sleep(0.02)
+        else:
+            return
+
+
+def heard(number: int, topic: str, count: int, *options: str) -> list[str]:
+    """What mosquitto_sub prints of a topic, in the form `retained payload`."""
+    command = [
+        "mosquitto_sub",
+        "-h",
+        "127.0.0.1",
+        "-p",
+        str(number),
+        "-t",
+        topic,
+        "-C",
+        str(count),
+        "-W",
+        "20",
+        "-F",
+        "%r %p",
+        *options,
+    ]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found
+    return found.stdout.splitlines()
+
+
+@contextmanager
+def subscribed(number: int, topic: str, count: int) -> Iterator[Iterator[str]]:
+    """Payloads of a topic in mosquitto_sub, which has subscribed; `count` of them, then it ends."""
+    command = [
+        "mosquitto_sub",
+        "-h",
+        "127.0.0.1",
+        "-p",
+        str(number),
+        "-t",
+        AVAILABILITY,
+        "-t",
+        topic,
+        "-C",
+        str(count + 1),
+        "-W",
+        "20",
+    ]
+    with subprocess.Popen([*command, "-F", "%p"], stdout=subprocess.PIPE, text=True) as client:
+        assert client.stdout is not None
+        try:
+            assert client.stdout.readline() == "online\n"
+            yield (line.rstrip("\n") for line in client.stdout)
+        finally:
+            client.kill()
+
+
+def one(number: int, topic: str, *options: str) -> Any:
+    """The next JSON of a topic."""
+    return json.loads(heard(number, topic, 1, *options)[0].partition(" ")[2])
+
+
+def until_problem(outputs: HubThread, text: str) -> str:
+    """Until an output says that it cannot, with this."""
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        problem = next((each.problem for each in outputs.statuses()), "")
+        if text in problem:
+            return problem
+        assert time.monotonic() < until_s, problem
+
+
+def test_home_assistant_finds_the_service_and_every_topic_it_names(number: int, port: Path, tmp_path: Path) -> None:
+    """The real command: discovery and link are retained, and templates ask for keys that are sent."""
+    options = f"mqtt:port={number},id=bench,rate_hz=100"
+    with broker(number, tmp_path), serving(port, "--output", options) as (serve, device):
+        assert path_of(serve, "mqtt") == f"127.0.0.1:{number}/gyrodrift/bench/state"
+        assert heard(number, "gyrodrift/bench/availability", 1) == ["1 online"]
+        retained, _, text = heard(number, "homeassistant/device/bench/config", 1)[0].partition(" ")
+        document = json.loads(text)
+        assert retained == "1"
+        with subscribed(number, "gyrodrift/bench/state", 5) as heard_states:
+            device.send_all(csv_at_100_hz(60), never)
+            states = [json.loads(each) for each in heard_states]
+        lines = {line["seq"]: line for line in serve.take_lines(59)}
+        assert len(states) == 5
+        for each in states:
+            assert each.items() >= lines[each["seq"]].items()
+        said = {"gyrodrift/bench/state": states[0], "gyrodrift/bench/link": one(number, "gyrodrift/bench/link")}
+        for component in document["cmps"].values():
+            key = component["val_tpl"].partition("value_json.")[2].split()[0]
+            assert key in said[component["stat_t"]]
+        assert serve.stop() == 0
+        assert heard(number, "gyrodrift/bench/availability", 1) == ["1 offline"]
+
+
+def test_the_last_will_speaks_for_a_process_that_was_killed(number: int, port: Path, tmp_path: Path) -> None:
+    """And the outputs that are started again say that they are back."""
+    with broker(number, tmp_path), serving(port, "--output", f"mqtt:port={number},id=bench") as (serve, _):
+        path_of(serve, "mqtt")
+        with subscribed(number, "nothing/else", 2) as lines:
+            own = serve.process.pid
+            children = Path(f"/proc/{own}/task/{own}/children").read_text().split()
+            subprocess.run(["kill", "-9", *children], check=True)
+            assert next(lines) == "offline"
+            serve.until(lambda it: len(events(it, "output_open", "mqtt")) == 2, "second opening")
+            assert next(lines) == "online"
+
+
+def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Path) -> None:
+    """At the start, and when it goes while it is in use."""
+    with hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench")
+        assert f"the broker at 127.0.0.1:{number}" in until_problem(outputs, "refused")
+        with broker(number, tmp_path):
+            outputs.opened()
+        while not outputs.statuses()[0].problem:
+            outputs.status(ServiceStatus())
+        with broker(number, tmp_path):
+            outputs.opened()
+            assert heard(number, "gyrodrift/bench/availability", 1) == ["1 online"]
+
+
+def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest(number: int, tmp_path: Path) -> None:
+    """What it costs is bounded, and counted."""
+    with broker(number, tmp_path) as process, hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench,rate_hz=1000,discovery=")
+        outputs.opened()
+        with subscribed(number, "gyrodrift/bench/state", 1_000_000) as lines:
+            process.send_signal(signal.SIGSTOP)
+            seq = 0
+            while not outputs.statuses()[0].dropped:
+                outputs.samples([corrected(seq + each) for each in range(5000)])
+                seq += 5000
+            process.send_signal(signal.SIGCONT)
+            outputs.samples([corrected(seq)])
+            while json.loads(next(lines))["seq"] != seq:
+                pass
+
+
+def test_home_assistant_that_starts_is_told_again_and_of_a_device_that_came_later(number: int, tmp_path: Path) -> None:
+    """Its birth message asks for it."""
+    with broker(number, tmp_path), hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench,discovery=ha")
+        outputs.opened()
+        assert "serial_number" not in one(number, "ha/device/bench/config")["dev"]
+        with subscribed(number, "ha/device/bench/config", 3) as lines:
+            next(lines)
+            outputs.status(ServiceStatus(device=DeviceStatus("G-17"), link=LinkStatus(is_open=True)))
+            assert json.loads(next(lines))["dev"]["serial_number"] == "G-17"
+            subprocess.run(["mosquitto_pub", "-p", str(number), "-t", "ha/status", "-m", "online"], check=True)
+            assert json.loads(next(lines))["dev"]["serial_number"] == "G-17"
+
+
+def certificate(folder: Path) -> Path:
+    """A certificate of 127.0.0.1 that trusts itself, with its key beside it."""
+    made, key = folder / "broker.pem", folder / "broker.key"
+    subprocess.run(
+        [
+            *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
+            *("-days", "2", "-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1"),
+        ],
+        check=True,
+        capture_output=True,
+    )
+    return made
+
+
+# paho-mqtt leaves a socket whose handshake failed to the garbage collector, which closes it.
+@pytest.mark.filterwarnings("ignore:Exception ignored in. <ssl.SSLSocket:pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+def test_user_password_and_certificate_are_checked(number: int, tmp_path: Path) -> None:
+    """A wrong one of each is told; the right ones open; the password is shown to nobody."""
+    users, trusted, secret = tmp_path / "users", certificate(tmp_path), tmp_path / "secret"
+    subprocess.run(["mosquitto_passwd", "-c", "-b", users, "ann", "s3cret"], check=True, capture_output=True)
+    secret.write_text("s3cret\n")
+    lines = [f"certfile {trusted}", f"keyfile {trusted.with_suffix('.key')}", f"password_file {users}"]
+    right = f"mqtt:port={number},id=bench,tls=true,user=ann,ca={trusted}"
+    with broker(number, tmp_path, *lines, "allow_anonymous false"), hub() as outputs:
+        outputs.want(f"mqtt:port={number},tls=true,user=ann,password=s3cret")
+        until_problem(outputs, "CERTIFICATE_VERIFY_FAILED")
+        outputs.want(f"{right},password=wr0ng")
+        until_problem(outputs, "ot authorized")
+        assert "password=***" in outputs.statuses()[0].output
+        outputs.want(f"{right},password_file={secret}")
+        outputs.opened()
+        access = ["--cafile", str(trusted), "-u", "ann", "-P", "s3cret"]
+        assert heard(number, "gyrodrift/bench/availability", 1, *access) == ["1 online"]
+
+
+@pytest.mark.parametrize(
+    ("option", "problem"),
+    [
+        ("id=a/b", "letters"),
+        ("topic=a/#", "may have no"),
+        ("password_file=/nowhere", "cannot read password_file"),
+        ("tls=true,ca=/nowhere", "cannot use the certificates"),
+    ],
+)
+def test_options_that_cannot_be_are_told(option: str, problem: str) -> None:
+    """Before any broker is asked."""
+    with hub() as outputs:
+        outputs.want(f"mqtt:{option}")
+        until_problem(outputs, problem)
+
+
+def test_what_is_not_known_is_null(number: int, tmp_path: Path) -> None:
+    """So that templates find the key; Home Assistant shows unknown."""
+    with broker(number, tmp_path), hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench,discovery=")
+        outputs.opened()
+        with subscribed(number, "gyrodrift/bench/state", 1) as lines:
+            outputs.samples([corrected(seq=1, heading_deg=float("nan"))])
+            state = json.loads(next(lines))
+        assert state["heading_deg"] is None
+        assert state["yaw_deg"] == 0.0125
+
+
+def test_the_discovery_document_has_what_home_assistant_asks_for() -> None:
+    """Keys that its device schema knows, each entity with a platform and an identity of its own.
+
+    A stand-in for the schema, DEVICE_DISCOVERY_SCHEMA of homeassistant.components.mqtt.schemas: Home Assistant itself
+    needs a newer Python than this package.
+    """
+    document = json.loads(discovery("bench", Topics.of("gyrodrift", "bench"), DeviceStatus("G-17"), "1.0"))
+    assert document.keys() == {"dev", "o", "cmps", "avty", "avty_mode", "stat_t"}
+    assert document["dev"].keys() <= {"ids", "cns", "name", "mf", "mdl", "sw", "hw", "serial_number"}
+    assert document["o"].keys() <= {"name", "sw", "url"}
+    components = document["cmps"].values()
+    assert len({each["uniq_id"] for each in components}) == len(components)
+    assert all(each["p"] in ("sensor", "binary_sensor") and each["stat_t"] for each in components)
+
+
+def test_a_password_is_no_part_of_what_is_shown() -> None:
+    """Options that are given are, the password is not."""
+    spec = output_of("mqtt:user=ann,password=s3cret")
+    assert str(spec) == "mqtt:user=ann,password=***"

@@ -1,0 +1,122 @@
+"""The output prometheus, scraped by Prometheus itself, and read by promtool and over HTTP."""
+
+import json
+import shutil
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from outputs_support import address_of, csv_at_100_hz, hub, serving
+from support import PATIENCE_S, never
+
+from gyrodrift.outputs.status import FilterStatus, LinkStatus, OutputStatus, ServiceStatus
+
+pytest.importorskip("prometheus_client", reason="the extra prometheus is not installed")
+from prometheus_client.parser import text_string_to_metric_families
+
+STATUS = ServiceStatus(
+    link=LinkStatus(port="/dev/gyro", is_open=True, samples=1234, jitter_ms=2.5, rate_hz=100.0),
+    filter=FilterStatus("restlevel", yaw_deg=12.5, bias_dps=-0.25),
+    outputs=(OutputStatus("tcp", "127.0.0.1:7117", "", (), 2, 99, 3), OutputStatus('udp:host="x"', problem="no")),
+)
+
+
+@pytest.fixture
+def page() -> Iterator[str]:
+    """Address of a page that tells of STATUS."""
+    with hub() as outputs:
+        outputs.want("prometheus:port=0")
+        address = outputs.opened()[0].address
+        outputs.status(STATUS)
+        url = f"http://{address}/metrics"
+        until_s = time.monotonic() + PATIENCE_S
+        while "gyrodrift_link_samples_total 1234.0" not in fetched(url):
+            assert time.monotonic() < until_s, fetched(url)
+        yield url
+
+
+def fetched(url: str, accept: str = "text/plain") -> str:
+    request = urllib.request.Request(url, headers={"Accept": accept})
+    with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+        assert answer.headers["Content-Type"].startswith(accept.partition(";")[0])
+        return str(answer.read().decode())
+
+
+def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
+    """In base units, and without what is not known."""
+    families = text_string_to_metric_families(fetched(page))
+    values = {(each.name, each.labels.get("output")): each.value for family in families for each in family.samples}
+    assert values["gyrodrift_link_jitter_seconds", None] == 0.0025
+    assert values["gyrodrift_yaw_degrees", None] == 12.5
+    assert values["gyrodrift_output_clients", "tcp"] == 2
+    assert values["gyrodrift_output_dropped_total", "tcp"] == 3
+    assert values["gyrodrift_output_open", 'udp:host="x"'] == 0
+    assert ("gyrodrift_heading_degrees", None) not in values
+
+
+def test_open_metrics_are_given_to_who_asks_for_them(page: str) -> None:
+    """And another path says where the metrics are."""
+    assert fetched(page, "application/openmetrics-text; version=1.0.0").endswith("# EOF\n")
+    with pytest.raises(urllib.error.HTTPError) as answer, urllib.request.urlopen(page + "x", timeout=PATIENCE_S):
+        pass
+    with answer.value as response:
+        assert response.code == 404
+        assert b"/metrics" in response.read()
+
+
+def test_promtool_finds_no_fault(page: str) -> None:
+    """Names, units and help as Prometheus would have them."""
+    promtool = shutil.which("promtool")
+    if promtool is None:
+        pytest.skip("promtool, of Debian's package prometheus, is not installed")
+    found = subprocess.run(
+        [promtool, "check", "metrics"], input=fetched(page), capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stdout, found.stderr) == (0, "", "")
+
+
+def test_prometheus_scrapes_a_service(port: Path, tmp_path: Path) -> None:
+    """The real server asks the real command, and answers a query."""
+    prometheus = shutil.which("prometheus")
+    if prometheus is None:
+        pytest.skip("Debian's package prometheus is not installed")
+    with serving(port, "--output", "prometheus:port=0") as (serve, device):
+        host, number = address_of(serve, "prometheus")
+        device.send_all(csv_at_100_hz(60), never)
+        serve.take_lines(59)
+        config = tmp_path / "prometheus.yml"
+        jobs = [{"job_name": "gyro", "scrape_interval": "1s", "static_configs": [{"targets": [f"{host}:{number}"]}]}]
+        config.write_text(json.dumps({"scrape_configs": jobs}))
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            web = f"127.0.0.1:{free.getsockname()[1]}"
+        command = [prometheus, f"--config.file={config}", f"--storage.tsdb.path={tmp_path / 'tsdb'}"]
+        with subprocess.Popen([*command, f"--web.listen-address={web}"], stderr=subprocess.DEVNULL) as server:
+            try:
+                assert asked(web, "gyrodrift_link_samples_total >= 59")["metric"]["job"] == "gyro"
+                assert asked(web, "up == 1")["metric"]["instance"] == f"{host}:{number}"
+            finally:
+                server.kill()
+
+
+def asked(web: str, query: str) -> Any:
+    """The first series of a query, once there is one."""
+    until_s = time.monotonic() + PATIENCE_S
+    url = f"http://{web}/api/v1/query?query={urllib.parse.quote(query)}"
+    while True:
+        assert time.monotonic() < until_s, f"Prometheus has nothing for {query}"
+        try:
+            with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:
+                found = json.loads(answer.read())["data"]["result"]
+        except OSError:
+            found = []  # it is starting
+        if found:
+            return found[0]
+        time.sleep(0.1)
