@@ -51,9 +51,7 @@ class OutputKind:
 
         for package in self.packages:
             if not _is_there(package):
-                raise UsageError(
-                    f"output {self.name} needs the package {package}: {extra_command(self.extra)}"
-                )
+                raise UsageError(f"output {self.name} needs the package {package}: {extra_command(self.extra)}")
 
 
 def _is_there(package: str) -> bool:
