@@ -46,8 +46,9 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
-$(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
+$(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mqtt,networktables,nmea,prometheus,websocket,test]'
+	@if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients || echo "no clients of npm: their tests are skipped" >&2; fi
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

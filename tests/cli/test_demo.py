@@ -92,8 +92,8 @@ def test_a_terminal_that_is_closed_leaves_no_process_behind(ending: signal.Signa
     """Neither the simulated device nor the service."""
     with Terminal(*ours("demo")) as terminal:
         terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
+        terminal.until(lambda _: len(children_of(terminal.process.pid)) == 2, "device and service")
         begun = children_of(terminal.process.pid)
-        assert len(begun) == 2
         terminal.process.send_signal(ending)
         assert terminal.end() == 130
     assert not any(Path(f"/proc/{pid}").exists() for pid in begun)
