@@ -76,7 +76,7 @@ def listen_at(
     keeps_speakers
         Leave those ports open at which something speaks: opening them again would reset many a board again.
     """
-    wait_s = options.timeout_s or USUAL_S
+    wait_s = options.timeout_s if options.timeout_s > 0.0 else USUAL_S
     with ExitStack() as closing:
         trials = [_Trial(each, replace(options, timeout_s=wait_s), monotonic) for each in look_at(ports)]
         for trial in trials:
