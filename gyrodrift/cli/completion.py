@@ -87,6 +87,10 @@ def _effects() -> list[str]:
 
 
 def _ports() -> list[str]:
+    return ["auto", *_plugged()]
+
+
+def _plugged() -> list[str]:
     return [str(path) for pattern in DEVICES for path in Path("/").glob(pattern.removeprefix("/"))]
 
 

@@ -9,6 +9,7 @@ import os
 import subprocess
 from pathlib import Path
 
+from gyrodrift.cli.options import AUTO_PORT
 from gyrodrift.errors import UsageError
 
 EXAMPLES = """\
@@ -38,6 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.config.outputs import output_of
     from gyrodrift.service.install import COMMANDS, files, usb_identity
 
+    if arguments.port == AUTO_PORT:
+        raise UsageError("--port auto: a service needs one port for good; gyrodrift devices --listen shows which it is")
     for output in arguments.output:
         output_of(output)
     if arguments.config is not None:

@@ -17,10 +17,12 @@ from gyrodrift.filters.registry import DEFAULT, FILTERS
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
     from gyrodrift.config.model import Config
-    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.link import EventHandler, LinkOptions
+    from gyrodrift.link.port import Port
     from gyrodrift.progress import Progress
 
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
+AUTO_PORT = "auto"
 PACKAGES = "packages"
 """The first thing that is waited for."""
 
@@ -34,7 +36,11 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
     """The options of every command that reads a device."""
     from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS
 
-    parser.add_argument("--port", required=True, help="serial port of the device, such as /dev/ttyUSB0")
+    parser.add_argument(
+        "--port",
+        required=True,
+        help="serial port of the device, such as /dev/ttyUSB0, or auto for the one gyro that is plugged in",
+    )
     parser.add_argument(
         "--baud",
         default="auto",
@@ -64,11 +70,19 @@ def add_link_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def link_options(arguments: argparse.Namespace, baud: int | None) -> "LinkOptions":
-    """What the options of a command say of its link."""
+def link_target(
+    arguments: argparse.Namespace, baud: int | None, on_event: "EventHandler"
+) -> "tuple[LinkOptions, Port | None]":
+    """What the options of a command say of its link; with `--port auto` that of the one gyro, its port open already."""
     from gyrodrift.link.link import LinkOptions
 
-    return LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns)
+    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns)
+    if asked.port != AUTO_PORT:
+        return asked, None
+    from gyrodrift.link.port import serial_ports
+    from gyrodrift.link.search import find_gyro
+
+    return find_gyro(serial_ports(), asked, on_event)
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:

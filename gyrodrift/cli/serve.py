@@ -42,7 +42,7 @@ class ListOutputs(argparse.Action):
 
 
 EXAMPLES = """\
-gyrodrift serve --port /dev/ttyUSB0
+gyrodrift serve --port auto
 gyrodrift serve --port /dev/ttyUSB0 --config my.yaml --rate 10
 gyrodrift serve --port /dev/ttyUSB0 --record sessions --rotate 1h > yaw.jsonl
 """
@@ -100,8 +100,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
+    target, port = options.link_target(arguments, baud, events)
     with StopSignal() as stop, ExitStack() as closing:
-        link = Link(options.link_options(arguments, baud), events)
+        link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
         filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
         listeners: list[SampleListener] = [filtering]

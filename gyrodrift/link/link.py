@@ -68,6 +68,8 @@ class LinkOptions:
 class Link:
     """A device on a serial port, as samples; `tap`, where it is set, is handed each read with its Unix time.
 
+    `port` is one that is open already, by the name and at the rate of the options; None to open it.
+
     Raises
     ------
     UsageError
@@ -79,7 +81,11 @@ class Link:
     """
 
     def __init__(
-        self, options: LinkOptions, on_event: EventHandler, monotonic: Callable[[], float] = time.monotonic
+        self,
+        options: LinkOptions,
+        on_event: EventHandler,
+        monotonic: Callable[[], float] = time.monotonic,
+        port: Port | None = None,
     ) -> None:
         self.options = options
         self.name = stable_name(options.port)
@@ -105,7 +111,7 @@ class Link:
         self._trial_s: float | None = None
         self._backoff_s = BACKOFF_FIRST_S
         self._retry_s = 0.0
-        self.port: Port | None = Port(self.name, self.baud)
+        self.port: Port | None = port or Port(self.name, self.baud)
         self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
 
     def fileno(self) -> int | None:
@@ -162,6 +168,11 @@ class Link:
         if self.port is not None:
             self.port.close()
             self.port = None
+
+    def hand_over(self) -> Port | None:
+        """The open port, which another link goes on with; this one is at its end."""
+        port, self.port = self.port, None
+        return port
 
     def _decode(self, chunk: bytes) -> list[Reading]:
         if self.decoder is not None:

@@ -15,8 +15,11 @@ from pathlib import Path
 
 import serial
 from serial.tools import list_ports
+from serial.tools.list_ports_common import ListPortInfo
 
 from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
+from gyrodrift.link.holder import holder_of
+from gyrodrift.link.serial_port import SerialPort, built_in_ports, has_uart
 
 USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 1000000, 2000000)
 """What `--baud auto` tries, the most common first."""
@@ -109,6 +112,21 @@ def stable_name(path: str) -> str:
     return path
 
 
+def serial_ports() -> list[SerialPort]:
+    """The ports of this machine that have hardware behind them, by name; none of them is opened."""
+    found = {entry.device: _described(entry) for entry in list_ports.comports() if has_uart(entry.device)}
+    for device in built_in_ports():  # pyserial leaves out those on a chip, such as the Raspberry Pi's
+        found.setdefault(device, SerialPort(stable_name(device), device))
+    return sorted(found.values(), key=lambda port: port.name)
+
+
+def _described(entry: ListPortInfo) -> SerialPort:
+    usb_id = None if entry.vid is None else f"{entry.vid:04x}:{entry.pid:04x}"
+    return SerialPort(
+        stable_name(entry.device), entry.device, entry.manufacturer, entry.product, usb_id, entry.serial_number
+    )
+
+
 def _open(path: str, baud: int) -> serial.Serial:
     try:
         return serial.Serial(path, baud, timeout=0, exclusive=True)
@@ -136,28 +154,13 @@ def _explain(path: str, error: Exception) -> LinkError:
 
 
 def _ports_there_are() -> str:
-    names = sorted(port.device for port in list_ports.comports())
+    names = sorted(port.device for port in serial_ports())
     return f"ports on this machine: {', '.join(names)}" if names else "no serial port is plugged in"
 
 
 def _by_whom(path: str) -> str:
-    """`by NAME (pid N)` where the system lets us see it; our own process is not a suspect."""
-    device = os.path.realpath(path)
-    for process in Path("/proc").glob("[0-9]*"):
-        if int(process.name) == os.getpid():
-            continue
-        with suppress(OSError):
-            if any(_points_to(link, device) for link in (process / "fd").iterdir()):
-                name = (process / "comm").read_text().strip()
-                return f" by {name} (pid {process.name})"
-    return ""
-
-
-def _points_to(link: Path, device: str) -> bool:
-    try:
-        return str(link.readlink()) == device
-    except OSError:
-        return False
+    holder = holder_of(path)
+    return f" by {holder}" if holder else ""
 
 
 def _is_pty(fd: int) -> bool:

@@ -1,0 +1,75 @@
+"""List the serial ports of this machine: stable name, device, maker and product, who holds each.
+
+With --listen also what speaks there: protocol, samples a second, baud rate. Only then ports are opened, those that
+somebody holds never; many boards reset when their port is opened. Names of ttyS without a UART are left out.
+"""
+
+import argparse
+import dataclasses
+import json
+import sys
+from typing import TYPE_CHECKING, Any
+
+from gyrodrift.cli import options
+
+if TYPE_CHECKING:
+    from gyrodrift.link.listening import HeardPort
+
+EXAMPLES = """\
+gyrodrift devices
+gyrodrift devices --listen
+gyrodrift devices --listen --json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--listen", action="store_true", help="open each port that is free, and tell what speaks there")
+    parser.add_argument(
+        "--timeout", type=float, default=10.0, metavar="S", help="listen S seconds for something that can be decoded"
+    )
+    parser.add_argument("--json", action="store_true", help="one JSON array instead, with an object a port")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List them; 0 even where there are none."""
+    timeout_s = options.positive("--timeout", arguments.timeout)
+    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.listening import USUAL_S, listen_at, look_at
+    from gyrodrift.link.port import serial_ports
+
+    ports = serial_ports()
+    asked = LinkOptions(port="", timeout_s=timeout_s or USUAL_S)
+    heard = listen_at(ports, asked) if arguments.listen else look_at(ports)
+    if arguments.json:
+        print(json.dumps([_as_json(each) for each in heard]))
+    elif heard:
+        print("\n".join(_told(each) for each in heard))
+    else:
+        print("gyrodrift: no serial port is plugged in", file=sys.stderr)
+    return 0
+
+
+def _told(heard: "HeardPort") -> str:
+    from gyrodrift.link.search import said
+
+    port = heard.port
+    adapter = " ".join(filter(None, (port.maker, port.product, port.usb_id and f"({port.usb_id})")))
+    rows = {
+        "device": port.device if port.device != port.name else "",
+        "adapter": adapter,
+        "serial number": port.serial_number or "",
+        "in use by": str(heard.holder or ""),
+        "speaks": said(heard.speech) if heard.speech else "",
+        "nothing heard": heard.reason if heard.holder is None else "",
+    }
+    return "\n".join([port.name, *(f"  {name:13}  {value}" for name, value in rows.items() if value)])
+
+
+def _as_json(heard: "HeardPort") -> dict[str, Any]:
+    speech, holder = heard.speech, heard.holder
+    return dataclasses.asdict(heard.port) | {
+        "holder": dataclasses.asdict(holder) if holder else None,
+        "speech": dataclasses.asdict(speech) if speech else None,
+        "reason": heard.reason or None,
+    }

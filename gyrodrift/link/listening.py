@@ -1,0 +1,187 @@
+"""Listening to several ports at once: what speaks at each, and how fast.
+
+A port that somebody holds is not opened. Each is opened once, as `serve` does it, and closed as soon as it is clear
+what is to be said of it.
+"""
+
+import select
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Any
+
+from gyrodrift.errors import LinkError
+from gyrodrift.link.holder import PortHolder, holder_of
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.port import Port
+from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.sample import Sample
+
+USUAL_S = 10.0
+"""How long a port is listened to where nothing, or for ever, is said: all usual baud rates are tried by then."""
+
+QUIET_S = 3.0
+"""Where another port speaks, one without a byte is given up: a board that resets when it is opened boots in 2 s."""
+
+RATE_S = 0.6
+RATE_LONGEST_S = 2.0
+"""Samples are counted over the first, of their own clock; a slow device is not waited for longer than the second."""
+
+TURN_S = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Speech:
+    """What was understood at a port; `rate_hz` is None where too few samples came to tell."""
+
+    protocol: str
+    baud: int
+    rate_hz: float | None
+    device_id: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class HeardPort:
+    """A port with who holds it and what speaks there; `reason` says why nothing was understood, empty otherwise.
+
+    `open_port` is still open, and the caller's to close; None unless that was asked for and something speaks.
+    """
+
+    port: SerialPort
+    holder: PortHolder | None = None
+    speech: Speech | None = None
+    reason: str = ""
+    open_port: Port | None = None
+
+
+def look_at(ports: Sequence[SerialPort]) -> list[HeardPort]:
+    """Who holds each; none is opened."""
+    return [HeardPort(port, holder_of(port.device)) for port in ports]
+
+
+def listen_at(
+    ports: Sequence[SerialPort],
+    options: LinkOptions,
+    *,
+    keeps_speakers: bool = False,
+    monotonic: Callable[[], float] = time.monotonic,
+) -> list[HeardPort]:
+    """What speaks at each, in the order given.
+
+    Parameters
+    ----------
+    options
+        Baud rate, protocol and time of each link; its port is not looked at.
+    keeps_speakers
+        Leave those ports open at which something speaks: opening them again would reset many a board again.
+    """
+    wait_s = options.timeout_s if options.timeout_s > 0.0 else USUAL_S
+    with ExitStack() as closing:
+        trials = [_Trial(each, replace(options, timeout_s=wait_s), monotonic) for each in look_at(ports)]
+        for trial in trials:
+            closing.callback(trial.close)
+        while listening := [trial for trial in trials if not trial.is_over]:
+            _wait(listening)
+            for trial in trials if keeps_speakers else listening:  # what nobody reads would fill the port's buffer
+                trial.read()
+            is_any_heard = any(trial.samples for trial in trials)
+            for trial in listening:
+                trial.judge(is_any_heard=is_any_heard)
+            if not keeps_speakers:
+                _close(trial for trial in trials if trial.is_over)
+        return [trial.result(keeps_port=keeps_speakers) for trial in trials]
+
+
+class _Trial:
+    """One port that is listened to."""
+
+    def __init__(self, looked: HeardPort, options: LinkOptions, monotonic: Callable[[], float]) -> None:
+        self.samples: list[Sample] = []
+        self.link: Link | None = None
+        self._looked = looked
+        self._monotonic = monotonic
+        self._opened_s = monotonic()
+        self._spoke_s = 0.0
+        self._reason = f"in use by {looked.holder}" if looked.holder else ""
+        self.is_over = bool(self._reason)
+        if not self.is_over:
+            self._try(lambda: self._open(replace(options, port=looked.port.name)))
+
+    def read(self) -> None:
+        """Take what has come."""
+        self._try(self._read)
+
+    def judge(self, *, is_any_heard: bool) -> None:
+        """End the trial where enough has come, or where waiting on leads nowhere."""
+        link, now_s = self.link, self._monotonic()
+        if link is None or self.is_over:
+            return
+        if self.samples:
+            span_s = self.samples[-1].t_device_s - self.samples[0].t_device_s
+            self.is_over = span_s >= RATE_S or now_s - self._spoke_s >= RATE_LONGEST_S
+        elif is_any_heard and not link.counters.bytes and now_s - self._opened_s >= QUIET_S:
+            self._fail(f"said nothing within {QUIET_S:g} s, while another port spoke")
+
+    def result(self, *, keeps_port: bool) -> HeardPort:
+        """What is to be said of it."""
+        link = self.link
+        if link is None or link.decoder is None or self._reason:
+            return replace(self._looked, reason=self._reason)
+        device_id = link.device.device_id
+        speech = Speech(link.decoder.name, link.baud, self._rate_hz(), None if device_id is None else str(device_id))
+        return replace(self._looked, speech=speech, open_port=link.hand_over() if keeps_port else None)
+
+    def close(self) -> None:
+        """Give the port back, unless it was handed over."""
+        if self.link is not None:
+            self.link.close()
+
+    def _open(self, options: LinkOptions) -> None:
+        self.link = Link(options, _unheard, self._monotonic)
+
+    def _read(self) -> None:
+        if self.link is None:
+            return
+        samples = self.link.read()
+        if samples and not self.samples:
+            self._spoke_s = self._monotonic()
+        self.samples += samples
+        if self.link.port is None:
+            self._fail("it was unplugged while it was listened to")
+
+    def _try(self, act: Callable[[], Any]) -> None:
+        try:
+            act()
+        except LinkError as error:
+            self._fail(str(error).removeprefix(f"{self._looked.port.name}: "))
+
+    def _fail(self, reason: str) -> None:
+        self._reason, self.is_over = reason, True
+        self.close()
+        self.link = None
+
+    def _rate_hz(self) -> float | None:
+        first, last = (self.samples[0], self.samples[-1]) if self.samples else (None, None)
+        if first is None or last is None or last.t_device_s <= first.t_device_s:
+            return None
+        return (last.seq - first.seq) / (last.t_device_s - first.t_device_s)
+
+
+def _close(trials: Iterable[_Trial]) -> None:
+    for trial in trials:
+        trial.close()
+
+
+def _wait(trials: Iterable[_Trial]) -> None:
+    poller = select.poll()
+    for trial in trials:
+        fd = trial.link.fileno() if trial.link is not None else None
+        if fd is not None:
+            poller.register(fd, select.POLLIN)
+    poller.poll(TURN_S * 1e3)
+
+
+def _unheard(event: str, **fields: Any) -> None:
+    """What happens to a link that is on trial is told in the end."""
+    _ = event, fields

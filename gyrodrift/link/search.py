@@ -1,0 +1,50 @@
+"""The port of `--port auto`: the one at which a gyro speaks, of all that are plugged in."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from gyrodrift.errors import UsageError
+from gyrodrift.link.link import EventHandler, LinkOptions
+from gyrodrift.link.listening import HeardPort, Speech, listen_at
+from gyrodrift.link.port import Port
+from gyrodrift.link.serial_port import SerialPort
+
+
+def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: EventHandler) -> tuple[LinkOptions, Port]:
+    """The options of the link to the one gyro there is, with what was found, and its port, which is open.
+
+    Raises
+    ------
+    UsageError
+        Where no port is there, or none or several of them speak; it says what there is and what to do.
+    """
+    if not ports:
+        raise UsageError("--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port")
+    on_event("port_search", ports=len(ports))
+    heard = listen_at(ports, options, keeps_speakers=True)
+    speakers = [(each.port.name, each.speech, each.open_port) for each in heard if each.speech and each.open_port]
+    if len(speakers) != 1:
+        for _, _, open_port in speakers:
+            open_port.close()
+        raise UsageError(_what_there_is(heard, len(speakers)))
+    name, speech, open_port = speakers[0]
+    on_event("port_found", port=name, protocol=speech.protocol, baud=speech.baud, rate_hz=_rounded(speech.rate_hz))
+    return replace(options, port=name, baud=speech.baud, protocol=speech.protocol), open_port
+
+
+def said(speech: Speech) -> str:
+    """What speaks, in words."""
+    rate = "" if speech.rate_hz is None else f" at {speech.rate_hz:.4g} Hz"
+    device = "" if speech.device_id is None else f", device {speech.device_id}"
+    return f"{speech.protocol}{rate}, {speech.baud} baud{device}"
+
+
+def _what_there_is(heard: Sequence[HeardPort], speakers: int) -> str:
+    count = "no gyro speaks" if not speakers else f"{speakers} gyros speak"
+    advice = "plug one in, or name its port with --port" if not speakers else "name one of them with --port"
+    lines = [f"{each.port.name}: {said(each.speech) if each.speech else each.reason}" for each in heard]
+    return "\n".join([f"--port auto: {count} here; {advice}", *lines])
+
+
+def _rounded(rate_hz: float | None) -> float | None:
+    return None if rate_hz is None else round(rate_hz, 1)

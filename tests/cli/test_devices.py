@@ -1,0 +1,148 @@
+"""`gyrodrift devices` and `--port auto`: the real commands on a machine whose ports are ptys."""
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import Command, speaking_on
+
+from gyrodrift.cli import main
+from gyrodrift.session.mcap.read import read_mcap
+
+Simulated = Callable[..., Path]
+
+
+@pytest.fixture
+def simulated(tmp_path: Path) -> Iterator[Simulated]:
+    """Makes a simulated gyro that waits for its reader, and gives its port."""
+    with ExitStack() as devices:
+
+        def device(name: str, protocol: str = "native") -> Path:
+            path = tmp_path / name
+            words = ("--link", path, "--protocol", protocol, "--quiet")
+            running = devices.enter_context(Command(*words, module="firmware_sim"))
+            running.until(lambda _: path.exists(), "port")
+            return path
+
+        yield device
+
+
+def on(ports: list[Path], *words: str | Path) -> Command:
+    """A command on a machine with these ports."""
+    return Command(",".join(map(str, ports)), *words, module="tests.plugged_in")
+
+
+def listed(ports: list[Path], *words: str) -> list[dict[str, Any]]:
+    with on(ports, "devices", "--json", *words) as run:
+        assert run.end() == 0, run.log
+        found: list[dict[str, Any]] = json.loads(run.out)
+    return found
+
+
+def test_each_port_is_listed_with_what_speaks_there(simulated: Simulated, tmp_path: Path) -> None:
+    """Two gyros of two protocols, and a port at which nothing is said."""
+    ports = [simulated("a-native"), simulated("b-csv", "csv"), tmp_path / "c-silent"]
+    with speaking_on(ports[2]):
+        native, csv, silent = listed(ports, "--listen")
+        with on(ports, "devices", "--listen") as run:
+            assert run.end() == 0
+    assert (native["speech"]["protocol"], csv["speech"]["protocol"]) == ("native", "csv")
+    assert native["speech"]["rate_hz"] == pytest.approx(csv["speech"]["rate_hz"], rel=0.05)
+    assert native["speech"]["device_id"] is not None
+    assert silent["speech"] is None
+    assert silent["reason"].startswith("said nothing within 3 s")
+    assert f"{ports[1]}\n  speaks         csv at " in run.out
+
+
+def test_without_listen_no_port_is_opened(tmp_path: Path) -> None:
+    """The device never sees a reader."""
+    with speaking_on(tmp_path / "gyro") as device:
+        (found,) = listed([tmp_path / "gyro"])
+        assert not device._flushed
+    assert found["name"] == str(tmp_path / "gyro")
+    assert (found["holder"], found["speech"], found["reason"]) == (None, None, None)
+
+
+def test_a_port_that_is_held_is_left_alone(simulated: Simulated) -> None:
+    """It is told by whom, and that program loses nothing."""
+    port = simulated("gyro", "csv")
+    with Command("serve", "--port", port) as first:
+        first.take_lines(5)
+        (found,) = listed([port], "--listen")
+        assert found["holder"]["pid"] == first.process.pid
+        assert found["reason"] == f"in use by {found['holder']['name']} (pid {first.process.pid})"
+        with on([port], "serve", "--port", "auto") as second:
+            assert second.end() == 2
+        assert f"gyrodrift: {port}: in use by" in second.log
+        first.take_lines(5)
+        assert first.stop() == 0
+    assert "gap" not in first.log.replace("gaps=", "")
+
+
+def test_serve_finds_the_one_gyro_among_other_ports(simulated: Simulated, tmp_path: Path) -> None:
+    """One port is silent, one speaks rubbish; both are free again."""
+    gyro, silent, rubbish = simulated("gyro"), tmp_path / "silent", tmp_path / "rubbish"
+    words = ("serve", "--port", "auto", "--timeout", "4")
+    with speaking_on(silent) as quiet, speaking_on(rubbish) as noisy, on([silent, rubbish, gyro], *words) as run:
+
+        def has_spoken(run: Command) -> bool:
+            noisy.send(os.urandom(40))
+            return run.out.count("\n") > 5
+
+        run.until(has_spoken, "yaw")
+        assert not quiet.has_reader()
+        assert not noisy.has_reader()
+        assert run.stop() == 0
+    (found,) = [line for line in run.log.splitlines() if "port_found" in line]
+    assert f"port={gyro}" in found
+    assert "protocol=native" in found
+
+
+def test_record_takes_the_one_gyro_too(simulated: Simulated, tmp_path: Path) -> None:
+    """With columns, which stay those of the link."""
+    words = ("--columns", "t_us, rate", "--duration", "0.3", "--out", tmp_path / "sessions")
+    with on([simulated("gyro", "csv")], "record", "--port", "auto", *words) as run:
+        assert run.end() == 0, run.log
+    (path,) = (tmp_path / "sessions").glob("*.mcap")
+    assert len(read_mcap(path).rate_dps) > 20
+
+
+def test_several_gyros_are_listed_and_none_is_chosen(simulated: Simulated) -> None:
+    """Status 2, and what to do."""
+    ports = [simulated("left"), simulated("right", "csv")]
+    with on(ports, "serve", "--port", "auto") as run:
+        assert run.end() == 2
+    assert "gyrodrift: --port auto: 2 gyros speak here; name one of them with --port\n" in run.log
+    assert f"gyrodrift: {ports[0]}: native at " in run.log
+    assert f"gyrodrift: {ports[1]}: csv at " in run.log
+
+
+def test_where_no_gyro_speaks_each_port_is_listed_with_why(tmp_path: Path) -> None:
+    """A silent port, and one that is not there any more."""
+    with speaking_on(tmp_path / "silent"):
+        ports = [tmp_path / "silent", tmp_path / "gone"]
+        with on(ports, "serve", "--port", "auto", "--timeout", "1") as run:
+            assert run.end() == 2
+    assert "--port auto: no gyro speaks here; plug one in, or name its port with --port" in run.log
+    assert f"gyrodrift: {ports[0]}: the device said nothing within 1 s" in run.log
+    assert f"gyrodrift: {ports[1]}: there is no such port" in run.log
+
+
+def test_where_no_port_is_there_it_is_said() -> None:
+    """By both."""
+    with on([], "serve", "--port", "auto") as run:
+        assert run.end() == 2
+    assert run.log == (
+        "gyrodrift: --port auto: no serial port is plugged in; plug the gyro in, or name its port with --port\n"
+    )
+    assert listed([], "--listen") == []
+
+
+def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where several are plugged in later, auto would end it."""
+    assert main(["install-service", "--port", "auto", "--dry-run"]) == 2
+    assert "gyrodrift devices --listen shows which" in capsys.readouterr().err
