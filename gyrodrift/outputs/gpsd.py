@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.json_line import known
 from gyrodrift.outputs.net.lines import LineClient, LineServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
@@ -257,12 +257,8 @@ def reports(sample: Corrected, path: str) -> tuple[dict[str, Any], dict[str, Any
         "rot": round(-60.0 * sample.corrected_dps, 3),
         "temp": sample.sample.temp_c,
     }
-    values = {name: value(sample) for name, value in FIELDS.items()}
-    return {"class": "ATT", **opening, **_known(attitude)}, {"class": "GYRO", **opening, **_known(values)}
-
-
-def _known(values: dict[str, float]) -> dict[str, float]:
-    return {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
+    present = {name: value for name, value in attitude.items() if value == value}  # noqa: PLR0124 - not NaN
+    return {"class": "ATT", **opening, **present}, {"class": "GYRO", **opening, **known(sample)}
 
 
 def clockwise_deg(yaw_deg: float) -> float:

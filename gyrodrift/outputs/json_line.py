@@ -1,7 +1,7 @@
 """A corrected sample as a line of JSON: on stdout, and for whoever connects."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from gyrodrift.sample import Corrected
@@ -73,8 +73,12 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     return line + "}\n"
 
 
-def chosen_line(corrected: Corrected, names: Sequence[str], **more: Any) -> str:
-    """A line with these fields alone, in this order; absent values are left out."""
+def known(corrected: Corrected, names: Iterable[str] = tuple(FIELDS)) -> dict[str, float]:
+    """These fields with the digits that mean something, in this order; absent values are left out."""
     values = {name: FIELDS[name](corrected) for name in names}
-    said = {name: round(value, DIGITS[name]) for name, value in values.items() if value == value}  # noqa: PLR0124
-    return json.dumps(more | said) + "\n"
+    return {name: round(value, DIGITS[name]) for name, value in values.items() if value == value}  # noqa: PLR0124
+
+
+def chosen_line(corrected: Corrected, names: Iterable[str], **more: Any) -> str:
+    """A line with these fields alone, in this order; absent values are left out."""
+    return json.dumps(more | known(corrected, names)) + "\n"

@@ -17,7 +17,7 @@ from annotated_types import MaxLen, MinLen
 from gyrodrift import __version__
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.json_line import FIELDS, known
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import Limits
@@ -220,8 +220,7 @@ class MqttOutput(Output[MqttOptions]):
 
 def state(sample: Corrected) -> bytes:
     """A sample as JSON with all fields, null for what is not known."""
-    values = {name: value(sample) for name, value in FIELDS.items()}
-    return json.dumps({name: value if value == value else None for name, value in values.items()}).encode()  # noqa: PLR0124 - not NaN
+    return json.dumps(dict.fromkeys(FIELDS) | known(sample)).encode()
 
 
 def _reason(error: BaseException | None) -> str:
