@@ -47,7 +47,7 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,mavlink,test]'
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

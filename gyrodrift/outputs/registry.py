@@ -93,6 +93,13 @@ SHIPPED = (
         packages=("websockets",),
         extra="websocket",
     ),
+    OutputKind(
+        "mavlink",
+        "MAVLink odometry or attitude over UDP or serial",
+        "gyrodrift.outputs.mavlink:MavlinkOutput",
+        packages=("pymavlink",),
+        extra="mavlink",
+    ),
 )
 
 for _each in SHIPPED:
