@@ -46,8 +46,10 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
+# MAVProxy is a client that tests run; without what its maps and plots need, which is half a gigabyte.
 $(VENV)/ready-to-test: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,websocket,mavlink,test]'
+	$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70'
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

@@ -3,6 +3,8 @@
 import os
 import pty
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -11,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import corrected, csv_at_100_hz, hub, serving
+from outputs_support import HubThread, corrected, csv_at_100_hz, hub, serving
 from support import PATIENCE_S, never
 
 from gyrodrift.outputs.mavlink import POSITION, UNKNOWN_VARIANCE, YAW
@@ -131,6 +133,21 @@ def test_a_serial_line_gets_the_same() -> None:
     assert {each.get_type() for each in got} == {"ODOMETRY"}
 
 
+def test_a_line_that_goes_is_tried_again() -> None:
+    """And the reason is told."""
+    master, slave = pty.openpty()
+    name = os.ttyname(slave)
+    os.close(slave)
+    with hub() as outputs:
+        outputs.want(f"mavlink:device={name}")
+        outputs.opened()
+        os.close(master)
+        outputs.samples([corrected(0)])
+        while not (problem := outputs.statuses()[0].problem):
+            pass
+    assert "is gone" in problem or "No such file" in problem
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -160,3 +177,49 @@ def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
             assert station.recv_match(type="HEARTBEAT", blocking=True, timeout=PATIENCE_S) is not None
     assert turned is not None
     assert turned.yawspeed < 0.0
+
+
+MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+
+
+@pytest.mark.skipif(not MAVPROXY.exists(), reason="MAVProxy is not installed: pip install MAVProxy")
+def test_mavproxy_shows_it(tmp_path: Path) -> None:
+    """It finds system 1, component 200, and shows ODOMETRY."""
+    with listening() as free:
+        port = free.port
+    options = (f"--master=udpin:127.0.0.1:{port}", "--nowait", f"--state-basedir={tmp_path}", "--default-modules=")
+    with (
+        subprocess.Popen(
+            [sys.executable, MAVPROXY, *options, "--cmd=watch ODOMETRY"],
+            cwd=tmp_path,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=os.environ | {"PYTHONUNBUFFERED": "1", "HOME": str(tmp_path)},
+        ) as mavproxy,
+        hub() as outputs,
+    ):
+        try:
+            outputs.want(f"mavlink:port={port}")
+            outputs.opened()
+            shown = said_by(mavproxy, outputs)
+        finally:
+            mavproxy.kill()
+    assert "Detected vehicle 1:200" in shown
+    assert f"frame_id : {common.MAV_FRAME_LOCAL_FRD}" in shown
+
+
+def said_by(mavproxy: "subprocess.Popen[bytes]", outputs: HubThread) -> str:
+    """What MAVProxy has printed once an ODOMETRY is in it, with samples and heartbeats sent until then."""
+    assert mavproxy.stdout is not None
+    os.set_blocking(mavproxy.stdout.fileno(), False)
+    text, until_s, seq = "", time.monotonic() + PATIENCE_S, 0
+    while not ("Detected" in text and "child_frame_id" in text):
+        assert time.monotonic() < until_s, text
+        assert mavproxy.poll() is None, text
+        outputs.samples([corrected(seq)])
+        outputs.status(ServiceStatus(link=LinkStatus(is_open=True)))
+        outputs.statuses()
+        seq += 100
+        text += (mavproxy.stdout.read() or b"").decode()
+    return text
