@@ -46,8 +46,10 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
+# MAVProxy is a client that tests run; without what its maps and plots need.
 $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mqtt,networktables,nmea,prometheus,websocket,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mavlink,mqtt,networktables,nmea,prometheus,websocket,test]'
+	@$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2
 	@if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients || echo "no clients of npm: their tests are skipped" >&2; fi
 	@touch $@ $(VENV)/ready
 

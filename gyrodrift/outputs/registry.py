@@ -136,6 +136,13 @@ SHIPPED = (
         ("ntcore",),
         "networktables",
     ),
+    OutputKind(
+        "mavlink",
+        "MAVLink odometry or attitude over UDP or serial",
+        "gyrodrift.outputs.mavlink:MavlinkOutput",
+        packages=("pymavlink",),
+        extra="mavlink",
+    ),
 )
 
 for _each in SHIPPED:

@@ -1,0 +1,193 @@
+"""MAVLink 2: a heartbeat, and yaw with its covariance as ODOMETRY or as ATTITUDE, for autopilots and ground stations.
+
+MAVLink's axes are forward, right, down: yaw is clockwise positive there, counter-clockwise elsewhere in gyrodrift.
+Definitions: https://mavlink.io/en/messages/common.html#ODOMETRY, #ATTITUDE_QUATERNION_COV and #HEARTBEAT.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, isnan, nan, pi, radians, remainder, sin
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from annotated_types import Ge, Gt, Le, MinLen
+
+from gyrodrift.outputs.net.datagrams import DatagramSender
+from gyrodrift.outputs.net.serial_line import SerialLine
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.status import ServiceStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+
+if TYPE_CHECKING:
+    from pymavlink.dialects.v20.common import MAVLink_message
+
+UNKNOWN_VARIANCE = 1e6
+"""Of position (m²), velocity (m²/s²) and rates (rad²/s²) that a gyro knows nothing of."""
+
+SILENT_S = 2.0
+"""Without a sample for longer the heartbeat says that the state is not known."""
+
+ROLL, PITCH, YAW = 15, 18, 20
+"""Where the variances of the angles, and of their rates, stand in the upper triangle of a 6×6 covariance, by rows."""
+
+POSITION = (0, 6, 11)
+"""Likewise, of position and of velocity."""
+
+
+@dataclass(frozen=True, slots=True)
+class MavlinkOptions:
+    """Where to, what, how often, and as who."""
+
+    host: Annotated[Host, About("who receives: a name, an address, or a broadcast address")] = LOOPBACK
+    port: Annotated[Port, About("UDP port of the receiver")] = 14550
+    device: Annotated[
+        Annotated[str, MinLen(1)] | None, About("serial line or pty to write on, in place of UDP: /dev/ttyAMA0")
+    ] = None
+    baud: Annotated[int, Gt(0), Le(4_000_000), About("of the serial line")] = 57600
+    rate_hz: Annotated[
+        float, Ge(4.0), Le(1000.0), About("at most so many messages a second of device time; autopilots ask for 4")
+    ] = 20.0
+    message: Annotated[Literal["odometry", "attitude"], About("ODOMETRY, or ATTITUDE with ATTITUDE_QUATERNION_COV")] = (
+        "odometry"
+    )
+    frame: Annotated[
+        Literal["frd", "ned"], About("yaw from the start of the service (frd), or heading from north (ned)")
+    ] = "frd"
+    tilt_sigma_deg: Annotated[
+        float, Gt(0.0), Le(90.0), About("standard deviation of roll and pitch, which are taken as 0, deg")
+    ] = 5.0
+    system: Annotated[int, Ge(1), Le(255), About("system id, that of the vehicle")] = 1
+    component: Annotated[int, Ge(1), Le(255), About("component id; 200 is an IMU")] = 200
+
+
+@dataclass(frozen=True, slots=True)
+class FrdYaw:
+    """Yaw in axes forward, right, down: clockwise positive, rad and rad/s; NaN for variances that are not known."""
+
+    yaw_rad: float
+    rate_rad_s: float
+    variance_rad2: float
+    rate_variance_rad2_s2: float
+
+    @property
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """From body to reference: w, x, y, z; level."""
+        return cos(self.yaw_rad / 2.0), 0.0, 0.0, sin(self.yaw_rad / 2.0)
+
+
+def frd_yaw(sample: Corrected, frame: Literal["frd", "ned"]) -> FrdYaw:
+    """Yaw as MAVLink has it, in -π to π; NaN in `ned` before there is a reference."""
+    yaw_deg = sample.heading_deg if frame == "ned" else -sample.yaw_deg
+    return FrdYaw(
+        remainder(radians(yaw_deg), 2.0 * pi),
+        -radians(sample.corrected_dps),
+        radians(sample.yaw_sigma_deg) ** 2,
+        radians(sample.bias_sigma_dps) ** 2,
+    )
+
+
+class MavlinkOutput(Output[MavlinkOptions]):
+    """A message a sample that is due, and a heartbeat with each second's state."""
+
+    options_type = MavlinkOptions
+
+    def __init__(self, options: MavlinkOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self._to: DatagramSender | SerialLine = DatagramSender()
+        self._thinning = Thinning(options.rate_hz)
+        self._has_told_of_north = False
+
+    async def open(self) -> None:
+        """Look the receiver up, or open the line."""
+        from pymavlink.dialects.v20 import common
+
+        self._common = common
+        self._link = common.MAVLink(None, self.options.system, self.options.component)
+        if self.options.device is None:
+            self._to = sender = DatagramSender()
+            self.address = await sender.open(self.options.host, self.options.port)
+        else:
+            self._to = line = SerialLine()
+            line.open(self.options.device, self.options.baud)
+            self.address = self.options.device
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send those that are due."""
+        for each in self._thinning.due(samples):
+            yaw = frd_yaw(each, self.options.frame)
+            if isnan(yaw.yaw_rad):
+                self._tell_of_north()
+            elif self.options.message == "odometry":
+                self._send(self._odometry(each, yaw))
+            else:
+                self._send(self._attitude(each, yaw))
+                self._send(self._attitude_covariance(each, yaw))
+
+    def note(self, status: ServiceStatus) -> None:
+        """Send the heartbeat, which is due once a second."""
+        common = self._common
+        is_alive = status.link.is_open and status.link.silent_s < SILENT_S
+        state = common.MAV_STATE_ACTIVE if is_alive else common.MAV_STATE_UNINIT
+        kind, autopilot = common.MAV_TYPE_IMU, common.MAV_AUTOPILOT_INVALID
+        self._send(common.MAVLink_heartbeat_message(kind, autopilot, 0, 0, state, 3))
+
+    def counts(self) -> tuple[int, int]:
+        """Messages."""
+        return self._to.sent, self._to.dropped
+
+    async def close(self) -> None:
+        """Let go of the socket or the line."""
+        self._to.close()
+
+    def _send(self, message: "MAVLink_message") -> None:
+        content = message.pack(self._link)
+        self._link.seq = (self._link.seq + 1) % 256
+        self._to.send(content)
+
+    def _odometry(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
+        common = self._common
+        is_ned = self.options.frame == "ned"
+        has_sigma = not isnan(yaw.variance_rad2)
+        return common.MAVLink_odometry_message(
+            time_usec=round(sample.sample.t_host_s * 1e6),
+            frame_id=common.MAV_FRAME_LOCAL_NED if is_ned else common.MAV_FRAME_LOCAL_FRD,
+            child_frame_id=common.MAV_FRAME_BODY_FRD,
+            **dict.fromkeys(("x", "y", "z", "vx", "vy", "vz", "rollspeed", "pitchspeed"), 0.0),
+            q=yaw.quaternion,
+            yawspeed=yaw.rate_rad_s,
+            pose_covariance=_triangle(self._tilt_variance_rad2, yaw.variance_rad2),
+            velocity_covariance=_triangle(UNKNOWN_VARIANCE, yaw.rate_variance_rad2_s2),
+            estimator_type=common.MAV_ESTIMATOR_TYPE_UNKNOWN if has_sigma else common.MAV_ESTIMATOR_TYPE_NAIVE,
+            quality=0 if isnan(sample.confidence) else max(1, round(100.0 * sample.confidence)),
+        )
+
+    def _attitude(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
+        boot_ms = round(sample.sample.t_device_s * 1e3) % (1 << 32)
+        return self._common.MAVLink_attitude_message(boot_ms, 0.0, 0.0, yaw.yaw_rad, 0.0, 0.0, yaw.rate_rad_s)
+
+    def _attitude_covariance(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
+        tilt = self._tilt_variance_rad2
+        is_known = not isnan(yaw.variance_rad2)
+        covariance = (tilt, 0.0, 0.0, 0.0, tilt, 0.0, 0.0, 0.0, yaw.variance_rad2) if is_known else (nan,) * 9
+        time_us = round(sample.sample.t_host_s * 1e6)
+        return self._common.MAVLink_attitude_quaternion_cov_message(
+            time_us, yaw.quaternion, 0.0, 0.0, yaw.rate_rad_s, covariance
+        )
+
+    @property
+    def _tilt_variance_rad2(self) -> float:
+        return radians(self.options.tilt_sigma_deg) ** 2
+
+    def _tell_of_north(self) -> None:
+        if not self._has_told_of_north:
+            self._has_told_of_north = True
+            self.host.log.warning("mavlink_waits_for_heading", advice="give one: gyrodrift ctl PATH heading DEG")
+
+
+def _triangle(tilt_variance: float, yaw_variance: float) -> tuple[float, ...]:
+    """The upper triangle of a 6×6 covariance, by rows; all NaN, which means unknown, where that of yaw is."""
+    if isnan(yaw_variance):
+        return (nan,) * 21
+    known = {ROLL: tilt_variance, PITCH: tilt_variance, YAW: yaw_variance} | dict.fromkeys(POSITION, UNKNOWN_VARIANCE)
+    return tuple(known.get(place, 0.0) for place in range(21))

@@ -1,0 +1,225 @@
+"""MAVLink as pymavlink reads it, over UDP and a pty, and as MAVProxy shows it."""
+
+import os
+import pty
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from math import atan2, degrees, isnan, nan, pi, radians
+from pathlib import Path
+from typing import Any
+
+import pytest
+from outputs_support import HubThread, corrected, csv_at_100_hz, hub, serving
+from support import PATIENCE_S, never
+
+from gyrodrift.outputs.mavlink import POSITION, UNKNOWN_VARIANCE, YAW
+from gyrodrift.outputs.status import LinkStatus, ServiceStatus
+
+pytest.importorskip("pymavlink", reason="pymavlink is not installed: pip install 'gyrodrift[mavlink]'")
+
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import common
+
+
+class Station:
+    """A ground station: decodes what comes in on a socket."""
+
+    def __init__(self, receiver: socket.socket) -> None:
+        self._receiver = receiver
+        self._link = common.MAVLink(None)
+        self.port = receiver.getsockname()[1]
+
+    def next(self, kind: str) -> Any:
+        """The next message of a kind."""
+        until_s = time.monotonic() + PATIENCE_S
+        while time.monotonic() < until_s:
+            found = self._link.parse_buffer(self._receiver.recv(4096)) or []
+            for each in found:
+                if each.get_type() == kind:
+                    return each
+        raise AssertionError(kind)
+
+
+@contextmanager
+def listening() -> Iterator[Station]:
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE_S)
+        yield Station(receiver)
+
+
+def yaw_deg(q: list[float]) -> float:
+    return degrees(2.0 * atan2(q[3], q[0]))
+
+
+def test_odometry_is_clockwise_with_covariance() -> None:
+    """A turn to the left is negative in axes forward, right, down."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port}")
+        outputs.opened()
+        outputs.samples([corrected(100, yaw_deg=90.0, corrected_dps=2.0, yaw_sigma_deg=0.5)])
+        got = station.next("ODOMETRY")
+    assert yaw_deg(got.q) == pytest.approx(-90.0, abs=1e-4)
+    assert got.yawspeed == pytest.approx(radians(-2.0))
+    assert (got.frame_id, got.child_frame_id) == (common.MAV_FRAME_LOCAL_FRD, common.MAV_FRAME_BODY_FRD)
+    assert got.pose_covariance[YAW] == pytest.approx(radians(0.5) ** 2)
+    assert [got.pose_covariance[each] for each in POSITION] == [UNKNOWN_VARIANCE] * 3
+    assert got.time_usec == 1_700_000_001_000_000
+    assert (got.get_srcSystem(), got.get_srcComponent(), got.quality) == (1, 200, 90)
+
+
+def test_without_sigma_the_covariance_is_unknown() -> None:
+    """NaN in the first element, and an estimator without covariance."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port}")
+        outputs.opened()
+        outputs.samples([corrected(100, yaw_sigma_deg=nan, bias_sigma_dps=nan, confidence=nan)])
+        got = station.next("ODOMETRY")
+    assert isnan(got.pose_covariance[0])
+    assert isnan(got.velocity_covariance[0])
+    assert (got.estimator_type, got.quality) == (common.MAV_ESTIMATOR_TYPE_NAIVE, 0)
+
+
+def test_ned_is_the_heading_and_waits_for_it() -> None:
+    """Nothing is sent before there is a reference."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},frame=ned,message=attitude")
+        outputs.opened()
+        outputs.samples([corrected(0, heading_deg=nan), corrected(100, heading_deg=270.0)])
+        attitude, covariance = station.next("ATTITUDE"), station.next("ATTITUDE_QUATERNION_COV")
+    assert attitude.time_boot_ms == 1000
+    assert attitude.yaw == pytest.approx(-pi / 2.0)
+    assert yaw_deg(covariance.q) == pytest.approx(-90.0, abs=1e-4)
+    assert covariance.covariance[8] == pytest.approx(radians(0.5) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("link", "state"),
+    [
+        (LinkStatus(is_open=True, silent_s=0.1), common.MAV_STATE_ACTIVE),
+        (LinkStatus(is_open=True, silent_s=9.0), common.MAV_STATE_UNINIT),
+        (LinkStatus(is_open=False), common.MAV_STATE_UNINIT),
+    ],
+)
+def test_the_heartbeat_says_whether_samples_come(link: LinkStatus, state: int) -> None:
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port}")
+        outputs.opened()
+        outputs.status(ServiceStatus(link=link))
+        got = station.next("HEARTBEAT")
+    assert (got.type, got.autopilot) == (common.MAV_TYPE_IMU, common.MAV_AUTOPILOT_INVALID)
+    assert got.system_status == state
+
+
+def test_a_serial_line_gets_the_same() -> None:
+    """And one that nobody reads drops whole messages."""
+    master, slave = pty.openpty()
+    try:
+        with hub() as outputs:
+            outputs.want(f"mavlink:device={os.ttyname(slave)},rate_hz=100")
+            outputs.opened()
+            outputs.samples([corrected(seq) for seq in range(1000)])
+            while not (status := outputs.statuses()[0]).dropped:
+                pass
+            assert status.sent + status.dropped == 1000
+            got = common.MAVLink(None).parse_buffer(os.read(master, 1 << 16))
+    finally:
+        os.close(master)
+        os.close(slave)
+    assert {each.get_type() for each in got} == {"ODOMETRY"}
+
+
+def test_a_line_that_goes_is_tried_again() -> None:
+    """And the reason is told."""
+    master, slave = pty.openpty()
+    name = os.ttyname(slave)
+    os.close(slave)
+    with hub() as outputs:
+        outputs.want(f"mavlink:device={name}")
+        outputs.opened()
+        os.close(master)
+        outputs.samples([corrected(0)])
+        while not (problem := outputs.statuses()[0].problem):
+            pass
+    assert "is gone" in problem or "No such file" in problem
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ("device=/nowhere", "No such file"),
+        ("device=/dev/null", "no serial line"),
+        ("baud=7,device=/dev/null", "7 baud"),
+    ],
+)
+def test_a_line_that_cannot_be_had_is_explained(options: str, says: str) -> None:
+    with hub() as outputs:
+        outputs.want(f"mavlink:{options}")
+        while not (found := outputs.statuses()) or "being opened" in found[0].problem:
+            pass
+    assert says in found[0].problem
+
+
+def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
+    """Through `mavutil`, as programs of others listen: heartbeats, and yaw that falls as the device turns left."""
+    with closing(mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect="common")) as station:
+        tty, output = tmp_path / "tty", f"mavlink:port={station.port.getsockname()[1]}"
+        with serving(tty, "--protocol", "csv", "--filter", "hdr", "--output", output) as (serve, device):
+            serve.until(lambda it: "output_open" in it.log, "an open output")
+            device.send_all(csv_at_100_hz(300), never)
+            turned = station.recv_match(
+                type="ODOMETRY", condition="ODOMETRY.q[3] < -0.1", blocking=True, timeout=PATIENCE_S
+            )
+            assert station.recv_match(type="HEARTBEAT", blocking=True, timeout=PATIENCE_S) is not None
+    assert turned is not None
+    assert turned.yawspeed < 0.0
+
+
+MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+
+
+@pytest.mark.skipif(not MAVPROXY.exists(), reason="MAVProxy is not installed: pip install MAVProxy")
+def test_mavproxy_shows_it(tmp_path: Path) -> None:
+    """It finds system 1, component 200, and shows ODOMETRY."""
+    with listening() as free:
+        port = free.port
+    options = (f"--master=udpin:127.0.0.1:{port}", "--nowait", f"--state-basedir={tmp_path}", "--default-modules=")
+    with (
+        subprocess.Popen(
+            [sys.executable, MAVPROXY, *options, "--cmd=watch ODOMETRY"],
+            cwd=tmp_path,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=os.environ | {"PYTHONUNBUFFERED": "1", "HOME": str(tmp_path)},
+        ) as mavproxy,
+        hub() as outputs,
+    ):
+        try:
+            outputs.want(f"mavlink:port={port}")
+            outputs.opened()
+            shown = said_by(mavproxy, outputs)
+        finally:
+            mavproxy.kill()
+    assert "Detected vehicle 1:200" in shown
+    assert f"frame_id : {common.MAV_FRAME_LOCAL_FRD}" in shown
+
+
+def said_by(mavproxy: "subprocess.Popen[bytes]", outputs: HubThread) -> str:
+    """What MAVProxy has printed once an ODOMETRY is in it, with samples and heartbeats sent until then."""
+    assert mavproxy.stdout is not None
+    os.set_blocking(mavproxy.stdout.fileno(), False)
+    text, until_s, seq = "", time.monotonic() + PATIENCE_S, 0
+    while not ("Detected" in text and "child_frame_id" in text):
+        assert time.monotonic() < until_s, text
+        assert mavproxy.poll() is None, text
+        outputs.samples([corrected(seq)])
+        outputs.status(ServiceStatus(link=LinkStatus(is_open=True)))
+        outputs.statuses()
+        seq += 100
+        text += (mavproxy.stdout.read() or b"").decode()
+    return text
