@@ -3,9 +3,6 @@
 What other programs use is named here and imported where it is asked for; its types stand in `__init__.pyi`.
 """
 
-from importlib import import_module
-from typing import Any
-
 __version__ = "0.1.0"
 
 _PUBLIC = {
@@ -24,9 +21,11 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - they are strings, and named once
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module  # noqa: PLC0415 - the package alone imports nothing
+
     return getattr(import_module(f"gyrodrift.library.{_PUBLIC[name]}"), name)
 
 

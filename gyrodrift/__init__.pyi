@@ -9,3 +9,15 @@ from gyrodrift.library.filters import Restlevel as Restlevel
 from gyrodrift.library.sessions import load_session as load_session
 
 __version__: str
+__all__ = [
+    "Estimate",
+    "Estimates",
+    "Hdr",
+    "Restlevel",
+    "__version__",
+    "compare",
+    "diagnose",
+    "load_session",
+    "open_link",
+    "tune",
+]

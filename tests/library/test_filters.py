@@ -40,11 +40,11 @@ def test_a_batch_has_the_bits_of_the_service(kind: type[DriftFilter]) -> None:
     found = [parts.update_batch(rate_dps[a:b], t_s[a:b]) for a, b in ((0, 901), (901, 901), (901, 3000))]
     ones = [single.update_at(rate, t) for t, rate in zip(t_s, rate_dps, strict=True)]
 
-    yaw_deg, bias_dps, sigma_deg, accepted = map(np.array, zip(*expected, strict=True))
+    yaw_deg, bias_dps, sigma_deg, is_accepted = map(np.array, zip(*expected, strict=True))
     np.testing.assert_array_equal(whole.yaw_deg, yaw_deg)
     np.testing.assert_array_equal(whole.bias_dps, bias_dps)
     np.testing.assert_array_equal(whole.yaw_sigma_deg, sigma_deg)
-    np.testing.assert_array_equal(whole.is_accepted, accepted)
+    np.testing.assert_array_equal(whole.is_accepted, is_accepted)
     assert not whole.is_accepted[700]
     assert not whole.is_accepted[800]
     np.testing.assert_array_equal(np.concatenate([one.yaw_deg for one in found]), yaw_deg)
