@@ -1,3 +1,33 @@
-"""gyrodrift: yaw from a low-cost gyro, with the drift taken out as it streams."""
+"""gyrodrift: yaw from a low-cost gyro, with the drift taken out as it streams.
+
+What other programs use is named here and imported where it is asked for; its types stand in `__init__.pyi`.
+"""
 
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "Hdr": "filters",
+    "Restlevel": "filters",
+    "Estimate": "filters",
+    "Estimates": "filters",
+    "load_session": "sessions",
+    "open_link": "device",
+    "tune": "analyses",
+    "diagnose": "analyses",
+    "compare": "analyses",
+}
+"""Names with their files in `gyrodrift.library`."""
+
+__all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - they are strings, and named once
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module  # noqa: PLC0415 - the package alone imports nothing
+
+    return getattr(import_module(f"gyrodrift.library.{_PUBLIC[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PUBLIC})

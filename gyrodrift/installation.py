@@ -3,11 +3,13 @@
 import platform
 import shlex
 import sys
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
 from gyrodrift import __version__
+from gyrodrift.errors import UsageError
 
 PACKAGE = Path(__file__).parent
 
@@ -33,6 +35,21 @@ def extra_command(extra: str) -> str:
 def package_command(requirement: str) -> str:
     """The command that installs a package into this very environment."""
     return f"{_installer()} {shlex.quote(requirement)}"
+
+
+def need_packages(what: str, *names: str) -> None:
+    """Refuse to begin where a package of the workstation is missing, rather than break off half way.
+
+    Raises
+    ------
+    UsageError
+        With the command that installs what `what` needs.
+    """
+    try:
+        for name in names:
+            import_module(name)
+    except ImportError as error:
+        raise UsageError(f"{what} needs the package {error.name}: {extra_command('lab')}") from error
 
 
 def _installer() -> str:

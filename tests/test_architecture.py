@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
-BASE = "arrays cluster errors files installation log log_stream parallel progress sample"
+BASE = "arrays callable_room cluster errors files installation log log_stream parallel progress sample"
 """Single files at the top of the package: they know each other and no room."""
 
 ROOMS = {
@@ -43,6 +43,7 @@ ROOMS = {
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",
+    "library": f"{BASE} compare config diagnose evaluation filters firmware_sim link session tune",
     "firmware_sim": "",
 }
 """Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""

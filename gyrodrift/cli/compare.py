@@ -17,8 +17,7 @@ from gyrodrift.cli import options
 from gyrodrift.files import check_inputs_kept, check_writable
 
 if TYPE_CHECKING:
-    from gyrodrift.compare.comparison import Comparison, ComparisonRequest, ConfigFile
-    from gyrodrift.config.model import Config
+    from gyrodrift.compare.comparison import Comparison, ComparisonRequest
     from gyrodrift.progress import Progress
 
 EXAMPLES = """\
@@ -63,7 +62,9 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
-        options.need_packages("compare", "cma", "matplotlib", "numba", "scipy")
+        from gyrodrift.installation import need_packages
+
+        need_packages("compare", "cma", "matplotlib", "numba", "scipy")
         from gyrodrift.compare.comparison import compare
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
@@ -78,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
-    from gyrodrift.compare.comparison import ComparisonRequest
+    from gyrodrift.compare.comparison import ComparisonRequest, config_file
     from gyrodrift.compare.methods.registry import methods
     from gyrodrift.session.files import session_paths
 
@@ -91,19 +92,10 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
         stills=frozenset(stills),
         iterations=arguments.iterations,
         seed=arguments.seed,
-        config=_config_file(arguments.config, config) if config else None,
+        config=config_file(arguments.config, config.blocks) if config else None,
         jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
     )
-
-
-def _config_file(path: Path, config: "Config") -> "ConfigFile":
-    """What the comparison tells of it."""
-    from gyrodrift.compare.comparison import ConfigFile
-    from gyrodrift.evaluation.dataset import digest_of
-    from gyrodrift.tune.provenance import read_provenance
-
-    return ConfigFile(str(path), digest_of(path), frozenset(config.blocks), read_provenance(path))
 
 
 def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:

@@ -56,7 +56,9 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     with options.progress_of(arguments) as waiting:
         waiting.evaluated(options.PACKAGES, 0, 0)
-        options.need_packages("diagnose", "matplotlib", "numba", "scipy")
+        from gyrodrift.installation import need_packages
+
+        need_packages("diagnose", "matplotlib", "numba", "scipy")
         from gyrodrift.diagnose.report.page import report_html
         from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
     from firmware_sim.rig import load_rig

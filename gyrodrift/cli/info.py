@@ -106,7 +106,9 @@ def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing |
         return None
     if arguments.picture is not None:
         _check_picture(arguments.picture, sessions)
-    options.need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
+    from gyrodrift.installation import need_packages
+
+    need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
     if arguments.out is not None:
         check_writable(arguments.out)
     return _Drawing(arguments)

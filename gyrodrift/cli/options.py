@@ -5,7 +5,6 @@ import os
 import re
 import sys
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -234,17 +233,6 @@ def check_seed(seed: int) -> None:
     """Refuse a seed that no generator takes."""
     if seed < 0:
         raise UsageError(f"--seed {seed}: expected a whole number from 0")
-
-
-def need_packages(command: str, *names: str) -> None:
-    """Refuse to begin where a package of the workstation is missing, rather than break off half way."""
-    try:
-        for name in names:
-            import_module(name)
-    except ImportError as error:
-        from gyrodrift.installation import extra_command
-
-        raise UsageError(f"{command} needs the package {error.name}: {extra_command('lab')}") from error
 
 
 def hold_product_threads() -> None:

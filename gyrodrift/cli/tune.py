@@ -75,7 +75,9 @@ def run(arguments: argparse.Namespace) -> int:
     _check_place(arguments.out, arguments.report)
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
-        options.need_packages("tune", "cma", "numba")
+        from gyrodrift.installation import need_packages
+
+        need_packages("tune", "cma", "numba")
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
         tuning, was_interrupted = _tuned(arguments, progress)
     _write(arguments, tuning)

@@ -1,7 +1,7 @@
 """A comparison from its paths to its result: methods tuned where that is asked for, and run over every session."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -15,6 +15,7 @@ from gyrodrift.evaluation.dataset import (
     LoadedSession,
     SessionSummary,
     Source,
+    digest_of,
     folder_names,
     load_with_reference,
     rates_differ,
@@ -23,7 +24,7 @@ from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
 from gyrodrift.progress import OnProgress, untold
-from gyrodrift.tune.provenance import TuningProvenance
+from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 
 CURVE_POINTS = 300
 PLOTTED = 24
@@ -50,6 +51,11 @@ class ConfigFile:
     sha256: str
     filters: frozenset[str]
     tuning: TuningProvenance | None = None
+
+
+def config_file(path: Path, filters: Iterable[str]) -> ConfigFile:
+    """What a comparison tells of a config that has parameters of these filters."""
+    return ConfigFile(str(path), digest_of(path), frozenset(filters), read_provenance(path))
 
 
 @dataclass(frozen=True, slots=True)

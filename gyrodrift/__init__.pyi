@@ -1,0 +1,23 @@
+from gyrodrift.library.analyses import compare as compare
+from gyrodrift.library.analyses import diagnose as diagnose
+from gyrodrift.library.analyses import tune as tune
+from gyrodrift.library.device import open_link as open_link
+from gyrodrift.library.filters import Estimate as Estimate
+from gyrodrift.library.filters import Estimates as Estimates
+from gyrodrift.library.filters import Hdr as Hdr
+from gyrodrift.library.filters import Restlevel as Restlevel
+from gyrodrift.library.sessions import load_session as load_session
+
+__version__: str
+__all__ = [
+    "Estimate",
+    "Estimates",
+    "Hdr",
+    "Restlevel",
+    "__version__",
+    "compare",
+    "diagnose",
+    "load_session",
+    "open_link",
+    "tune",
+]

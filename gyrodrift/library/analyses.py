@@ -1,0 +1,225 @@
+"""`tune`, `diagnose` and `compare` as functions over paths: what the commands of these names run, with its values."""
+
+import sys
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from gyrodrift.errors import UsageError
+from gyrodrift.progress import OnProgress, untold
+
+if TYPE_CHECKING:
+    from gyrodrift.compare.comparison import Comparison
+    from gyrodrift.diagnose.result import Diagnosis
+    from gyrodrift.evaluation.dataset import Source
+    from gyrodrift.filters.filter import Filter
+    from gyrodrift.tune.result import Tuning
+    from gyrodrift.tune.tuning import Plan
+
+Paths = str | PathLike[str] | Iterable[str | PathLike[str]]
+"""A session, a folder of sessions, or several of them."""
+
+
+def tune(
+    paths: Paths,
+    *,
+    filter: str = "hdr",  # noqa: A002 - as the config and the command call it
+    tests: Paths = (),
+    stills: Paths = (),
+    iterations: int = 3000,
+    seeds: Iterable[int] = (0,),
+    method: str = "race",
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+    jobs: int | None = None,
+) -> "Tuning":
+    """Find the parameters of a filter from sessions with an encoder; `result.run.params` has them.
+
+    Parameters
+    ----------
+    paths, tests, stills
+        Sessions; those of them, or more, that are held out, and that did not move at all.
+    iterations, seeds, method
+        Evaluations of the cost in each search, the seed of each search, and how it searches.
+    ranges
+        From the name of a parameter to where it is searched, least and most, in its own unit.
+    jobs
+        Threads; None for as many as there are processors.
+
+    Raises
+    ------
+    UsageError
+        Where a package is missing, or there is no such filter, method or parameter.
+    DataError
+        Where a session cannot be used.
+    """
+    chosen = _filter(filter)
+    _need("tune", "cma", "numba")
+    from gyrodrift.evaluation.dataset import Source, Split
+    from gyrodrift.evaluation.space import with_ranges
+    from gyrodrift.tune.search.methods import METHODS
+    from gyrodrift.tune.tuning import Plan
+
+    if method not in METHODS:
+        raise UsageError(f"method {method!r}: there is no such method; there are {', '.join(METHODS)}")
+    axes = with_ranges([f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()], chosen)
+    plan = Plan(_positive("iterations", iterations), _seeds(seeds), method, axes, chosen)
+    held, still = set(_sessions(tests)), set(_sessions(stills))
+    every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
+    sources = [Source(path, path in still, Split.TEST if path in held else None) for path in every]
+    return _tuned(plan, sources, jobs)
+
+
+def diagnose(
+    paths: Paths,
+    *,
+    rig: str | PathLike[str] | None = None,
+    baseline: Paths = (),
+    withhold: Iterable[str] = (),
+    jobs: int = 1,
+    on_progress: OnProgress = untold,
+) -> "Diagnosis":
+    """Explain the gap between a simulated rig and recordings; `result.verdict` says which effect is missing.
+
+    Parameters
+    ----------
+    paths, baseline
+        Sessions with an encoder, and those of the same device that they are held against.
+    rig
+        The simulator as it stands, a rig file; None for the shipped one.
+    withhold
+        Effects that are no candidates.
+    jobs
+        Processes.
+
+    Raises
+    ------
+    UsageError
+        Where a package is missing, the rig file is wrong, or there is no such effect.
+    DataError
+        Where no session can be used, with what is wrong with each.
+    """
+    _need("diagnose", "matplotlib", "numba", "scipy")
+    from firmware_sim.effects.catalogue import CATALOGUE
+    from firmware_sim.rig import load_rig
+    from firmware_sim.yaml_file import FileError
+    from gyrodrift.diagnose import diagnosis
+    from gyrodrift.diagnose.stages import DiagnosisRequest
+
+    withheld = frozenset(withhold)
+    for name in sorted(withheld - CATALOGUE.keys()):
+        raise UsageError(f"withhold {name!r}: there is no such effect; there are {', '.join(CATALOGUE)}")
+    try:
+        simulator = load_rig(None if rig is None else Path(rig))
+    except FileError as error:
+        raise UsageError(str(error)) from error
+    of_baseline = _sessions(baseline)
+    jobs = _positive("jobs", jobs)
+    asked = DiagnosisRequest(_sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline)
+    return diagnosis.diagnose(asked)
+
+
+def compare(
+    paths: Paths,
+    *,
+    train: Paths = (),
+    stills: Paths = (),
+    config: str | PathLike[str] | None = None,
+    iterations: int = 3000,
+    seed: int = 0,
+    jobs: int = 1,
+    on_progress: OnProgress = untold,
+) -> "Comparison":
+    """Run every installed method over sessions with an encoder; `result.entries` and `result.means` go together.
+
+    Parameters
+    ----------
+    paths, train, stills
+        Sessions; those to tune every method on, none for no tuning; and those that did not move at all.
+    config
+        Where parameters of the filters come from that are not their defaults.
+    iterations, seed
+        Of the search for each method.
+    jobs
+        Processes.
+
+    Raises
+    ------
+    UsageError
+        Where a package is missing, or the config has mistakes.
+    DataError
+        Where a session cannot be read or has no reference.
+    """
+    _need("compare", "cma", "matplotlib", "numba", "scipy")
+    from gyrodrift.compare import comparison
+    from gyrodrift.compare.methods.registry import methods
+    from gyrodrift.config.model import load_config
+
+    given = None if config is None else load_config(Path(config))
+    still = _sessions(stills)
+    asked = comparison.ComparisonRequest(
+        paths=list(dict.fromkeys([*_sessions(paths), *still])),
+        methods=methods(given.blocks if given else {}),
+        train=_sessions(train),
+        stills=frozenset(still),
+        iterations=_positive("iterations", iterations),
+        seed=_seeds([seed])[0],
+        config=None if config is None or given is None else comparison.config_file(Path(config), given.blocks),
+        jobs=_positive("jobs", jobs),
+        progress=on_progress,
+    )
+    return comparison.compare(asked)
+
+
+def _tuned(plan: "Plan", sources: "list[Source]", jobs: int | None) -> "Tuning":
+    from gyrodrift.progress import Progress
+    from gyrodrift.tune.search.journal import Journal
+    from gyrodrift.tune.tuning import TuningRun
+    from gyrodrift.tune.tuning_set import TuningSet, identity
+
+    with (
+        TemporaryDirectory(prefix="gyrodrift-") as folder,
+        Progress(sys.stderr, is_quiet=True) as progress,
+        TuningSet(sources, plan.seeds[0], jobs, None, progress, plan.filter) as held,
+    ):
+        journal = Journal(Path(folder) / "progress.npz", identity(plan, held), is_resumed=False)
+        search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
+        tuning = search.run()
+    if search.was_interrupted:  # the command keeps the best so far; a program asked for all of it
+        raise KeyboardInterrupt
+    return tuning
+
+
+def _sessions(paths: Paths) -> list[Path]:
+    from gyrodrift.session.files import session_paths
+
+    given = [paths] if isinstance(paths, str | PathLike) else paths
+    return session_paths([Path(path) for path in given])
+
+
+def _need(function: str, *packages: str) -> None:
+    from gyrodrift.installation import need_packages
+
+    need_packages(function, *packages)
+
+
+def _filter(name: str) -> "Filter":
+    from gyrodrift.filters.registry import FILTERS
+
+    if name not in FILTERS:
+        raise UsageError(f"filter {name!r}: there is no such filter; there are {', '.join(FILTERS)}")
+    return FILTERS[name]
+
+
+def _seeds(seeds: Iterable[int]) -> tuple[int, ...]:
+    found = tuple(seeds)
+    if not found or min(found) < 0:
+        raise UsageError(f"seeds {found}: expected whole numbers from 0, at least one")
+    return found
+
+
+def _positive(name: str, value: int) -> int:
+    if value < 1:
+        raise UsageError(f"{name} {value}: expected a whole number from 1")
+    return value

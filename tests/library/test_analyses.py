@@ -1,0 +1,67 @@
+"""`tune`, `diagnose` and `compare` as functions: what the commands find, and what they say where something is wrong."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from turntable_sessions import write_turntables
+
+from gyrodrift import compare, diagnose, tune
+from gyrodrift.cli import main
+from gyrodrift.errors import DataError, UsageError
+from gyrodrift.filters.hdr import HdrParams
+
+pytest.importorskip("numba", reason="the analyses need the workstation extra")
+
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("library") / "sessions"
+    write_turntables(folder, 3, minutes=0.5)
+    return folder
+
+
+def test_tune_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:
+    test = min(sessions.iterdir())
+    found = tune(sessions, tests=test, iterations=40, ranges={"tau_s": (0.01, 2.0)})
+    options = ["--test", str(test), "--iterations", "40", "--range", "tau_s=0.01:2", "--report", str(tmp_path)]
+    assert main(["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), *options]) == 0
+    params = found.run.params
+    assert isinstance(params, HdrParams)
+    assert json.loads((tmp_path / "tune.json").read_text())["parameters"]["tau_s"] == params.tau_s
+
+
+def test_compare_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:
+    config = tmp_path / "c.yaml"
+    config.write_text("filter: hdr\nhdr: {i_c_dps: 0.01}\n")
+    found = compare([sessions], config=config)
+    assert main(["compare", str(sessions), "--config", str(config), "--out", str(tmp_path)]) == 0
+    told = json.loads((tmp_path / "compare.json").read_text())
+    assert [entry["e_deg"] for entry in told["methods"]] == [mean.e_deg for mean in found.means]
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "said"),
+    [
+        (
+            lambda at: tune(at, filter="kalman"),
+            UsageError,
+            "'kalman': there is no such filter; there are hdr",
+        ),
+        (lambda at: tune(at, method="luck"), UsageError, "'luck': there is no such method"),
+        (lambda at: tune(at, seeds=()), UsageError, "at least one"),
+        (lambda at: tune(at, iterations=0), UsageError, "iterations 0: expected a whole number from 1"),
+        (lambda at: tune(at / "none"), DataError, "there is no such session or folder"),
+        (lambda at: compare(at, seed=-1), UsageError, "expected whole numbers from 0"),
+        (lambda at: diagnose(at, rig=at / "rig.yaml"), UsageError, "rig.yaml"),
+        (lambda at: diagnose(at, withhold=["gremlins"]), UsageError, "'gremlins': there is no such effect"),
+        (lambda at: diagnose(at / "none"), DataError, "there is no such session or folder"),
+    ],
+)
+def test_what_is_wrong_is_said(sessions: Path, call: Callable[[Path], Any], kind: type[Exception], said: str) -> None:
+    with pytest.raises(kind, match=said):
+        call(sessions)

@@ -1,0 +1,51 @@
+"""docs/library.md: each example runs as it is printed there, on a real port and on real files."""
+
+from pathlib import Path
+
+import pytest
+from support import Command, python_in
+from turntable_sessions import write_turntables
+
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
+NAMES, SAMPLES, RECORDING, DEVICE, ANALYSES = python_in("library.md")
+
+
+def run(code: str) -> None:
+    exec(compile(code, "library.md", "exec"), {})
+
+
+def test_the_names_are_there() -> None:
+    run(NAMES)
+
+
+def test_samples(capsys: pytest.CaptureFixture[str]) -> None:
+    run(SAMPLES)
+    assert capsys.readouterr().out.endswith("bias 0.50 deg/s\n")
+
+
+def test_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    write_turntables(tmp_path / "made", 1, minutes=0.5)
+    next((tmp_path / "made").iterdir()).rename(tmp_path / "session.csv")
+    monkeypatch.chdir(tmp_path)
+    run(RECORDING)
+    assert "deg after 30.0 s" in capsys.readouterr().out
+
+
+def test_device(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with Command("--link", port, module="firmware_sim") as device:
+        device.until(lambda _: port.exists(), "port")
+        run(DEVICE.replace("/dev/ttyUSB0", str(port)))
+    assert len(capsys.readouterr().out.splitlines()) > 50
+
+
+def test_analyses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("numba", reason="tuning needs the workstation extra")
+    write_turntables(tmp_path / "sessions", 3, minutes=0.5)
+    max((tmp_path / "sessions").iterdir()).rename(tmp_path / "sessions" / "last.csv")
+    monkeypatch.chdir(tmp_path)
+    run(ANALYSES)
+    told = capsys.readouterr().out
+    assert told.startswith("HdrParams(i_c_dps=")
+    assert "restlevel: " in told
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["sessions"]
