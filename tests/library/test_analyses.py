@@ -12,8 +12,10 @@ from gyrodrift import compare, diagnose, tune
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.progress import untold
 
 pytest.importorskip("numba", reason="the analyses need the workstation extra")
+from gyrodrift.diagnose.stages import DiagnosisRequest
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
@@ -42,6 +44,23 @@ def test_compare_finds_what_the_command_finds(sessions: Path, tmp_path: Path) ->
     assert main(["compare", str(sessions), "--config", str(config), "--out", str(tmp_path)]) == 0
     told = json.loads((tmp_path / "compare.json").read_text())
     assert [entry["e_deg"] for entry in told["methods"]] == [mean.e_deg for mean in found.means]
+
+
+def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the one diagnosis that both run, which takes the better part of a minute and has tests of its own."""
+    asked: list[DiagnosisRequest] = []
+
+    def stop(request: DiagnosisRequest) -> None:
+        asked.append(request._replace(progress=untold))
+        raise DataError("asked")
+
+    monkeypatch.setattr("gyrodrift.diagnose.diagnosis.diagnose", stop)
+    first = min(sessions.iterdir())
+    with pytest.raises(DataError, match="asked"):
+        diagnose([sessions], baseline=first, withhold=["scale_factor"], jobs=2)
+    options = ["--baseline", str(first), "--withhold", "scale_factor", "--jobs", "2", "--out", str(tmp_path)]
+    assert main(["diagnose", str(sessions), *options]) == DataError.exit_status
+    assert asked[0] == asked[1]
 
 
 @pytest.mark.parametrize(
