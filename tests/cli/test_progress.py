@@ -28,7 +28,7 @@ LEFT = rb"left\D+\d:\d\d:\d\d"
 QUICK = {
     "simulate": (["--out", "{out}/new", "--minutes", "1"], "samples"),
     "filter": (["{one}", "--out", "{out}/yaw.csv"], "samples"),
-    "convert": (["{one}", "{out}/one.csv"], "samples written"),
+    "convert": (["{one}", "{out}/one.mcap"], "samples written"),
     "info": (["{all}"], "sessions"),
 }
 

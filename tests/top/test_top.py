@@ -53,7 +53,7 @@ class Terminal:
 def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) -> None:
     """All that a person looks for, and each key."""
     path = tmp_path / "control"
-    with serving(port, "--control", path, "--output", "tcp:port=0") as (serve, device):
+    with serving(port, "--filter", "hdr", "--control", path, "--output", "tcp:port=0") as (serve, device):
         with connected(address_of(serve, "tcp")):
             device.send_all(csv_at_100_hz(201), never)
             serve.take_lines(201)
@@ -77,7 +77,7 @@ def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) 
 def test_without_a_terminal_the_state_is_printed_once(port: Path, tmp_path: Path) -> None:
     """For a script."""
     path = tmp_path / "control"
-    with serving(port, "--control", path) as (serve, device):
+    with serving(port, "--filter", "hdr", "--control", path) as (serve, device):
         device.send_all(csv_at_100_hz(101), never)
         serve.take_lines(101)
         with Command("top", path) as top:

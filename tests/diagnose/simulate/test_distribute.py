@@ -56,7 +56,7 @@ def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
     assert [table.name for table in there] == ["a", "b"]
     assert all(same(one, other) for one, other in zip(here, there, strict=True))
     assert not same(here[0], here[1])
-    assert told == [("sessions replayed", number, 2) for number in (1, 2)]
+    assert told == [("sessions replayed", number, 2) for number in (0, 1, 2)]
 
 
 def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path) -> None:
