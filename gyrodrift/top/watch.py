@@ -43,6 +43,12 @@ class Watch:
             self.status = ServiceStatus.from_dict(answer)
             self.yaws_deg.append(self.status.filter.yaw_deg)
 
+    def type(self, keys: str) -> None:
+        """Do what keys stand for; none at all comes from a terminal that is gone."""
+        self.is_over = not keys
+        for key in keys:
+            self.press(key)
+
     def press(self, key: str) -> None:
         """Do what a key stands for."""
         match key:
@@ -90,10 +96,11 @@ def show(path: Path) -> None:
         with _keys() as fd, Live(console=console, screen=True, auto_refresh=False) as live:
             while not watch.is_over:
                 live.update(draw(watch.status, watch.yaws_deg, watch.note), refresh=True)
-                ready, _, _ = select.select([fd], [], [], EVERY_S)
-                for key in os.read(fd, 64).decode(errors="replace") if ready else "":
-                    watch.press(key)
+                if select.select([fd], [], [], EVERY_S)[0]:
+                    watch.type(_typed(fd))
                 watch.ask()
+    except (OSError, termios.error):
+        return  # the terminal is gone
     finally:
         watch.close()
 
@@ -108,3 +115,10 @@ def _keys() -> Iterator[int]:
         yield fd
     finally:
         termios.tcsetattr(fd, termios.TCSADRAIN, before)
+
+
+def _typed(fd: int) -> str:
+    try:
+        return os.read(fd, 64).decode(errors="replace")
+    except OSError:  # the terminal was closed
+        return ""

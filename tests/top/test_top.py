@@ -44,6 +44,11 @@ class Terminal:
                 self.shown += ESCAPES.sub("", os.read(self._fd, 1 << 16).decode(errors="replace"))
         return found[0]
 
+    def hang_up(self) -> int:
+        """Close the terminal, as a window is closed; the status, as soon as it has ended by itself."""
+        os.close(self._fd)
+        return self.process.wait(PATIENCE_S)
+
     def end(self) -> int:
         status = self.process.wait(PATIENCE_S)
         os.close(self._fd)
@@ -72,6 +77,16 @@ def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) 
         top.until("waiting")
         top.type("q")
         assert top.end() == 0
+
+
+def test_it_ends_with_its_terminal(port: Path, tmp_path: Path) -> None:
+    """Where nobody tells it by a signal, it notices; and leaves the service alone."""
+    path = tmp_path / "control"
+    with serving(port, "--control", path) as (serve, _):
+        top = Terminal("top", path)
+        top.until("Yaw")
+        assert top.hang_up() == 0
+        assert serve.stop() == 0
 
 
 def test_without_a_terminal_the_state_is_printed_once(port: Path, tmp_path: Path) -> None:
