@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable, whole_file, write_whole
-from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
@@ -131,7 +130,7 @@ class _Drawing:
         from gyrodrift.config.model import Config, load_config
         from gyrodrift.describe.report import SessionsPage
 
-        self.config = load_config(arguments.config) if arguments.config else Config(filter=RESTLEVEL.name)
+        self.config = load_config(arguments.config) if arguments.config else Config()
         self.page = None if arguments.out is None else SessionsPage()
         self._picture = arguments.picture
 

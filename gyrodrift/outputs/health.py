@@ -61,7 +61,7 @@ def _of_counts(status: ServiceStatus) -> Iterator[Health]:
     elif link.damaged:
         yield Health(HealthLevel.NOTE, f"{_counted(link.damaged, 'frame')} arrived damaged.")
     if link.missing:
-        yield Health(HealthLevel.NOTE, f"{_counted(link.missing, 'sample')} were lost in {_counted(link.gaps, 'gap')}.")
+        yield Health(HealthLevel.NOTE, f"Lost: {_counted(link.missing, 'sample')} in {_counted(link.gaps, 'gap')}.")
     if link.device_resets:
         yield Health(HealthLevel.NOTE, f"The device began anew {_times(link.device_resets)}.")
     if link.reconnects:

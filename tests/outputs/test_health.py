@@ -21,7 +21,7 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
     assert [each.says for each in said] == [
         "The output tcp is not open: port 127.0.0.1:7117 is taken by nc (process 7).",
         "1 frame arrived damaged.",
-        "3 samples were lost in 1 gap.",
+        "Lost: 3 samples in 1 gap.",
         "The port came back once, after 2.5 s away in all.",
         "Samples arrive unevenly: by up to 31 ms.",
         "100.0 samples a second arrive; the device says 50.",

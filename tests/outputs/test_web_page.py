@@ -108,7 +108,7 @@ def test_it_shows_the_stream_and_moves_with_it(page: Tab) -> None:
         page.until("document.querySelector('#config-events code')")
         assert page.text("#main-sigma") == "± 0.50° (1σ)"
         assert "+0.2500 ± 0.0100 deg/s" in page.text("#values")
-        assert page.text("#health") == "3 samples were lost in 1 gap."
+        assert page.text("#health") == "Lost: 3 samples in 1 gap."
         assert page.text("#device") == "table on /dev/gyro"
         assert "window_s\n0.3" in page.text("#config")
         assert "restlevel.window_s: 0.2 → 0.3" in page.text("#config-events")
