@@ -108,6 +108,8 @@ def test_without_colours_it_is_plain() -> None:
     """NO_COLOR takes red and green out of the view."""
     with Terminal(*ours("demo"), environment={"NO_COLOR": "1"}) as terminal:
         terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
+        terminal.process.send_signal(signal.SIGINT)
+        assert terminal.end() == 130
     assert not re.search(rb"\x1b\[(?:\d+;)*3[0-7]m", terminal.sent)
 
 
