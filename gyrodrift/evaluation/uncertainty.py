@@ -10,8 +10,6 @@ from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.reference import Reference
 
 SIGMAS = 2.0
-NORMAL_SHARE = 0.954
-"""Of a normal distribution within two standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,6 @@ LEAST_TEXT_BYTES = 24
 TEXT_SHARE = 0.97
 """Of printable characters; bytes at a wrong line rate have a third of them."""
 
-LONGEST_LINE_BYTES = 1024
 LONGEST_QUOTE = 80
 PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
 

@@ -159,6 +159,23 @@ class Link:
         self.counters.samples += len(samples)
         return samples
 
+    def counted(self) -> dict[str, Any]:
+        """All that was counted since it was opened, by the names of the log, and the drift of the clock."""
+        decoder, ppm = self.decoder, self.clock.drift_ppm if self.clock else None
+        return {
+            "samples": self.counters.samples,
+            "bytes": self.counters.bytes,
+            "damaged": decoder.counters.damaged if decoder else 0,
+            "before_hello": decoder.counters.before_hello if decoder else 0,
+            "clipped": decoder.counters.clipped if decoder else 0,
+            "gaps": self.counters.gaps,
+            "missing": self.counters.missing,
+            "device_resets": self.counters.device_resets,
+            "reconnects": self.counters.reconnects,
+            "gone_s": round(self.counters.gone_s, 3),
+            "clock_ppm": None if ppm is None else round(ppm, 1),
+        }
+
     def silent_s(self) -> float:
         """How long no sample has come, s."""
         return self._monotonic() - self._heard_s

@@ -161,7 +161,6 @@ class Service:
         marks, counters, decoder = self._marks, self.link.counters, self.link.decoder
         elapsed_s = max(now_s - marks.stats_s, 1e-9)
         byte_rate = (counters.bytes - marks.stats_bytes) / elapsed_s
-        drift_ppm = self.link.clock.drift_ppm if self.link.clock else None
         of_listeners: dict[str, Any] = {}
         for listener in self.listeners:
             of_listeners |= listener.stats()
@@ -169,17 +168,7 @@ class Service:
             event,
             protocol=decoder.name if decoder else "unknown",
             rate_hz=round((counters.samples - marks.stats_samples) / elapsed_s, 2),
-            samples=counters.samples,
-            bytes=counters.bytes,
-            damaged=decoder.counters.damaged if decoder else 0,
-            before_hello=decoder.counters.before_hello if decoder else 0,
-            clipped=decoder.counters.clipped if decoder else 0,
-            gaps=counters.gaps,
-            missing=counters.missing,
-            device_resets=counters.device_resets,
-            reconnects=counters.reconnects,
-            gone_s=round(counters.gone_s, 3),
-            clock_ppm=None if drift_ppm is None else round(drift_ppm, 1),
+            **self.link.counted(),
             **of_listeners,
         )
         marks.stats_s, marks.stats_bytes, marks.stats_samples = now_s, counters.bytes, counters.samples

@@ -40,8 +40,7 @@ class Reporting:
 
 
 def _link_status(meter: LinkMeter) -> LinkStatus:
-    link, counters, decoder = meter.link, meter.link.counters, meter.link.decoder
-    ppm = link.clock.drift_ppm if link.clock else None
+    link, decoder = meter.link, meter.link.decoder
     return LinkStatus(
         port=link.name,
         baud=link.baud,
@@ -50,17 +49,7 @@ def _link_status(meter: LinkMeter) -> LinkStatus:
         silent_s=round(link.silent_s(), 3),
         rate_hz=round(meter.rate_hz, 2),
         jitter_ms=round(1e3 * meter.jitter_s, 3),
-        samples=counters.samples,
-        bytes=counters.bytes,
-        damaged=decoder.counters.damaged if decoder else 0,
-        before_hello=decoder.counters.before_hello if decoder else 0,
-        clipped=decoder.counters.clipped if decoder else 0,
-        gaps=counters.gaps,
-        missing=counters.missing,
-        device_resets=counters.device_resets,
-        reconnects=counters.reconnects,
-        gone_s=round(counters.gone_s, 3),
-        clock_ppm=None if ppm is None else round(ppm, 1),
+        **link.counted(),
         busy=round(meter.busy, 3),
     )
 
