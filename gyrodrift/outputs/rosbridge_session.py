@@ -56,8 +56,8 @@ class RosbridgeSession:
         return bool(self._throttles_s)
 
     def publish(self, t_s: float, message: str) -> None:
-        """Send a message of device time `t_s` unless the last one was too short a time ago."""
-        if t_s - self._published_s < self._every_s - SAME_TIME_S:
+        """Send a message of device time `t_s` unless the last one was too short a time ago; a clock may begin again."""
+        if 0.0 <= t_s - self._published_s < self._every_s - SAME_TIME_S:
             return
         self._published_s = t_s
         self._client.send(f"{self._opening}{message}}}")

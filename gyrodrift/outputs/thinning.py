@@ -9,7 +9,7 @@ SAME_TIME_S = 1e-6
 
 
 class Thinning:
-    """Keeps samples that are due, and does not make up for those that were not there.
+    """Keeps samples that are due, and does not make up for those that were not there; a clock may begin again.
 
     Parameters
     ----------
@@ -26,7 +26,9 @@ class Thinning:
         return [each for each in samples if self._is_due(each[0][1])] if self._every_s else samples
 
     def _is_due(self, t_s: float) -> bool:
-        if t_s < self._due_s - SAME_TIME_S:
+        since_s = t_s - self._due_s
+        if -self._every_s <= since_s < -SAME_TIME_S:
             return False
-        self._due_s = self._due_s + self._every_s if t_s < self._due_s + self._every_s else t_s + self._every_s
+        is_in_step = abs(since_s) < self._every_s
+        self._due_s = (self._due_s if is_in_step else t_s) + self._every_s
         return True

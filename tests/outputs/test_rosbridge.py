@@ -105,6 +105,14 @@ def test_throttle_rate_is_the_least_time_between_messages(bridge: Rosbridge) -> 
         assert round(imu_of(client)["header"]["stamp"]["nanosec"] / 1e7) == 15
 
 
+def test_a_clock_that_begins_again_is_not_waited_for(bridge: Rosbridge) -> None:
+    outputs, client = bridge
+    with subscribed(client, throttle_rate=25):
+        outputs.samples([corrected(seq=each) for each in (350, 10, 11, 13)])
+        stamps = [imu_of(client)["header"]["stamp"]["nanosec"] for _ in range(3)]
+    assert [round(each / 1e7) for each in stamps] == [50, 10, 13]
+
+
 def test_a_topic_is_called_as_the_client_calls_it(bridge: Rosbridge) -> None:
     outputs, client = bridge
     with subscribed(client, topic="imu/data", type="sensor_msgs/Imu"):
