@@ -65,6 +65,8 @@ class Hints:
         Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
     sample_period_s
         Distance of two samples.
+    dps_per_lsb
+        Steps of the rate as the rig has them.
     """
 
     line_hz: float
@@ -78,6 +80,7 @@ class Hints:
     turn_order: int
     angle_turn_order: int
     sample_period_s: float
+    dps_per_lsb: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,9 @@ PHASES_DEG = tuple(30.0 * step for step in range(12))
 INNER = 10.0
 """What is linear in its size is simulated at this part of its largest one, far from the ends of any range."""
 
+LONGER = 1.3
+"""A size that is worth another simulation."""
+
 Variants = Callable[[Hints], Sequence[Variant]]
 
 
@@ -50,12 +53,12 @@ def simulated(*points: float) -> Variants:
     return lambda _: [Variant(simulated_grid(*points))]
 
 
-def simulated_within(periods: float, points_ms: Sequence[float], more_ms: float) -> Variants:
-    """Simulated at these times, and one more where that is no more than so many sample periods."""
+def simulated_within(periods: float, *points_ms: float) -> Variants:
+    """Simulated at these times, and at so many sample periods where that is longer."""
 
     def variants(hints: Hints) -> Sequence[Variant]:
-        has_room = more_ms <= periods * hints.sample_period_s * 1e3
-        return [Variant(simulated_grid(*points_ms, *([more_ms] if has_room else [])))]
+        most_ms = periods * hints.sample_period_s * 1e3
+        return [Variant(simulated_grid(*points_ms, *([most_ms] if most_ms > LONGER * points_ms[-1] else [])))]
 
     return variants
 

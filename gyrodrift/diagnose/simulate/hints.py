@@ -112,6 +112,11 @@ def sample_period_s(shown: Sequence[Shown]) -> float:
     return min(one.subject.seen.recording.period_s for one in shown)
 
 
+def dps_per_lsb(shown: Sequence[Shown]) -> float:
+    """What the rig says."""
+    return _median([one.subject.rig.base.dps_per_lsb for one in shown])
+
+
 SOURCES = {
     "line_hz": HintSource(line_hz, default=20.0),
     "spike_dps": HintSource(spike_dps, default=20.0),
@@ -124,6 +129,7 @@ SOURCES = {
     "turn_order": HintSource(turn_order),
     "angle_turn_order": HintSource(angle_turn_order),
     "sample_period_s": HintSource(sample_period_s),
+    "dps_per_lsb": HintSource(dps_per_lsb),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""
 

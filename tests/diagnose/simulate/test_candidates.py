@@ -59,6 +59,14 @@ def test_hints_become_second_parameters_and_sizes() -> None:
     assert of("encoder_quantization", hints)[0].make(1.0).model_dump()["cpr"] == 360
 
 
+def test_steps_no_coarser_than_those_of_the_rig_take_no_noise_away() -> None:
+    """Of rates that come in no steps, the step seen is a rounding of the file."""
+    for step_dps in (1e-6, 0.0076, 0.009):
+        (fine,) = of("quantization", replace(HINTS, rate_step_dps=step_dps))
+        assert fine.noise_share == 1.0
+        assert fine.sizes.tolist() == [max(step_dps, HINTS.dps_per_lsb)]
+
+
 def test_a_low_pass_has_its_time_constant_as_its_size() -> None:
     """1 / (2π·10 Hz) is a cut-off of 10 Hz, so that size 0 is none."""
     effect = candidate_of("bandwidth").make(1.0 / (20.0 * np.pi))

@@ -1,5 +1,7 @@
 """Effects on values, delays and times, which are simulated size by size."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
@@ -9,7 +11,10 @@ from gyrodrift.diagnose.simulate.kinds.groups import COARSE_VALUES, LAG, REVERSA
 NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
 """Coarse steps scatter by themselves: how much noise there is beneath them is tried out."""
 
-CUTOFFS_HZ = {1.0: (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5), 2.0: (15.0, 7.0, 3.0)}
+COARSER = 1.3
+"""Than the rig's steps, where steps as seen are other ones."""
+
+CUTOFFS_HZ = {1.0: (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), 2.0: (15.0, 7.0, 3.0)}
 """By how much noise there was before the low-pass took some."""
 
 
@@ -27,6 +32,13 @@ def _low_passes(_: Hints) -> list[Variant]:
     return variants
 
 
+def _coarser_steps(hints: Hints) -> Sequence[Variant]:
+    """Steps that are no coarser than the rig's take no noise's place."""
+    is_coarser = hints.rate_step_dps > COARSER * hints.dps_per_lsb
+    step_dps = max(hints.rate_step_dps, hints.dps_per_lsb)
+    return read_off(lambda _: step_dps, NOISE_SHARES if is_coarser else (1.0,))(hints)
+
+
 CURVE_AND_TIMES = (
     CandidateKind(
         "deadband",
@@ -40,7 +52,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "quantization",
         "step_dps",
-        read_off(lambda hints: hints.rate_step_dps, NOISE_SHARES),
+        _coarser_steps,
         "the rate comes in coarser steps than the rig says",
         COARSE_VALUES,
         (),
@@ -68,7 +80,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "latency",
         "delay_ms",
-        simulated(0.3, 2.0, 8.0, 20.0, 50.0),
+        simulated(0.3, 2.0, 8.0, 20.0, 50.0, 120.0),
         "the rate comes a fixed time later than the motion",
         LAG,
         (Need.MOTION,),
@@ -88,7 +100,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "timestamp_jitter",
         "sigma_ms",
-        simulated_within(0.4, (0.02, 0.06, 0.2, 0.6, 2.0, 5.0), 20.0),
+        simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
         "the device's time stamps scatter",
         TIMES,
         (),
