@@ -1,7 +1,8 @@
 """Ten TCP clients at full rate, five of them not reading, 1 kHz in: what is lost, how late it comes, what it costs.
 
-Latency is from just before a frame is handed to the pty until its line is whole in the reader's hands. The loop's own
-latency is that of stdout, with outputs and without.
+Beside them, in rounds of their own, the page, rosbridge, foxglove and MQTT with a client each. Latency is from just
+before a frame is handed to the pty until its line is whole in the reader's hands. The loop's own latency is that of
+stdout, with outputs and without.
 """
 
 import gc
@@ -10,15 +11,18 @@ import os
 import select
 import socket
 import subprocess
+import sys
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from enum import Enum
 from pathlib import Path
 from statistics import median, quantiles
 
 import pytest
-from bench_support import PATIENCE_S, cpu_s, logged, metronome, metronome_result, serving, show
+from bench_support import BENCH, PATIENCE_S, cpu_s, logged, metronome, metronome_result, serving, show
+from broker_support import broker, free_port, need_mosquitto
 from outputs_support import corrected
 
 from gyrodrift.config.outputs import output_of
@@ -27,14 +31,24 @@ from gyrodrift.outputs.json_line import json_line
 from gyrodrift.service.output_feed import OutputFeed
 
 pytestmark = pytest.mark.bench
+need_mosquitto()
 
 RATE_HZ = 1000.0
 SECONDS = 20.0
 SETTLING_S = 3.0
 SILENCE_S = 5.0
 READERS = 5
+MORE = ("web", "rosbridge", "foxglove")
 SLEEPERS = 5
 ROUNDS = 2
+
+
+class Outputs(Enum):
+    """What is on, and how a table says it."""
+
+    NONE = ", no outputs"
+    TCP = ""
+    MANY = ", page, rosbridge, foxglove and MQTT"
 
 
 @dataclass
@@ -70,32 +84,64 @@ def listen(fds: Sequence[int], count: int) -> list[Stream]:
     return list(streams.values())
 
 
-def address_in(log: Path) -> tuple[str, int]:
-    """Of the output, once it listens."""
+def address_of(output: str, log: Path) -> str:
+    """Of an output, once it is open."""
     until_s = time.monotonic() + PATIENCE_S
-    while '"output_open"' not in log.read_text():
+    while True:
+        lines = [json.loads(line) for line in log.read_text().splitlines() if '"output_open"' in line]
+        found = [line["address"] for line in lines if line["output"] == output]
+        if found:
+            return str(found[0])
         assert time.monotonic() < until_s, log.read_text()
         time.sleep(0.05)
-    host, _, port = logged(log, "output_open")["address"].rpartition(":")
-    return host, int(port)
 
 
-def run(folder: Path, *, has_clients: bool) -> tuple[list[list[float]], float, dict[str, object]]:
-    """Latencies of stdout and of each reader in s, share of a core of both processes, and the last line of the log."""
+@contextmanager
+def many_clients(log: Path, broker_port: int) -> Iterator[None]:
+    """The page's stream, rosbridge and foxglove are read by a process, MQTT by mosquitto_sub; each hears something."""
+    urls = [f"{kind}=ws://{address_of(kind, log).removeprefix('http://')}" for kind in MORE]
+    readers = subprocess.Popen([sys.executable, BENCH / "websocket_readers.py", *urls], stdout=subprocess.PIPE)
+    topics = ("mosquitto_sub", "-h", "127.0.0.1", "-p", str(broker_port), "-t", "gyrodrift/#")
+    mqtt = subprocess.Popen(topics, stdout=subprocess.PIPE)
+    with readers, mqtt:
+        try:
+            yield
+        finally:
+            readers.terminate()
+            mqtt.terminate()
+            heard = json.loads(readers.communicate(timeout=PATIENCE_S)[0])
+            assert all(heard.values()), heard
+            assert mqtt.communicate(timeout=PATIENCE_S)[0]
+
+
+def run(folder: Path, outputs: Outputs) -> tuple[list[list[float]], float, dict[str, object]]:
+    """Latencies of stdout and of each reader in s, share of a core of the loop, and the last line of the log."""
     folder.mkdir()
-    port, log, count = folder / "gyro", folder / "serve.log", round(RATE_HZ * SECONDS)
-    options = ("--output", "tcp:port=0") if has_clients else ()
+    port, log, count, broker_port = folder / "gyro", folder / "serve.log", round(RATE_HZ * SECONDS), free_port()
+    tcp = ("--output", "tcp:port=0")
+    more = [word for name in MORE for word in ("--output", f"{name}:port=0")]
+    options = {
+        Outputs.NONE: (),
+        Outputs.TCP: tcp,
+        Outputs.MANY: (*tcp, *more, "--output", f"mqtt:port={broker_port}"),
+    }[outputs]
     gc.collect()
     gc.disable()
     with ExitStack() as stack:
+        if outputs is Outputs.MANY:
+            stack.enter_context(broker(broker_port, folder))
         device = stack.enter_context(metronome(port, count, RATE_HZ))
         serve = stack.enter_context(serving(port, *options, log=log, stdout=subprocess.PIPE))
         assert serve.stdout is not None
         fds = [serve.stdout.fileno()]
-        if has_clients:
-            address = address_in(log)
-            clients = [stack.enter_context(socket.create_connection(address)) for _ in range(READERS + SLEEPERS)]
+        if outputs is not Outputs.NONE:
+            host, _, number = address_of("tcp", log).rpartition(":")
+            clients = [
+                stack.enter_context(socket.create_connection((host, int(number)))) for _ in range(READERS + SLEEPERS)
+            ]
             fds += [client.fileno() for client in clients[:READERS]]
+        if outputs is Outputs.MANY:
+            stack.enter_context(many_clients(log, broker_port))
         joined_s = time.monotonic()
         streams = listen(fds, count)
         share = cpu_s(serve.pid) / (time.monotonic() - joined_s)
@@ -120,15 +166,16 @@ def row(name: str, latencies_s: Sequence[float]) -> tuple[str, str]:
     return name, f"{median(latencies_s) * 1e3:.2f} / {p99_s * 1e3:.2f} / {max(latencies_s) * 1e3:.2f} ms"
 
 
-def test_slow_clients_cost_nobody_a_sample(tmp_path: Path) -> None:
+@pytest.mark.parametrize("outputs", [Outputs.TCP, Outputs.MANY])
+def test_slow_clients_cost_nobody_a_sample(tmp_path: Path, outputs: Outputs) -> None:
     """The sleepers' oldest lines are dropped, and nothing else is."""
     for number in range(ROUNDS):
-        (alone, *_), share_alone, _ = run(tmp_path / f"alone{number}", has_clients=False)
-        (stdout, *readers), share, end = run(tmp_path / f"clients{number}", has_clients=True)
+        (alone, *_), share_alone, _ = run(tmp_path / f"alone{number}", Outputs.NONE)
+        (stdout, *readers), share, end = run(tmp_path / f"clients{number}", outputs)
         assert (end["missing"], end["outputs_dropped"], end["lines_dropped"]) == (0, 0, 0)
         everyone = [latency_s for reader in readers for latency_s in reader]
         show(
-            f"1 kHz, {READERS} TCP clients reading and {SLEEPERS} not; latency median / p99 / worst",
+            f"1 kHz, {READERS} TCP clients reading and {SLEEPERS} not{outputs.value}; latency median / p99 / worst",
             [
                 row("stdout without outputs", alone),
                 row("stdout with them", stdout),

@@ -3,7 +3,6 @@
 import json
 import shutil
 import signal
-import socket
 import subprocess
 import time
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from broker_support import broker, free_port, need_mosquitto
 from outputs_support import HubThread, corrected, csv_at_100_hz, events, hub, path_of, serving
 from support import PATIENCE_S, never
 
@@ -21,10 +21,7 @@ from gyrodrift.outputs.status import DeviceStatus, LinkStatus, ServiceStatus
 
 pytest.importorskip("aiomqtt", reason="the extra mqtt is not installed")
 
-MOSQUITTO = shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin:/usr/local/bin:/sbin")
-if MOSQUITTO is None or shutil.which("mosquitto_sub") is None:
-    pytest.skip("mosquitto and mosquitto-clients are not installed", allow_module_level=True)
-
+need_mosquitto()
 
 AVAILABILITY = "gyrodrift/bench/availability"
 
@@ -32,39 +29,7 @@ AVAILABILITY = "gyrodrift/bench/availability"
 @pytest.fixture
 def number() -> int:
     """A port that nobody has."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])
-
-
-@contextmanager
-def broker(number: int, folder: Path, *lines: str) -> Iterator["subprocess.Popen[bytes]"]:
-    """mosquitto, until the end of the block."""
-    config = folder / "mosquitto.conf"
-    config.write_text(
-        "\n".join([f"listener {number} 127.0.0.1", "user root", *(lines or ["allow_anonymous true"]), ""])
-    )
-    with subprocess.Popen(
-        [str(MOSQUITTO), "-c", config], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
-    ) as process:
-        try:
-            wait_for(number, process)
-            yield process
-        finally:
-            process.kill()
-
-
-def wait_for(number: int, process: "subprocess.Popen[bytes]") -> None:
-    until_s = time.monotonic() + PATIENCE_S
-    while True:
-        try:
-            socket.create_connection(("127.0.0.1", number), PATIENCE_S).close()
-        except ConnectionRefusedError:
-            assert process.poll() is None, "mosquitto ended"
-            assert time.monotonic() < until_s, "mosquitto does not listen"
-            time.sleep(0.02)
-        else:
-            return
+    return free_port()
 
 
 def heard(number: int, topic: str, count: int, *options: str) -> list[str]:
