@@ -166,7 +166,8 @@ class Terminal:
     ) -> None:
         self.process.kill()
         self.process.wait()
-        os.close(self._master)
+        if self._master >= 0:
+            os.close(self._master)
 
     @property
     def text(self) -> str:
@@ -193,6 +194,12 @@ class Terminal:
         until_s = time.monotonic() + TERMINAL_PATIENCE_S
         while self._read():
             assert time.monotonic() < until_s, f"no end on\n{self.text}"
+        return self.process.wait(PATIENCE_S)
+
+    def hang_up(self) -> int:
+        """Close the terminal, as a window is closed; the exit status, once it has ended by itself."""
+        os.close(self._master)
+        self._master = -1
         return self.process.wait(PATIENCE_S)
 
     def _read(self) -> bool:

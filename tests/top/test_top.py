@@ -1,90 +1,60 @@
 """`gyrodrift top` on a running service, in a terminal of the test."""
 
 import os
-import pty
 import re
-import select
-import subprocess
-import sys
-import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from outputs_support import address_of, connected, csv_at_100_hz, serving
 from rich.console import Console
-from support import PATIENCE_S, Command, never
+from support import Command, Terminal, never, ours
 
 from gyrodrift.outputs.status import ClientStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.top.view import draw, sparkline
 
-ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+
+def top_on(control: Path) -> Terminal:
+    """In a window that shows everything."""
+    return Terminal(*ours("top", control), columns=100, rows=40)
 
 
-class Terminal:
-    """What a program writes on a pty, without colours and cursor moves, and what is typed there."""
-
-    def __init__(self, *words: str | Path) -> None:
-        self._fd, theirs = pty.openpty()
-        command = [sys.executable, "-m", "gyrodrift", *map(str, words)]
-        environ = os.environ | {"TERM": "xterm", "COLUMNS": "100", "LINES": "40"}
-        self.process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environ)
-        os.close(theirs)
-        self.shown = ""
-
-    def type(self, keys: str) -> None:
-        self.shown = ""
-        os.write(self._fd, keys.encode())
-
-    def until(self, pattern: str) -> str:
-        """Read until something is shown; it."""
-        until_s = time.monotonic() + PATIENCE_S
-        while not (found := re.search(pattern, self.shown)):
-            assert time.monotonic() < until_s, f"no {pattern!r} in:\n{self.shown}"
-            if select.select([self._fd], [], [], 0.1)[0]:
-                self.shown += ESCAPES.sub("", os.read(self._fd, 1 << 16).decode(errors="replace"))
-        return found[0]
-
-    def hang_up(self) -> int:
-        """Close the terminal, as a window is closed; the status, as soon as it has ended by itself."""
-        os.close(self._fd)
-        return self.process.wait(PATIENCE_S)
-
-    def end(self) -> int:
-        status = self.process.wait(PATIENCE_S)
-        os.close(self._fd)
-        return status
+def shows(terminal: Terminal, pattern: str) -> None:
+    terminal.until(lambda it: bool(re.search(pattern, it.text)), pattern)
 
 
 def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) -> None:
     """All that a person looks for, and each key."""
     path = tmp_path / "control"
-    with serving(port, "--filter", "hdr", "--control", path, "--output", "tcp:port=0") as (serve, device):
-        with connected(address_of(serve, "tcp")):
-            device.send_all(csv_at_100_hz(201), never)
-            serve.take_lines(201)
-            top = Terminal("top", path)
-            top.until(r"Yaw +\+20\.00 deg")
-            for label in ("Drift estimate", "At rest", "Temperature +25.0 °C", "Sample rate", "Jitter", "Gaps +0"):
-                top.until(label)
-            top.until("127.0.0.1:")
-            top.type("z")
-            top.until(r"Yaw +\+0\.00 deg")
-            top.until("yaw is 0")
-            top.type("p")
-            top.until("paused")
-            top.type("p")
+    with ExitStack() as stack:
+        serve, device = stack.enter_context(
+            serving(port, "--filter", "hdr", "--control", path, "--output", "tcp:port=0")
+        )
+        stack.enter_context(connected(address_of(serve, "tcp")))
+        device.send_all(csv_at_100_hz(201), never)
+        serve.take_lines(201)
+        top = stack.enter_context(top_on(path))
+        shows(top, r"Yaw +\+20\.00 deg")
+        for label in ("Drift estimate", "At rest", r"Temperature +25.0 °C", "Sample rate", "Jitter", r"Gaps +0"):
+            shows(top, label)
+        shows(top, r"127\.0\.0\.1:")
+        top.keys("z")
+        shows(top, r"Yaw +\+0\.00 deg")
+        shows(top, "yaw is 0")
+        top.keys("p")
+        shows(top, "paused")
+        top.keys("p")
         assert serve.stop() == 0
-        top.until("waiting")
-        top.type("q")
+        shows(top, "waiting")
+        top.keys("q")
         assert top.end() == 0
 
 
 def test_it_ends_with_its_terminal(port: Path, tmp_path: Path) -> None:
     """Where nobody tells it by a signal, it notices; and leaves the service alone."""
     path = tmp_path / "control"
-    with serving(port, "--control", path) as (serve, _):
-        top = Terminal("top", path)
-        top.until("Yaw")
+    with serving(port, "--control", path) as (serve, _), top_on(path) as top:
+        shows(top, "Yaw")
         assert top.hang_up() == 0
         assert serve.stop() == 0
 
