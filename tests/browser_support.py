@@ -1,30 +1,153 @@
-"""A real browser for tests of pages: headless Chromium, that runs a page's script and says what became of it."""
+"""A headless Chromium for tests of pages, spoken to by its DevTools protocol; they skip where there is none."""
 
+import base64
+import json
+import os
 import shutil
+import signal
 import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
 
 import pytest
+from support import PATIENCE_S
+from websockets.sync.client import ClientConnection, connect
 
-BROWSER = next((path for path in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if path), None)
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER = next(filter(None, map(shutil.which, NAMES)), None)
+FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--remote-debugging-port=0",
+)
 
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here: the page's script needs a browser")
 
-DRIVER = """<script>addEventListener("load", () => {{
-const said = document.createElement("pre");
-said.id = "said";
-const steps = () => {{ {steps} }};
-try {{ said.textContent = JSON.stringify(steps()); }} catch (error) {{ said.textContent = error.stack; }}
-document.body.append(said);
-}});</script>"""
+class Tab:
+    """One page: what it runs, what it complained of, what it asked the network for.
+
+    errors
+        Of the console, exceptions that nobody caught, and what the content security policy refused.
+    requests
+        Addresses of all requests, WebSockets too.
+    """
+
+    def __init__(self, devtools: ClientConnection) -> None:
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self._devtools = devtools
+        self._last = 0
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self._ask(f"{domain}.enable")
+
+    def open(self, address: str) -> None:
+        """Go to an address."""
+        self._ask("Page.navigate", url=address)
+
+    def run(self, script: str) -> Any:
+        """The value of an expression in the page; a promise is waited for."""
+        answer = self._ask("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in answer, answer["exceptionDetails"]
+        return answer["result"].get("value")
+
+    def until(self, script: str) -> None:
+        """Wait until an expression is true; one that cannot be worked out yet is not."""
+        until_s = time.monotonic() + PATIENCE_S
+        while not self.run(f"(() => {{ try {{ return !!({script}) }} catch {{ return false }} }})()"):
+            assert time.monotonic() < until_s, f"not in {PATIENCE_S} s: {script}; errors: {self.errors}"
+            time.sleep(0.05)
+
+    def text(self, selector: str) -> str:
+        """What a person reads there."""
+        return str(self.run(f"document.querySelector({json.dumps(selector)}).innerText"))
+
+    def size(self, width: int, height: int, scale: float = 1.0, *, is_phone: bool = False) -> None:
+        """As on a screen of this many pixels of CSS."""
+        self._ask(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=is_phone
+        )
+
+    def scheme(self, name: str) -> None:
+        """Be `light` or `dark`."""
+        self._ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": name}])
+
+    def drag(self, selector: str, right: float) -> None:
+        """Press in the middle of an element, move so many pixels to the right, and let go."""
+        x, y = self.run(
+            f"(() => {{ const at = document.querySelector({json.dumps(selector)}).getBoundingClientRect();"
+            "return [at.x + at.width / 2, at.y + at.height / 2]; })()"
+        )
+        for kind, to in (("mousePressed", x), ("mouseMoved", x + right), ("mouseReleased", x + right)):
+            self._ask("Input.dispatchMouseEvent", type=kind, x=to, y=y, button="left", buttons=1, clickCount=1)
+
+    def picture(self) -> bytes:
+        """The page as a PNG."""
+        return base64.b64decode(self._ask("Page.captureScreenshot", format="png")["data"])
+
+    def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:
+        self._last += 1
+        self._devtools.send(json.dumps({"id": self._last, "method": method, "params": parameters}))
+        while True:
+            said = json.loads(self._devtools.recv(PATIENCE_S))
+            if said.get("id") == self._last:
+                assert "error" not in said, said
+                return dict(said["result"])
+            self._hear(said.get("method"), said.get("params", {}))
+
+    def _hear(self, method: str | None, about: dict[str, Any]) -> None:
+        match method:
+            case "Runtime.exceptionThrown":
+                self.errors.append(str(about["exceptionDetails"].get("exception", {}).get("description", about)))
+            case "Runtime.consoleAPICalled" if about["type"] in {"error", "warning", "assert"}:
+                self.errors.append(str(about["args"]))
+            case "Log.entryAdded" if about["entry"]["level"] in {"error", "warning"}:
+                self.errors.append(about["entry"]["text"])
+            case "Network.requestWillBeSent":
+                self.requests.append(about["request"]["url"])
+            case "Network.webSocketCreated":
+                self.requests.append(about["url"])
 
 
-def driven(html: str, steps: str, folder: Path) -> str:
-    """The page as JSON or an error, whatever the steps in JavaScript return after the page has loaded."""
-    page = folder / "driven.html"
-    page.write_text(html.replace("</body>", f"{DRIVER.format(steps=steps)}</body>"))
-    assert BROWSER is not None
-    profile = f"--user-data-dir={folder / 'profile'}"
-    quiet = ["--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1400,1000", profile]
-    done = subprocess.run([BROWSER, *quiet, "--dump-dom", str(page)], capture_output=True, text=True, check=True)
-    return done.stdout.partition('<pre id="said">')[2].partition("</pre>")[0]
+@contextmanager
+def browsing(folder: Path) -> Iterator[Tab]:
+    """A browser with one empty tab, its profile in a folder of the test."""
+    if BROWSER is None:
+        pytest.skip("no Chromium is installed")
+    process = subprocess.Popen(
+        [BROWSER, *FLAGS, f"--user-data-dir={folder}", "about:blank"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    try:
+        with connect(_page_of(folder, process), max_size=None, compression=None) as devtools:
+            yield Tab(devtools)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _page_of(folder: Path, process: subprocess.Popen[bytes]) -> str:
+    """Where the DevTools of the first tab listen."""
+    until_s = time.monotonic() + 3 * PATIENCE_S
+    while True:
+        assert process.poll() is None, "the browser ended"
+        assert time.monotonic() < until_s, "the browser does not come up"
+        with suppress(OSError, ValueError, IndexError, StopIteration):
+            number = (folder / "DevToolsActivePort").read_text().split()[0]
+            with urlopen(f"http://127.0.0.1:{number}/json/list", timeout=PATIENCE_S) as answer:
+                tabs = json.load(answer)
+            return str(next(tab["webSocketDebuggerUrl"] for tab in tabs if tab["type"] == "page"))
+        time.sleep(0.05)

@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from devtools_support import browsing
+from browser_support import browsing
 from outputs_support import path_of
 from support import Command
 

@@ -6,7 +6,7 @@ from math import nan
 from pathlib import Path
 
 import pytest
-from devtools_support import Tab, browsing, chromium
+from browser_support import Tab, browsing
 from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving
 from support import never
 
@@ -70,8 +70,6 @@ LOOK_BACK = """(() => {
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
     """A browser for all tests here, which takes seconds to come up."""
-    if chromium() is None:
-        pytest.skip("no chromium is installed")
     with browsing(tmp_path_factory.mktemp("browser")) as found:
         yield found
 
