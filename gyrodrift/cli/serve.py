@@ -31,10 +31,11 @@ class ListOutputs(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         """Print and end."""
         from gyrodrift.config.outputs import options_help
+        from gyrodrift.installation import extra_command
         from gyrodrift.outputs.registry import OUTPUTS
 
         for name, kind in OUTPUTS.items():
-            needs = f" (pip install 'gyrodrift[{kind.extra}]')" if kind.extra else ""
+            needs = f" (needs {extra_command(kind.extra)})" if kind.extra else ""
             print(f"{name}: {kind.help}{needs}")
             for option, default, meaning in options_help(name):
                 print(f"  {option}={default}: {meaning}")
