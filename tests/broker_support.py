@@ -20,13 +20,6 @@ def need_mosquitto() -> None:
         pytest.skip("mosquitto and mosquitto-clients are not installed", allow_module_level=True)
 
 
-def free_port() -> int:
-    """A port that nobody has."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])
-
-
 @contextmanager
 def broker(number: int, folder: Path, *lines: str) -> Iterator["subprocess.Popen[bytes]"]:
     """Mosquitto on a port, with lines of its configuration, until the end of the block."""

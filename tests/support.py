@@ -5,6 +5,7 @@ import os
 import pty
 import select
 import signal
+import socket
 import subprocess
 import sys
 import termios
@@ -213,6 +214,13 @@ class Terminal:
         self.sent += chunk
         self._stream.feed(chunk)
         return True
+
+
+def free_port() -> int:
+    """A port that nobody has."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
 
 
 def ours(*words: str | Path) -> list[str]:

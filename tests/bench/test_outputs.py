@@ -22,8 +22,9 @@ from statistics import median, quantiles
 
 import pytest
 from bench_support import BENCH, PATIENCE_S, cpu_s, logged, metronome, metronome_result, serving, show
-from broker_support import broker, free_port, need_mosquitto
+from broker_support import broker, need_mosquitto
 from outputs_support import corrected
+from support import free_port
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.log import open_log

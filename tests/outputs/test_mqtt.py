@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from broker_support import broker, free_port, need_mosquitto
+from broker_support import broker, need_mosquitto
 from outputs_support import HubThread, corrected, csv_at_100_hz, events, hub, path_of, serving
-from support import PATIENCE_S, never
+from support import PATIENCE_S, free_port, never
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs.home_assistant import Topics, discovery
