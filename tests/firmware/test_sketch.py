@@ -1,0 +1,97 @@
+"""The sketch on an Uno in simavr, with a gyro on its I2C and real `serve` at its serial line."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from firmware_support import Board, Truth
+from support import Command
+
+from gyrodrift.session.mcap.read import read_mcap
+
+pytestmark = pytest.mark.xdist_group("firmware")  # it is compiled once
+
+MICROSECONDS_APART = 60.0
+"""Between the pin and the reading of the clock: other interrupts of the board; reading I2C alone takes 300."""
+
+
+def heard(board: Board, *more: str | Path) -> tuple[list[dict[str, Any]], str, dict[str, Any], Truth]:
+    """Lines and log of `serve` at a board until its end, and what the board and its gyro say."""
+    with board, Command("serve", "--port", board.link, *more) as serve:
+        serve.until(lambda _: board.is_over(), "end of the board")
+        result, truth = board.result()
+        serve.until(lambda command: "event=link_lost" in command.log, "end of the stream")
+        assert serve.stop() == 0
+        return serve.all_lines(), serve.log, result, truth
+
+
+def is_in_time(t_s: Any, truth: Truth) -> bool:
+    """Whether the clock of each sample was read at its measurement, but for when the board's clock began."""
+    late_us = np.asarray(t_s) * 1e6 - truth.t_us
+    return bool(late_us.max() - late_us.min() < MICROSECONDS_APART)
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Path:
+    return tmp_path / "uno"
+
+
+def test_no_sample_is_lost_on_the_way_to_serve_and_record(
+    board_program: Path, sketch: Path, link: Path, tmp_path: Path
+) -> None:
+    """At 200 Hz and 115200 baud: every rate and temperature that the gyro measured, and when it did."""
+    sessions = tmp_path / "sessions"
+    board = Board(board_program, sketch, link, seconds=10)
+    lines, log, result, truth = heard(board, "--record", str(sessions))
+    assert result["measured"] == len(truth.rate_raw) == len(lines) > 1900
+    assert [line["seq"] for line in lines] == list(range(1, len(lines) + 1))
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+    assert np.abs([line["temp_c"] for line in lines] - truth.temp_c).max() <= 0.01
+    assert is_in_time([line["t_s"] for line in lines], truth)
+    assert "gaps=0 missing=0" in log.splitlines()[-1]
+    (session,) = map(read_mcap, sessions.glob("*.mcap"))
+    assert np.rint(session.rate_dps * 131).tolist() == truth.rate_raw.tolist()
+    assert is_in_time(session.t_device_s, truth)
+
+
+@pytest.mark.parametrize(
+    ("gyro", "name", "counts_per_dps"),
+    [
+        ("mpu6050", "MPU-6050 250/42", 131.0),
+        ("lsm6dso", "LSM6DSO 250/67", 1000 / 8.75),
+        ("icm20948", "ICM-20948 250/51", 131.0),
+    ],
+)
+def test_hello_states_what_the_gyro_is_set_to(
+    board_program: Path, sketch: Path, link: Path, gyro: str, name: str, counts_per_dps: float
+) -> None:
+    """Sensor, range, low-pass and rate are those in its registers, and each of its samples comes through."""
+    lines, log, result, truth = heard(Board(board_program, sketch, link, seconds=2, gyro=gyro))
+    assert f'device_id="{name}" sample_rate_hz={result["rate_hz"]:.1f}' in log
+    assert name.split()[1] == f"{result['range_dps']:.0f}/{result['low_pass_hz']:.0f}"
+    assert [round(line["rate_dps"] * counts_per_dps) for line in lines] == truth.rate_raw.tolist()
+    assert np.abs([line["temp_c"] for line in lines] - truth.temp_c).max() <= 0.01
+    assert is_in_time([line["t_s"] for line in lines], truth)
+
+
+def test_a_gyro_that_is_plugged_in_late_is_found(board_program: Path, sketch: Path, link: Path) -> None:
+    """HELLO says that there is none; with the gyro comes its scale, before the first sample."""
+    lines, log, _, truth = heard(Board(board_program, sketch, link, seconds=3, absent=1))
+    assert log.index('device_id="no gyro on I2C"') < log.index('device_id="MPU-6050 250/42"')
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+
+
+def test_a_gyro_that_lost_its_settings_is_set_again(board_program: Path, sketch: Path, link: Path) -> None:
+    """As after a dip of its supply, which puts it to sleep."""
+    lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=3, reset=1))
+    assert len(lines) > 200
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+    assert float(np.diff(truth.t_us).max()) > 300e3
+
+
+def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch: Path, link: Path) -> None:
+    """Nothing else looks wrong: the gyro answers, and no sample comes."""
+    with Board(board_program, sketch, link, seconds=3, pin=0), Command("serve", "--port", link) as serve:
+        serve.until_log('device_id="INT pin is quiet"')
+        assert serve.out == ""
