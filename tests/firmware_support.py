@@ -4,7 +4,6 @@ import json
 import shutil
 import subprocess
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
@@ -22,21 +21,22 @@ MICROPYTHON = ROOT / "docs" / "firmware" / "micropython"
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 SIMAVR = Path("/usr/include/simavr")
 
-UNO = (
-    "-mmcu=atmega328p",
+CORE = (
     "-DF_CPU=16000000L",
     "-DARDUINO=10819",
-    "-DARDUINO_AVR_UNO",
     "-DARDUINO_ARCH_AVR",
     "-DDECIMAL_DIG=__DECIMAL_DIG__",  # the core asks for it, and the avr-libc of Debian tells it to C alone
     "-Os",
     "-ffunction-sections",
     "-fdata-sections",
     f"-I{ARDUINO}/cores/arduino",
-    f"-I{ARDUINO}/variants/standard",
     f"-I{ARDUINO}/libraries/Wire/src",
 )
-"""As the Arduino IDE compiles for an Uno."""
+"""As the Arduino IDE compiles."""
+
+UNO = ("-mmcu=atmega328p", f"-I{ARDUINO}/variants/standard", *CORE)
+MEGA = ("-mmcu=atmega2560", f"-I{ARDUINO}/variants/mega", *CORE)
+LEONARDO = ("-mmcu=atmega32u4", f"-I{ARDUINO}/variants/leonardo", "-DUSB_VID=0x2341", "-DUSB_PID=0x8036", *CORE)
 
 CPP = ("-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics")
 STRICT = ("-Wall", "-Wextra", "-Werror")
@@ -50,9 +50,9 @@ class Truth(NamedTuple):
     temp_c: NDArray[np.float64]
 
 
-def run(*words: str | Path) -> str:
-    """What a program prints; its complaints are the test's."""
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+def run(*words: str | Path, folder: Path | None = None) -> str:
+    """What a program prints, run in a folder; its complaints are the test's."""
+    done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -66,20 +66,27 @@ def compiled(source: str, into: Path, *flags: str) -> Path:
     return program
 
 
-def built_sketch(into: Path) -> Path:
-    """The sketch for an Uno, with the Arduino core of Debian."""
+def sketch_object(into: Path, *board: str) -> Path:
+    """The sketch for a board, with the Arduino core of Debian; a warning is an error."""
     if shutil.which("avr-g++") is None or not ARDUINO.is_dir():
         pytest.skip("the sketch cannot be compiled: apt-get install gcc-avr avr-libc arduino-core-avr")
+    built = into / "sketch.o"
+    ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
+    run("avr-g++", *board, *STRICT, *CPP, *ino, "-c", "-o", built)
+    return built
+
+
+def built_sketch(into: Path) -> Path:
+    """The sketch for an Uno, to run."""
+    sketch = sketch_object(into, *UNO)
     core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
     objects = into / "core"
     objects.mkdir()
-    c, cpp = [*core.glob("*.c"), wire / "utility" / "twi.c"], [*core.glob("*.cpp"), wire / "Wire.cpp"]
-    _objects(objects, "avr-gcc", *UNO, "-w", "-std=gnu11", *c)
-    _objects(objects, "avr-g++", *UNO, "-w", *CPP, *cpp)
-    ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
-    _objects(objects, "avr-g++", *UNO, *STRICT, *CPP, *ino, "-o", "sketch.o")
+    for compiler, suffix, *flags in (("avr-gcc", "c", "-std=gnu11"), ("avr-g++", "cpp", *CPP)):
+        sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
+        run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=objects)
     elf = into / "sketch.elf"
-    run("avr-gcc", "-mmcu=atmega328p", "-Os", "-Wl,--gc-sections", *objects.glob("*.o"), "-o", elf, "-lm")
+    run("avr-gcc", "-mmcu=atmega328p", "-Os", "-Wl,--gc-sections", sketch, *objects.glob("*.o"), "-o", elf, "-lm")
     return elf
 
 
@@ -136,9 +143,3 @@ def in_micropython(program: str, asked: object, folder: Path) -> bytes:
     said, complaint = node.communicate(timeout=3 * PATIENCE_S)
     assert node.returncode == 0, complaint
     return bytes.fromhex(said)
-
-
-def _objects(folder: Path, *words: str | Path | Sequence[str]) -> None:
-    command = [str(word) for word in words]
-    done = subprocess.run([*command, "-c"], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

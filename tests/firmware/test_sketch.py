@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from firmware_support import Board, Truth
+from firmware_support import LEONARDO, MEGA, Board, Truth, run, sketch_object
 from support import Command
 
 from gyrodrift.session.mcap.read import read_mcap
@@ -95,3 +95,9 @@ def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch:
     with Board(board_program, sketch, link, seconds=3, pin=0), Command("serve", "--port", link) as serve:
         serve.until_log('device_id="INT pin is quiet"')
         assert serve.out == ""
+
+
+@pytest.mark.parametrize("kind", [MEGA, LEONARDO], ids=["mega", "leonardo"])
+def test_it_is_compiled_for_other_boards(tmp_path: Path, kind: tuple[str, ...]) -> None:
+    """Without a warning; a Leonardo has USB for its serial line, and other pins."""
+    assert "setup" in run("avr-nm", sketch_object(tmp_path, *kind))

@@ -14,9 +14,21 @@
 
 // What a robot may want otherwise.
 static const uint32_t BAUD = 115200;
-static const uint8_t DATA_READY_PIN = 2;  // one that can interrupt: 2 or 3 of an Uno or Nano
 static const uint8_t AXIS = 2;            // 0 x, 1 y, 2 z: the axis that points up
 static const bool IS_UPSIDE_DOWN = false; // whether it points down
+
+// A pin that can interrupt, where docs/firmware/README.md has it.
+#if defined(ESP32)
+static const uint8_t DATA_READY_PIN = 19;
+#elif defined(ESP8266)
+static const uint8_t DATA_READY_PIN = 14;
+#elif defined(ARDUINO_ARCH_RP2040)
+static const uint8_t DATA_READY_PIN = 6;
+#elif defined(__AVR_ATmega32U4__)
+static const uint8_t DATA_READY_PIN = 7; // 2 and 3 of a Leonardo are its I2C
+#else
+static const uint8_t DATA_READY_PIN = 2;
+#endif
 
 static const uint32_t I2C_HZ = 400000;
 static const uint16_t RESET_MS = 100; // MPU-6050 after a reset; the others are quicker
