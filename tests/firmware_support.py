@@ -143,3 +143,12 @@ def in_micropython(program: str, asked: object, folder: Path) -> bytes:
     said, complaint = node.communicate(timeout=3 * PATIENCE_S)
     assert node.returncode == 0, complaint
     return bytes.fromhex(said)
+
+
+def same_sensor(record: dict[str, Any], sensor: Any) -> bool:
+    """Whether a record of the sketch and one of MicroPython, a named tuple, say the same."""
+    ours = json.loads(json.dumps(sensor._asdict()))
+    factor, divisor, at_zero = ours.pop("centi_c")
+    scales = (ours.pop("dps_per_lsb"), factor / divisor / 100, at_zero / 100)
+    theirs = [record.pop(name) for name in ("dps_per_lsb", "c_per_lsb", "c_at_zero")]
+    return bool(ours == record and np.allclose(scales, theirs, rtol=1e-5, atol=0.0))

@@ -14,6 +14,7 @@
    absent=0        seconds before the gyro is plugged in
    reset=0         second at which the gyro forgets its settings; 0 never
    pin=1           whether its data-ready pin is wired
+   held=0          clocks after which the gyro lets go of SDA, which it holds because the board was reset while it spoke
 */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -43,11 +44,12 @@
 typedef struct {
   avr_t *avr;
   gyro chip;
-  double seconds, speed, ppm, absent_s, reset_s, has_pin;
+  double seconds, speed, ppm, absent_s, reset_s, has_pin, held_clocks;
   FILE *truth;
   int master;
   const char *slave;
-  avr_irq_t *twi_in, *pin;
+  avr_irq_t *twi_in, *pin, *sda;
+  uint32_t scl;
   uint8_t selected, reg;
   bool has_reg, was_reset;
   double next_cycle; /* of the gyro */
@@ -239,7 +241,7 @@ static void bus_message(avr_irq_t *irq, uint32_t value, void *param) {
     b->selected = 0;
   }
   if (message.u.twi.msg & TWI_COND_START) {
-    const bool is_ours = message.u.twi.addr >> 1 == b->chip.model->address && is_plugged(b);
+    const bool is_ours = message.u.twi.addr >> 1 == b->chip.model->address && is_plugged(b) && b->held_clocks <= 0.0;
     b->selected = is_ours ? message.u.twi.addr : 0;
     b->has_reg = false;
     if (is_ours) {
@@ -252,6 +254,24 @@ static void bus_message(avr_irq_t *irq, uint32_t value, void *param) {
   if (b->selected && (message.u.twi.msg & TWI_COND_READ)) {
     bus_read(b);
   }
+}
+
+static void pull_sda(board *b) {
+  const bool is_high = b->held_clocks <= 0.0;
+  avr_ioport_external_t pull = {.name = 'C', .mask = 1 << 4, .value = (uint8_t)(is_high << 4)};
+  avr_ioctl(b->avr, AVR_IOCTL_IOPORT_SET_EXTERNAL('C'), &pull);
+  avr_raise_irq(b->sda, is_high);
+}
+
+/* A gyro that was cut short waits for the clocks that end its byte, and answers nobody before. */
+static void scl_moves(avr_irq_t *irq, uint32_t level, void *param) {
+  board *b = param;
+  (void)irq;
+  if (b->scl && !level && b->held_clocks > 0.0) {
+    b->held_clocks -= 1.0;
+    pull_sda(b);
+  }
+  b->scl = level;
 }
 
 /* The board. */
@@ -283,6 +303,9 @@ static void build(board *b, const char *sketch) {
   b->twi_in = avr_io_getirq(b->avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_INPUT);
   avr_irq_register_notify(avr_io_getirq(b->avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_OUTPUT), bus_message, b);
   b->pin = avr_io_getirq(b->avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 2);
+  b->sda = avr_io_getirq(b->avr, AVR_IOCTL_IOPORT_GETIRQ('C'), 4);
+  avr_irq_register_notify(avr_io_getirq(b->avr, AVR_IOCTL_IOPORT_GETIRQ('C'), 5), scl_moves, b);
+  pull_sda(b);
   avr_cycle_timer_register(b->avr, 1, gyro_tick, b);
 }
 
@@ -335,7 +358,7 @@ static void option(board *b, const char *word) {
     }
   }
   if (!number(word, "seconds", &b->seconds) && !number(word, "speed", &b->speed) && !number(word, "ppm", &b->ppm) &&
-      !number(word, "absent", &b->absent_s) && !number(word, "reset", &b->reset_s) && !number(word, "pin", &b->has_pin)) {
+      !number(word, "absent", &b->absent_s) && !number(word, "reset", &b->reset_s) && !number(word, "pin", &b->has_pin) && !number(word, "held", &b->held_clocks)) {
     fprintf(stderr, "%s: no such option\n", word);
     exit(2);
   }

@@ -90,6 +90,22 @@ def test_a_gyro_that_lost_its_settings_is_set_again(board_program: Path, sketch:
     assert float(np.diff(truth.t_us).max()) > 300e3
 
 
+def test_a_gyro_that_holds_the_bus_is_clocked_free(board_program: Path, sketch: Path, link: Path) -> None:
+    """As it does where the board was reset, by opening its port, while the gyro spoke."""
+    lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=2, held=7))
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+
+
+def test_what_is_too_fast_for_the_line_is_lost_and_counted(board_program: Path, sketch: Path, link: Path) -> None:
+    """Of a gyro with 1200 Hz half gets through; every sample has its own number, time and rate."""
+    lines, log, result, truth = heard(Board(board_program, sketch, link, seconds=3, ppm=5e6))
+    place = np.array([line["seq"] - 1 for line in lines])
+    assert 0.4 < len(lines) / result["measured"] < 0.6
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw[place].tolist()
+    assert is_in_time([line["t_s"] for line in lines], Truth(*(values[place] for values in truth)))
+    assert f"missing={place[-1] + 1 - len(lines)} " in log.splitlines()[-1]
+
+
 def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch: Path, link: Path) -> None:
     """Nothing else looks wrong: the gyro answers, and no sample comes."""
     with Board(board_program, sketch, link, seconds=3, pin=0), Command("serve", "--port", link) as serve:

@@ -53,6 +53,15 @@ static const gyro_write LSM6DS_WRITES[] = {
     {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate */
 };
 
+static const gyro_write LSM6DSO_WRITES[] = {
+    {0x12, 0x01}, /* CTRL3_C: reset */
+    {0x12, 0x44}, /* CTRL3_C: both bytes of a value belong together, addresses count up */
+    {0x18, 0xE2}, /* CTRL9_XL: I2C without I3C */
+    {0x10, 0x00}, /* CTRL1_XL: no accelerometer */
+    {0x0D, 0x02}, /* INT1_CTRL: gyro data ready; high until the rates are read */
+    {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate */
+};
+
 static const gyro_write ICM20948_WRITES[] = {
     {0x06, 0x80}, /* PWR_MGMT_1: reset */
     {0x06, 0x01}, /* PWR_MGMT_1: awake, on its best clock */
@@ -71,7 +80,7 @@ static const gyro_sensor GYRO_SENSORS[] = {
      0x20, 0, 2, 0, 208, 0.00875f, 1.0f / 16.0f, 25.0f},
     {"LSM6DSL 250/67", {0x6A, 0x6B}, 0x0F, 0x6A, GYRO_WRITES(LSM6DS_WRITES), /* and LSM6DS3TR-C */
      0x20, 0, 2, 0, 208, 0.00875f, 1.0f / 256.0f, 25.0f},
-    {"LSM6DSO 250/67", {0x6A, 0x6B}, 0x0F, 0x6C, GYRO_WRITES(LSM6DS_WRITES), /* and LSM6DSOX */
+    {"LSM6DSO 250/67", {0x6A, 0x6B}, 0x0F, 0x6C, GYRO_WRITES(LSM6DSO_WRITES), /* and LSM6DSOX */
      0x20, 0, 2, 0, 208, 0.00875f, 1.0f / 256.0f, 25.0f},
     {"ICM-20948 250/51", {0x69, 0x68}, 0x00, 0xEA, GYRO_WRITES(ICM20948_WRITES),
      0x33, 6, 0, 1, 225, 1.0f / 131.0f, 1.0f / 333.87f, 21.0f},

@@ -46,6 +46,15 @@ LSM6DS_WRITES = (
     (0x11, 0x50),  # CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate
 )
 
+LSM6DSO_WRITES = (
+    (0x12, 0x01),  # CTRL3_C: reset
+    (0x12, 0x44),  # CTRL3_C: both bytes of a value belong together, addresses count up
+    (0x18, 0xE2),  # CTRL9_XL: I2C without I3C
+    (0x10, 0x00),  # CTRL1_XL: no accelerometer
+    (0x0D, 0x02),  # INT1_CTRL: gyro data ready; high until the rates are read
+    (0x11, 0x50),  # CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate
+)
+
 ICM20948_WRITES = (
     (0x06, 0x80),  # PWR_MGMT_1: reset
     (0x06, 0x01),  # PWR_MGMT_1: awake, on its best clock
@@ -72,6 +81,6 @@ SENSORS = (
     # LSM6DS3TR-C too
     GyroSensor("LSM6DSL 250/67", LSM, 0x0F, 0x6A, LSM6DS_WRITES, 0x20, 0, 2, False, 208, 0.00875, LSM6DS_C),
     # LSM6DSOX too
-    GyroSensor("LSM6DSO 250/67", LSM, 0x0F, 0x6C, LSM6DS_WRITES, 0x20, 0, 2, False, 208, 0.00875, LSM6DS_C),
+    GyroSensor("LSM6DSO 250/67", LSM, 0x0F, 0x6C, LSM6DSO_WRITES, 0x20, 0, 2, False, 208, 0.00875, LSM6DS_C),
     GyroSensor("ICM-20948 250/51", ICM, 0x00, 0xEA, ICM20948_WRITES, 0x33, 6, 0, True, 225, 1 / 131, ICM20948_C),
 )
