@@ -79,6 +79,11 @@ def test_serve_reads_every_sample(tmp_path: Path, port: Path) -> None:
     assert np.ptp([line["t_s"] * 1e6 for line in lines] - t_us) < 1.0
 
 
+def test_samples_take_no_memory(tmp_path: Path) -> None:
+    """Nothing has to be collected between two of them."""
+    assert in_micropython("count_memory.py", None, tmp_path) == b"1001 0"
+
+
 @pytest.mark.parametrize(("board", "name"), [({"absent": 9.0}, "no gyro on I2C"), ({"pin": False}, "INT pin is quiet")])
 def test_what_is_not_wired_is_told(tmp_path: Path, board: dict[str, Any], name: str) -> None:
     """By HELLO, while there are no samples."""

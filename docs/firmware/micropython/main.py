@@ -1,7 +1,8 @@
 """A gyro on I2C for gyrodrift: its rate about one axis and its temperature, in the native protocol.
 
 The sensor's data-ready pin says when it has measured. The clock is read there, in the interrupt, so that neither I2C
-nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them.
+nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them. A
+sample takes no memory, since collecting it would take as long as the next one.
 """
 
 import sys
@@ -61,15 +62,9 @@ class Gyro:
         self._ready_us = time.ticks_us()
         self._ready_seq = self._ready_seq + 1 & 0xFFFF
 
-    def _measured(self) -> tuple:
-        """Number and time of the last measurement; again where an interrupt came between the two."""
-        while True:
-            seq, ready_us = self._ready_seq, self._ready_us
-            if seq == self._ready_seq:
-                return seq, ready_us
-
     def _take_sample(self) -> None:
-        seq, ready_us = self._measured()
+        seq = self._ready_seq
+        ready_us = self._ready_us
         if seq == self._seq:
             return
         self._seq = seq
@@ -77,7 +72,7 @@ class Gyro:
             self._i2c.readfrom_mem_into(self._address, self._sensor.burst_reg, self._burst)
         except OSError:
             return
-        if self._ready_seq != seq:  # the next measurement may be in it: whose time it has is not known
+        if self._ready_seq != seq:  # the next measurement came meanwhile: whose rate or time this is, is not known
             return
         if self._quiet_starts > 2:
             self._quiet_starts = 0
