@@ -40,6 +40,7 @@
 #define SETTLING_MS 50 /* the sketch deals with the last measurement */
 #define READER_MS 20
 #define DRAINED_MS 50
+#define DRAIN_MS 5000
 
 typedef struct {
   avr_t *avr;
@@ -127,11 +128,15 @@ static void wait_for_reader(const board *b) {
   }
 }
 
+/* A reader that left leaves its bytes unread. */
 static void drain(board *b) {
-  int waiting = 0, quiet_ms = 0, slave;
+  int waiting = 0, quiet_ms = 0, ms = 0, slave;
   send_out(b);
+  if (!has_reader(b)) {
+    return;
+  }
   slave = open(b->slave, O_RDWR | O_NOCTTY | O_NONBLOCK);
-  while (slave >= 0 && quiet_ms < DRAINED_MS && has_reader(b)) {
+  while (slave >= 0 && quiet_ms < DRAINED_MS && ms++ < DRAIN_MS) {
     ioctl(slave, FIONREAD, &waiting);
     quiet_ms = waiting ? 0 : quiet_ms + 1;
     usleep(1000);

@@ -1,11 +1,12 @@
 """The sketch on an Uno in simavr, with a gyro on its I2C and real `serve` at its serial line."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from firmware_support import LEONARDO, MEGA, Board, Truth, run, sketch_object
+from firmware_support import HERE, LEONARDO, MEGA, SKETCH, STRICT, Board, Truth, run, sketch_object
 from support import Command
 
 from gyrodrift.session.mcap.read import read_mcap
@@ -117,3 +118,26 @@ def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch:
 def test_it_is_compiled_for_other_boards(tmp_path: Path, kind: tuple[str, ...]) -> None:
     """Without a warning; a Leonardo has USB for its serial line, and other pins."""
     assert "setup" in run("avr-nm", sketch_object(tmp_path, *kind))
+
+
+@pytest.mark.parametrize("core", ["ESP32", "ESP8266", "ARDUINO_ARCH_RP2040"])
+def test_it_is_compiled_where_numbers_have_32_bits(core: str) -> None:
+    """Against what such a core declares, without a warning."""
+    if shutil.which("c++") is None:
+        pytest.skip("there is no C++ compiler: apt-get install g++")
+    ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
+    run("c++", "-std=gnu++17", *STRICT, f"-D{core}", f"-I{HERE / 'other_core'}", "-fsyntax-only", *ino)
+
+
+def test_record_reads_it(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:
+    """To the end of its time, the first sample first."""
+    sessions = tmp_path / "sessions"
+    with (
+        Board(board_program, sketch, link, seconds=3) as board,
+        Command("record", "--port", link, "--out", sessions, "--duration", "2") as record,
+    ):
+        assert record.end() == 0
+        _, truth = board.result()
+    session = read_mcap(next(sessions.glob("*MPU-6050-250-42*.mcap")))
+    assert np.rint(session.rate_dps * 131).tolist() == truth.rate_raw[: len(session.rate_dps)].tolist()
+    assert session.t_device_s[-1] - session.t_device_s[0] > 1.9
