@@ -46,11 +46,18 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
+# What the firmware is compiled with and runs on in tests: a compiler for AVR, the Arduino core and a simulated AVR.
+FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
+
 # MAVProxy is a client that tests run; without what its maps and plots need.
 $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mavlink,mqtt,networktables,nmea,prometheus,websocket,test]'
 	@$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2
 	@if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients || echo "no clients of npm: their tests are skipped" >&2; fi
+	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) > /dev/null 2>&1; then \
+	  as_root=$$( [ "$$(id -u)" = 0 ] || echo sudo -n ); \
+	  { $$as_root apt-get update -qq && $$as_root apt-get install -qq -y --no-install-recommends $(FIRMWARE); } > /dev/null 2>&1 || \
+	  echo "not all of $(FIRMWARE): tests of the firmware are skipped; apt-get install them" >&2; fi
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.

@@ -1,0 +1,219 @@
+// A gyro on I2C for gyrodrift: its rate about one axis and its temperature, in the native protocol.
+//
+// The sensor's data-ready pin says when it has measured. The clock is read there, in the interrupt, so that neither
+// I2C nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them.
+
+#include <Wire.h>
+
+#include "gyro_sensors.h"
+#include "gyrodrift_native.h"
+
+#if defined(__AVR__)
+#include <avr/sleep.h>
+#endif
+
+// What a robot may want otherwise.
+static const uint32_t BAUD = 115200;
+static const uint8_t AXIS = 2;            // 0 x, 1 y, 2 z: the axis that points up
+static const bool IS_UPSIDE_DOWN = false; // whether it points down
+
+// A pin that can interrupt, where docs/firmware/README.md has it.
+#if defined(ESP32)
+static const uint8_t DATA_READY_PIN = 19;
+#elif defined(ESP8266)
+static const uint8_t DATA_READY_PIN = 14;
+#elif defined(ARDUINO_ARCH_RP2040)
+static const uint8_t DATA_READY_PIN = 6;
+#elif defined(__AVR_ATmega32U4__)
+static const uint8_t DATA_READY_PIN = 7; // 2 and 3 of a Leonardo are its I2C
+#else
+static const uint8_t DATA_READY_PIN = 2;
+#endif
+
+static const uint32_t I2C_HZ = 400000;
+static const uint16_t RESET_MS = 100; // MPU-6050 after a reset; the others are quicker
+static const uint32_t HELLO_US = 1000000;
+static const uint32_t SILENCE_MS = 300; // a sensor that is quiet for so long has lost its settings, or its cable
+
+#if !defined(IRAM_ATTR)
+#define IRAM_ATTR // an ESP keeps interrupts in memory
+#endif
+
+static volatile uint16_t ready_seq;
+static volatile uint32_t ready_us;
+
+static const gyro_sensor *sensor;
+static uint8_t address;
+static uint16_t seq; // of the last measurement that was dealt with
+static uint32_t hello_us;
+static uint32_t sample_ms;
+static uint8_t quiet_starts; // how often the sensor was started since it last spoke
+
+static void IRAM_ATTR on_data_ready() {
+  ready_us = micros();
+  ready_seq++;
+}
+
+static bool write_register(uint8_t at, gyro_write write) {
+  Wire.beginTransmission(at);
+  Wire.write(write.reg);
+  Wire.write(write.value);
+  return Wire.endTransmission() == 0;
+}
+
+static bool read_registers(uint8_t at, uint8_t reg, uint8_t *into, uint8_t count) {
+  Wire.beginTransmission(at);
+  Wire.write(reg);
+  if (Wire.endTransmission(false) != 0 || Wire.requestFrom(at, count) != count) {
+    return false;
+  }
+  for (uint8_t i = 0; i < count; i++) {
+    into[i] = (uint8_t)Wire.read();
+  }
+  return true;
+}
+
+// A board that was reset while a sensor spoke finds it waiting for clocks, with SDA held low.
+static void free_bus() {
+  pinMode(SDA, INPUT_PULLUP);
+  for (uint8_t i = 0; i < 9 && digitalRead(SDA) == LOW; i++) {
+    digitalWrite(SCL, LOW);
+    pinMode(SCL, OUTPUT);
+    delayMicroseconds(5);
+    pinMode(SCL, INPUT_PULLUP);
+    delayMicroseconds(5);
+  }
+}
+
+static bool is_there(const gyro_sensor &candidate, uint8_t at) {
+  uint8_t who = 0;
+  return read_registers(at, candidate.who_reg, &who, 1) && who == candidate.who;
+}
+
+static bool start(const gyro_sensor &candidate, uint8_t at) {
+  for (uint8_t i = 0; i < candidate.write_count; i++) {
+    if (!write_register(at, candidate.writes[i])) {
+      return false;
+    }
+    if (i == 0) {
+      delay(RESET_MS);
+    }
+  }
+  return true;
+}
+
+// Who reads the log of gyrodrift learns from the name what is wrong with the wires.
+static const char *name() {
+  if (sensor == NULL) {
+    return "no gyro on I2C";
+  }
+  return quiet_starts > 2 ? "INT pin is quiet" : sensor->id;
+}
+
+static void send_hello() {
+  gyrodrift_hello hello = {0, 1.0f, 0, name()};
+  if (sensor != NULL) {
+    hello.sample_rate_hz = sensor->sample_rate_hz;
+    hello.dps_per_lsb = sensor->dps_per_lsb;
+  }
+  uint8_t frame[GYRODRIFT_LONGEST_FRAME];
+  Serial.write(frame, gyrodrift_hello_frame(frame, &hello));
+}
+
+static void find_sensor() {
+  sensor = NULL;
+  for (uint8_t i = 0; i < GYRO_SENSOR_COUNT && sensor == NULL; i++) {
+    for (uint8_t j = 0; j < 2 && sensor == NULL; j++) {
+      address = GYRO_SENSORS[i].addresses[j];
+      if (is_there(GYRO_SENSORS[i], address) && start(GYRO_SENSORS[i], address)) {
+        sensor = &GYRO_SENSORS[i];
+      }
+    }
+  }
+  if (quiet_starts < UINT8_MAX) {
+    quiet_starts++;
+  }
+  send_hello(); // before samples that may have another scale
+  sample_ms = millis();
+}
+
+static int16_t value_at(const uint8_t *bytes) {
+  const uint8_t high = sensor->is_big_endian ? bytes[0] : bytes[1];
+  const uint8_t low = sensor->is_big_endian ? bytes[1] : bytes[0];
+  return (int16_t)((uint16_t)high << 8 | low);
+}
+
+static int16_t centi_c(int16_t raw) {
+  const float value = 100.0f * ((float)raw * sensor->c_per_lsb + sensor->c_at_zero);
+  return (int16_t)(value < 0.0f ? value - 0.5f : value + 0.5f);
+}
+
+static void send_sample(uint32_t t_us, const uint8_t *burst) {
+  gyrodrift_sample sample = {GYRODRIFT_TEMPERATURE_VALID, seq, t_us, 0, centi_c(value_at(burst + sensor->temp_at)), 0};
+  const int16_t rate = value_at(burst + sensor->rates_at + 2 * AXIS);
+  if (rate == INT16_MAX || rate == INT16_MIN) {
+    sample.flags |= GYRODRIFT_RATE_CLIPPED;
+  }
+  sample.rate_raw = !IS_UPSIDE_DOWN ? rate : rate == INT16_MIN ? INT16_MAX : (int16_t)-rate;
+  uint8_t frame[GYRODRIFT_LONGEST_FRAME];
+  Serial.write(frame, gyrodrift_sample_frame(frame, &sample));
+}
+
+static void take_sample() {
+  noInterrupts();
+  const uint16_t measured_seq = ready_seq;
+  const uint32_t measured_us = ready_us;
+  interrupts();
+  if (measured_seq == seq) {
+    return;
+  }
+  seq = measured_seq;
+  uint8_t burst[GYRO_BURST_BYTES];
+  if (!read_registers(address, sensor->burst_reg, burst, sizeof burst)) {
+    return;
+  }
+  noInterrupts();
+  const bool is_overtaken = ready_seq != seq; // the next measurement may be in it: whose time it has is not known
+  interrupts();
+  if (is_overtaken) {
+    return;
+  }
+  if (quiet_starts > 2) {
+    quiet_starts = 0;
+    send_hello();
+  }
+  quiet_starts = 0;
+  send_sample(measured_us, burst);
+  sample_ms = millis();
+}
+
+void setup() {
+  Serial.begin(BAUD);
+  free_bus();
+  Wire.begin();
+  Wire.setClock(I2C_HZ);
+#if defined(WIRE_HAS_TIMEOUT)
+  Wire.setWireTimeout(25000, true);
+#endif
+  pinMode(DATA_READY_PIN, INPUT);
+  attachInterrupt(digitalPinToInterrupt(DATA_READY_PIN), on_data_ready, RISING);
+  hello_us = micros();
+  find_sensor();
+}
+
+void loop() {
+  if (micros() - hello_us >= HELLO_US) {
+    hello_us += HELLO_US;
+    send_hello();
+  }
+  if (sensor != NULL) {
+    take_sample();
+  }
+  if (millis() - sample_ms >= SILENCE_MS) {
+    find_sensor();
+  }
+#if defined(__AVR__)
+  set_sleep_mode(SLEEP_MODE_IDLE); // until the next interrupt, a millisecond at most: a cooler board beside the gyro
+  sleep_mode();
+#endif
+}

@@ -1,0 +1,140 @@
+/* The native protocol of gyrodrift, as a device speaks it: HELLO and SAMPLE, framed by COBS, with a CRC.
+
+   For C99 and C++, without allocation, tables, 64-bit numbers or stdio. It needs 8 bytes of stack beside the frame and
+   a two's complement machine with IEEE floats; the order of its bytes does not matter. Lengths are bytes.
+
+   Send HELLO at boot and once a second, so that a reader may join at any time, and SAMPLE for each measurement:
+
+       uint8_t frame[GYRODRIFT_LONGEST_FRAME];
+       write(frame, gyrodrift_hello_frame(frame, &hello));
+       write(frame, gyrodrift_sample_frame(frame, &sample));
+*/
+#ifndef GYRODRIFT_NATIVE_H
+#define GYRODRIFT_NATIVE_H
+
+#include <stdint.h>
+#include <string.h>
+
+#define GYRODRIFT_HELLO_FRAME 32 /* bytes on the wire, delimiter included */
+#define GYRODRIFT_SAMPLE_FRAME 20
+#define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO_FRAME
+
+#define GYRODRIFT_DEVICE_ID_BYTES 16
+
+#define GYRODRIFT_ENCODER_VALID 0x01 /* flags of a sample */
+#define GYRODRIFT_TEMPERATURE_VALID 0x02
+#define GYRODRIFT_RATE_CLIPPED 0x04
+
+#define GYRODRIFT_HELLO_TYPE 0x01
+#define GYRODRIFT_SAMPLE_TYPE 0x02
+#define GYRODRIFT_VERSION 1
+
+typedef struct {
+  uint16_t sample_rate_hz;
+  float dps_per_lsb;     /* deg/s of one count of rate_raw; above zero */
+  uint32_t encoder_cpr;  /* counts a turn; 0 without an encoder */
+  const char *device_id; /* ASCII, ends with a zero; what is longer than 16 is cut off */
+} gyrodrift_hello;
+
+typedef struct {
+  uint8_t flags;
+  uint16_t seq;           /* counts measurements, those too that could not be sent; wraps */
+  uint32_t t_us;          /* device clock at the measurement, in microseconds; wraps */
+  int16_t rate_raw;       /* counter-clockwise is positive */
+  int16_t temp_centi_c;   /* hundredths of a degree C */
+  int32_t encoder_counts; /* wraps */
+} gyrodrift_sample;
+
+/* A frame under way. `run` is where the distance to the next zero goes, as COBS has it (Cheshire and Baker 1999). */
+typedef struct {
+  uint8_t *frame;
+  uint8_t at;
+  uint8_t run;
+  uint16_t crc;
+} gyrodrift_writer;
+
+static inline void gyrodrift_stuff(gyrodrift_writer *writer, uint8_t byte) {
+  if (byte == 0) {
+    writer->frame[writer->run] = (uint8_t)(writer->at - writer->run);
+    writer->run = writer->at;
+  } else {
+    writer->frame[writer->at] = byte;
+  }
+  writer->at++;
+}
+
+/* CRC-16/CCITT-FALSE by shifts, since a table of 512 bytes would be a quarter of an ATmega328's memory. */
+static inline uint16_t gyrodrift_crc(uint16_t crc, uint8_t byte) {
+  crc = (uint16_t)((uint16_t)(crc >> 8) | (uint16_t)(crc << 8));
+  crc = (uint16_t)(crc ^ byte);
+  crc = (uint16_t)(crc ^ (uint16_t)((crc & 0xFF) >> 4));
+  crc = (uint16_t)(crc ^ (uint16_t)(crc << 12));
+  return (uint16_t)(crc ^ (uint16_t)((crc & 0xFF) << 5));
+}
+
+static inline void gyrodrift_put8(gyrodrift_writer *writer, uint8_t byte) {
+  writer->crc = gyrodrift_crc(writer->crc, byte);
+  gyrodrift_stuff(writer, byte);
+}
+
+static inline void gyrodrift_put16(gyrodrift_writer *writer, uint16_t value) {
+  gyrodrift_put8(writer, (uint8_t)(value & 0xFF));
+  gyrodrift_put8(writer, (uint8_t)(value >> 8));
+}
+
+static inline void gyrodrift_put32(gyrodrift_writer *writer, uint32_t value) {
+  gyrodrift_put16(writer, (uint16_t)(value & 0xFFFF));
+  gyrodrift_put16(writer, (uint16_t)(value >> 16));
+}
+
+static inline void gyrodrift_begin(gyrodrift_writer *writer, uint8_t *frame, uint8_t type) {
+  writer->frame = frame;
+  writer->at = 1;
+  writer->run = 0;
+  writer->crc = 0xFFFF;
+  gyrodrift_put8(writer, type);
+}
+
+static inline uint8_t gyrodrift_end(gyrodrift_writer *writer) {
+  const uint16_t crc = writer->crc;
+  gyrodrift_put16(writer, crc);
+  writer->frame[writer->run] = (uint8_t)(writer->at - writer->run);
+  writer->frame[writer->at] = 0;
+  return (uint8_t)(writer->at + 1);
+}
+
+/* HELLO into a frame of GYRODRIFT_HELLO_FRAME bytes; its length. */
+static inline uint8_t gyrodrift_hello_frame(uint8_t *frame, const gyrodrift_hello *hello) {
+  gyrodrift_writer writer;
+  const char *letter = hello->device_id;
+  uint32_t scale;
+  uint8_t i;
+  memcpy(&scale, &hello->dps_per_lsb, sizeof scale);
+  gyrodrift_begin(&writer, frame, GYRODRIFT_HELLO_TYPE);
+  gyrodrift_put8(&writer, GYRODRIFT_VERSION);
+  gyrodrift_put16(&writer, hello->sample_rate_hz);
+  gyrodrift_put32(&writer, scale);
+  gyrodrift_put32(&writer, hello->encoder_cpr);
+  for (i = 0; i < GYRODRIFT_DEVICE_ID_BYTES; i++) {
+    gyrodrift_put8(&writer, (uint8_t)*letter);
+    if (*letter != '\0') {
+      letter++;
+    }
+  }
+  return gyrodrift_end(&writer);
+}
+
+/* SAMPLE into a frame of GYRODRIFT_SAMPLE_FRAME bytes; its length. */
+static inline uint8_t gyrodrift_sample_frame(uint8_t *frame, const gyrodrift_sample *sample) {
+  gyrodrift_writer writer;
+  gyrodrift_begin(&writer, frame, GYRODRIFT_SAMPLE_TYPE);
+  gyrodrift_put8(&writer, sample->flags);
+  gyrodrift_put16(&writer, sample->seq);
+  gyrodrift_put32(&writer, sample->t_us);
+  gyrodrift_put16(&writer, (uint16_t)sample->rate_raw);
+  gyrodrift_put16(&writer, (uint16_t)sample->temp_centi_c);
+  gyrodrift_put32(&writer, (uint32_t)sample->encoder_counts);
+  return gyrodrift_end(&writer);
+}
+
+#endif

@@ -1,0 +1,78 @@
+"""The native protocol of gyrodrift, as a device speaks it: HELLO and SAMPLE, framed by COBS, with a CRC.
+
+For MicroPython, where what is allocated has to be collected, which takes as long as a sample or two: frames are
+written in place, and no number is larger than 30 bits.
+"""
+
+import struct
+from array import array
+
+HELLO_FRAME = 32
+"""Bytes on the wire, delimiter included."""
+
+SAMPLE_FRAME = 20
+
+ENCODER_VALID = 0x01
+TEMPERATURE_VALID = 0x02
+RATE_CLIPPED = 0x04
+
+HELLO_TYPE = 0x01
+SAMPLE_TYPE = 0x02
+VERSION = 1
+PAYLOAD_AT = 1
+"""Behind the first distance of COBS."""
+
+
+def _crc_of_byte(byte: int) -> int:
+    crc = byte << 8
+    for _ in range(8):
+        crc = crc << 1 ^ (0x1021 if crc & 0x8000 else 0)
+    return crc & 0xFFFF
+
+
+CRC_TABLE = array("H", [_crc_of_byte(byte) for byte in range(256)])
+"""CRC-16/CCITT-FALSE."""
+
+
+class FrameWriter:
+    """Frames in one buffer: what a method gives is good until the next one is called."""
+
+    def __init__(self) -> None:
+        self._frame = bytearray(HELLO_FRAME)
+        self._hello = memoryview(self._frame)
+        self._sample = self._hello[:SAMPLE_FRAME]
+
+    def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: str) -> memoryview:
+        """At boot and once a second. `device_id` is ASCII; what is longer than 16 is cut off."""
+        name = device_id.encode()[:16]
+        fields = (HELLO_TYPE, VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name)
+        struct.pack_into("<BBHfI16s", self._frame, PAYLOAD_AT, *fields)
+        return self._framed(self._hello)
+
+    def sample(
+        self, flags: int, seq: int, t_us: list, rate_raw: int, temp_centi_c: int, encoder_counts: int = 0
+    ) -> memoryview:
+        """For each measurement. `t_us` is the device clock as two numbers of 16 bits, the lower one first."""
+        low, high = t_us
+        into = self._frame
+        struct.pack_into(
+            "<BBHHHhhi", into, PAYLOAD_AT, SAMPLE_TYPE, flags, seq, low, high, rate_raw, temp_centi_c, encoder_counts
+        )
+        return self._framed(self._sample)
+
+    def _framed(self, view: memoryview) -> memoryview:
+        frame, table = self._frame, CRC_TABLE
+        crc_at = len(view) - 3
+        crc = 0xFFFF
+        for at in range(PAYLOAD_AT, crc_at):
+            crc = (crc << 8 & 0xFFFF) ^ table[crc >> 8 ^ frame[at]]
+        frame[crc_at] = crc & 0xFF
+        frame[crc_at + 1] = crc >> 8
+        run = 0  # where the distance to the next zero goes
+        for at in range(PAYLOAD_AT, crc_at + 2):
+            if frame[at] == 0:
+                frame[run] = at - run
+                run = at
+        frame[run] = crc_at + 2 - run
+        frame[crc_at + 2] = 0
+        return view

@@ -1,0 +1,150 @@
+"""A gyro on I2C for gyrodrift: its rate about one axis and its temperature, in the native protocol.
+
+The sensor's data-ready pin says when it has measured. The clock is read there, in the interrupt, so that neither I2C
+nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them. A
+sample takes no memory, since collecting it would take as long as the next one.
+"""
+
+import sys
+import time
+
+import machine
+from gyro_sensors import BURST_BYTES, SENSORS, GyroSensor
+from gyrodrift_native import RATE_CLIPPED, TEMPERATURE_VALID, FrameWriter
+
+# What a robot may want otherwise.
+I2C_ID, SDA_PIN, SCL_PIN, DATA_READY_PIN = (0, 4, 5, 6) if sys.platform == "rp2" else (0, 21, 22, 19)  # Pico, ESP32
+AXIS = 2  # 0 x, 1 y, 2 z: the axis that points up
+IS_UPSIDE_DOWN = False  # whether it points down
+
+I2C_HZ = 400_000
+RESET_MS = 100  # MPU-6050 after a reset; the others are quicker
+HELLO_MS = 1000
+SILENCE_MS = 300  # a sensor that is quiet for so long has lost its settings, or its cable
+
+
+class Gyro:
+    """The sensor, its interrupt, and what goes out."""
+
+    def __init__(self, out: object) -> None:
+        self._out = out
+        self._writer = FrameWriter()
+        self._burst = bytearray(BURST_BYTES)
+        self._sensor = None
+        self._address = 0
+        self._quiet_starts = 0  # how often the sensor was started since it last spoke
+        self._ready_seq = self._ready_us = 0
+        self._seq = 0  # of the last measurement that was dealt with
+        self._last_us = time.ticks_us()
+        self._t_us = [0, 0]  # device clock in two halves, the lower one first
+        self._hello_ms = self._sample_ms = time.ticks_ms()
+        self._i2c = machine.I2C(I2C_ID, sda=machine.Pin(SDA_PIN), scl=machine.Pin(SCL_PIN), freq=I2C_HZ)
+        pin = machine.Pin(DATA_READY_PIN, machine.Pin.IN)
+        try:
+            pin.irq(self._on_data_ready, machine.Pin.IRQ_RISING, hard=True)
+        except TypeError:  # a port without hard interrupts
+            pin.irq(self._on_data_ready, machine.Pin.IRQ_RISING)
+        self._find_sensor()
+
+    def step(self) -> None:
+        """What there is to do, until the next interrupt."""
+        now_ms = time.ticks_ms()
+        if time.ticks_diff(now_ms, self._hello_ms) >= HELLO_MS:
+            self._hello_ms = time.ticks_add(self._hello_ms, HELLO_MS)
+            self._send_hello()
+        if self._sensor is not None:
+            self._take_sample()
+        if time.ticks_diff(time.ticks_ms(), self._sample_ms) >= SILENCE_MS:
+            self._find_sensor()
+        machine.idle()
+
+    def _on_data_ready(self, _pin: machine.Pin) -> None:
+        self._ready_us = time.ticks_us()
+        self._ready_seq = self._ready_seq + 1 & 0xFFFF
+
+    def _take_sample(self) -> None:
+        seq = self._ready_seq
+        ready_us = self._ready_us
+        if seq == self._seq:
+            return
+        self._seq = seq
+        try:
+            self._i2c.readfrom_mem_into(self._address, self._sensor.burst_reg, self._burst)
+        except OSError:
+            return
+        if self._ready_seq != seq:  # the next measurement came meanwhile: whose rate or time this is, is not known
+            return
+        if self._quiet_starts > 2:
+            self._quiet_starts = 0
+            self._send_hello()
+        self._quiet_starts = 0
+        self._send_sample(ready_us)
+        self._sample_ms = time.ticks_ms()
+
+    def _send_sample(self, ready_us: int) -> None:
+        sensor, flags = self._sensor, TEMPERATURE_VALID
+        rate = self._value_at(sensor.rates_at + 2 * AXIS)
+        if rate in (32767, -32768):
+            flags |= RATE_CLIPPED
+        if IS_UPSIDE_DOWN:
+            rate = min(-rate, 32767)
+        factor, divisor, centi_c_at_zero = sensor.centi_c
+        centi_c = (self._value_at(sensor.temp_at) * factor + divisor // 2) // divisor + centi_c_at_zero
+        self._let_time_pass(ready_us)
+        self._out.write(self._writer.sample(flags, self._seq, self._t_us, rate, centi_c))
+
+    def _let_time_pass(self, ready_us: int) -> None:
+        """The clock of the board ends at 30 bits, that of the protocol at 32."""
+        low = self._t_us[0] + time.ticks_diff(ready_us, self._last_us)
+        self._last_us = ready_us
+        self._t_us[0] = low & 0xFFFF
+        self._t_us[1] = self._t_us[1] + (low >> 16) & 0xFFFF
+
+    def _value_at(self, at: int) -> int:
+        first, second = self._burst[at], self._burst[at + 1]
+        value = first << 8 | second if self._sensor.is_big_endian else second << 8 | first
+        return value - 0x10000 if value & 0x8000 else value
+
+    def _name(self) -> str:
+        """Who reads the log of gyrodrift learns from it what is wrong with the wires."""
+        if self._sensor is None:
+            return "no gyro on I2C"
+        return "INT pin is quiet" if self._quiet_starts > 2 else self._sensor.id
+
+    def _send_hello(self) -> None:
+        sensor = self._sensor
+        rate_hz, dps_per_lsb = (0, 1.0) if sensor is None else (sensor.sample_rate_hz, sensor.dps_per_lsb)
+        self._out.write(self._writer.hello(rate_hz, dps_per_lsb, 0, self._name()))
+
+    def _find_sensor(self) -> None:
+        self._sensor = None
+        for sensor in SENSORS:
+            for address in sensor.addresses:
+                if self._sensor is None and self._is_started(sensor, address):
+                    self._sensor, self._address = sensor, address
+        self._quiet_starts += 1
+        self._send_hello()  # before samples that may have another scale
+        self._sample_ms = time.ticks_ms()
+
+    def _is_started(self, sensor: GyroSensor, address: int) -> bool:
+        try:
+            if self._i2c.readfrom_mem(address, sensor.who_reg, 1)[0] != sensor.who:
+                return False
+            for number, (register, value) in enumerate(sensor.writes):
+                self._i2c.writeto_mem(address, register, bytes([value]))
+                if number == 0:
+                    time.sleep_ms(RESET_MS)
+        except OSError:
+            return False
+        return True
+
+
+def main() -> None:
+    """Until the board is switched off."""
+    gyro = Gyro(sys.stdout.buffer)
+    while True:
+        gyro.step()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,13 @@
+/* The header of the firmware as a library, for callers who are not C. */
+#include "gyrodrift_native.h"
+
+int hello_frame(uint8_t *frame, uint16_t sample_rate_hz, float dps_per_lsb, uint32_t encoder_cpr, const char *device_id) {
+  const gyrodrift_hello hello = {sample_rate_hz, dps_per_lsb, encoder_cpr, device_id};
+  return gyrodrift_hello_frame(frame, &hello);
+}
+
+int sample_frame(uint8_t *frame, uint8_t flags, uint16_t seq, uint32_t t_us, int16_t rate_raw, int16_t temp_centi_c,
+                 int32_t encoder_counts) {
+  const gyrodrift_sample sample = {flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts};
+  return gyrodrift_sample_frame(frame, &sample);
+}

@@ -1,0 +1,155 @@
+"""The C header of the native protocol, on this machine: golden frames, any fields, any damage, strict compilers."""
+
+import ctypes
+import shutil
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+
+import pytest
+from firmware_support import SKETCH, STRICT, UNO, compiled, run
+from golden_frames import HELLO, SAMPLES, NativeSample
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_sim.measure import measure
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Base, Rig, load_rig
+from firmware_sim.wire import native
+from firmware_sim.wire.native import sample_frame
+from gyrodrift.link.protocols.native import NativeDecoder
+
+i16 = st.integers(-(2**15), 2**15 - 1)
+i32 = st.integers(-(2**31), 2**31 - 1)
+u16 = st.integers(0, 2**16 - 1)
+u32 = st.integers(0, 2**32 - 1)
+RIG = Rig(base=Base(bias_dps=0.3))
+
+FrameOf = Callable[..., bytes]
+
+
+class Header:
+    """Its two functions, by ctypes."""
+
+    def __init__(self, library: Path) -> None:
+        self._library = ctypes.CDLL(str(library))
+        c = ctypes
+        self._library.hello_frame.argtypes = [c.c_char_p, c.c_uint16, c.c_float, c.c_uint32, c.c_char_p]
+        fields = [c.c_uint8, c.c_uint16, c.c_uint32, c.c_int16, c.c_int16, c.c_int32]
+        self._library.sample_frame.argtypes = [c.c_char_p, *fields]
+
+    def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: bytes) -> bytes:
+        return self._framed(self._library.hello_frame, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id)
+
+    def sample(self, *fields: int) -> bytes:
+        return self._framed(self._library.sample_frame, *fields)
+
+    @staticmethod
+    def _framed(write: Callable[..., int], *fields: object) -> bytes:
+        """What is written beyond the length that it tells would show as well."""
+        buffer = ctypes.create_string_buffer(b"\xaa" * 64, 64)
+        length = write(buffer, *fields)
+        assert set(buffer.raw[length:]) == {0xAA}
+        return buffer.raw[:length]
+
+
+@pytest.fixture(scope="module")
+def header(tmp_path_factory: pytest.TempPathFactory) -> Header:
+    return Header(compiled("native_header.c", tmp_path_factory.mktemp("header"), "-shared", "-fPIC"))
+
+
+def test_hello_is_the_golden_one(header: Header) -> None:
+    """Byte for byte."""
+    assert header.hello(100, 0.00763, 36000, b"firmware_sim") == HELLO
+
+
+@pytest.mark.parametrize("sample", SAMPLES)
+def test_samples_are_the_golden_ones(header: Header, sample: NativeSample) -> None:
+    """Each of the table becomes its bytes."""
+    assert header.sample(*sample) == SAMPLES[sample]
+
+
+@given(st.integers(0, 255), u16, u32, i16, i16, i32)
+def test_any_sample_has_the_bytes_of_the_simulated_device(
+    header: Header, flags: int, seq: int, t_us: int, rate: int, temp: int, counts: int
+) -> None:
+    """Two encoders that share nothing agree on every field."""
+    assert header.sample(flags, seq, t_us, rate, temp, counts) == sample_frame(flags, seq, t_us, rate, temp, counts)
+
+
+@given(u16, st.floats(width=32, min_value=0.0, exclude_min=True, max_value=1e6), u32, st.binary(max_size=24))
+def test_any_hello_is_read_back(header: Header, rate_hz: int, scale: float, cpr: int, name: bytes) -> None:
+    """What of a name is longer than 16 is cut off, and it ends at its first zero."""
+    decoder = NativeDecoder()
+    assert decoder.push(header.hello(rate_hz, scale, cpr, name)) == []
+    assert decoder.counters.damaged == 0
+    heard = decoder.device
+    assert (heard.sample_rate_hz, heard.dps_per_lsb, heard.encoder_cpr) == (rate_hz or None, scale, cpr or None)
+    assert heard.device_id == name.partition(b"\0")[0][:16].decode("ascii", "replace")
+
+
+def test_the_stream_that_decoders_are_damaged_with_is_the_same(header: Header) -> None:
+    """So that what holds for the simulated device under any split and any damage holds for this one."""
+    base = load_rig(None).base
+    sent = [header.hello(round(base.sample_rate_hz), base.dps_per_lsb, base.encoder_cpr, b"firmware_sim")]
+    for block in islice(measure(RIG, load_profile("turntable"), seed=3), 1):
+        for seq, t_us, _, rate_raw, _, temp, counts in islice(block.rows(), 99):
+            sent.append(header.sample(3, seq, t_us, rate_raw, temp, counts))
+    frames = islice(native.frames(measure(RIG, load_profile("turntable"), seed=3), base), 100)
+    assert b"".join(sent) == b"".join(frame.content for frame in frames)
+
+
+@given(
+    st.lists(st.tuples(u16, i16, i16), min_size=1, max_size=30),
+    st.lists(st.tuples(st.integers(0, 1 << 12), st.binary(min_size=1, max_size=8)), max_size=4),
+)
+def test_damage_costs_the_frames_that_it_hits(
+    header: Header, measured: list[tuple[int, int, int]], damage: list[tuple[int, bytes]]
+) -> None:
+    """No other sample is lost, none is invented, and none has a wrong number."""
+    frames = [header.sample(2, seq, 5000 * i, rate, temp, 0) for i, (seq, rate, temp) in enumerate(measured)]
+    stream = bytearray(b"".join(frames))
+    for place, junk in damage:
+        start = place % len(stream)
+        stream[start : start + len(junk)] = junk[: len(stream) - start]
+    whole = [stream[20 * i : 20 * i + 20] == frame for i, frame in enumerate(frames)]
+    decoder = NativeDecoder()
+    decoder.push(header.hello(200, 1.0, 0, b""))
+    read = {reading.t_us: reading for reading in decoder.push(b"\0" + bytes(stream) + b"\0")}
+    assert read.keys() <= {5000 * i for i in range(len(measured))}
+    for i, (seq, rate, temp) in enumerate(measured):
+        is_clean = whole[i] and (i == 0 or stream[20 * i - 1] == 0)
+        assert not is_clean or 5000 * i in read
+        if 5000 * i in read:
+            reading = read[5000 * i]
+            assert (reading.seq, reading.rate_dps, reading.temp_c) == (seq, float(rate), temp / 100.0)
+
+
+@pytest.mark.parametrize("standard", ["c99", "c11", "c17"])
+def test_it_is_clean_c(standard: str) -> None:
+    """Under all warnings, conversions too."""
+    if shutil.which("cc") is None:
+        pytest.skip("there is no C compiler: apt-get install gcc")
+    run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, SKETCH / "gyrodrift_native.h")
+
+
+@pytest.mark.parametrize("standard", ["c++98", "c++11", "c++17"])
+def test_it_is_clean_cpp(standard: str) -> None:
+    """Likewise."""
+    if shutil.which("c++") is None:
+        pytest.skip("there is no C++ compiler: apt-get install g++")
+    run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, SKETCH / "gyrodrift_native.h")
+
+
+PEDANTIC = (*STRICT, "-pedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-fsyntax-only")
+
+
+def test_it_needs_nothing_of_a_system(tmp_path: Path) -> None:
+    """On an AVR it calls no function but that of the compiler, and keeps no variable."""
+    if shutil.which("avr-gcc") is None:
+        pytest.skip("there is no compiler for AVR: apt-get install gcc-avr avr-libc")
+    built = tmp_path / "header.o"
+    run("avr-gcc", *UNO, *STRICT, f"-I{SKETCH}", "-c", Path(__file__).parent / "native_header.c", "-o", built)
+    assert {line.split()[-1] for line in run("avr-nm", "-u", built).splitlines()} <= {"memcpy", "__do_copy_data"}
+    _, _, data, bss, *_ = ("", *run("avr-size", built).splitlines()[1].split())
+    assert (data, bss) == ("0", "0")

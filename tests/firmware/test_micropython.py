@@ -1,0 +1,110 @@
+"""The MicroPython program in MicroPython: golden frames, any fields, and a whole run with an MPU-6050."""
+
+import importlib.util
+import json
+from pathlib import Path
+from random import Random
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from firmware_support import MICROPYTHON, compiled, in_micropython, run, same_sensor
+from golden_frames import HELLO, SAMPLES
+from support import Command, never, speaking_on
+
+from firmware_sim.wire.native import sample_frame
+from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.sample import Reading
+
+SECONDS = 6.0
+BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True}
+
+
+def played(folder: Path, **board: Any) -> tuple[bytes, list[list[int]]]:
+    """What `main.py` sends, and what its gyro measured: t_us, rate in counts, temperature in counts."""
+    stream, _, truth = in_micropython("play_board.py", BOARD | board, folder).rpartition(b"\n")
+    return stream, json.loads(truth)
+
+
+def read_back(stream: bytes) -> tuple[NativeDecoder, list[Reading]]:
+    decoder = NativeDecoder()
+    return decoder, decoder.push(stream)
+
+
+def _sensors() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("gyro_sensors", MICROPYTHON / "gyro_sensors.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_frames_are_the_golden_ones(tmp_path: Path) -> None:
+    """HELLO and each sample of the table, byte for byte."""
+    hello = ["hello", [100, 0.00763, 36000, "firmware_sim"]]
+    samples = [["sample", list(sample)] for sample in SAMPLES]
+    assert in_micropython("write_frames.py", [hello, *samples], tmp_path) == HELLO + b"".join(SAMPLES.values())
+
+
+def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> None:
+    """So that what holds for that one under any split and any damage holds for this one; the ends of each field too."""
+    random = Random(7)
+    ends = [(0, 255), (0, 65535), (0, 2**32 - 1), (-32768, 32767), (-32768, 32767), (-(2**31), 2**31 - 1)]
+    asked = [[random.choice([*end, random.randint(*end)]) for end in ends] for _ in range(400)]
+    sent = in_micropython("write_frames.py", [["sample", fields] for fields in asked], tmp_path)
+    assert sent == b"".join(sample_frame(*fields) for fields in asked)
+
+
+def test_a_long_name_is_cut(tmp_path: Path) -> None:
+    """At 16 letters."""
+    decoder, _ = read_back(in_micropython("write_frames.py", [["hello", [1, 1.0, 0, "x" * 40]]], tmp_path))
+    assert decoder.device.device_id == "x" * 16
+
+
+def test_serve_reads_every_sample(tmp_path: Path, port: Path) -> None:
+    """Each rate, temperature and time that the gyro had, over the end of the board's clock."""
+    stream, truth = played(tmp_path)
+    with speaking_on(port) as device, Command("serve", "--port", port) as serve:
+        device.wait_for_reader(never)
+        device.send_all(stream, never)
+        lines = serve.take_lines(len(truth) - 1)
+        assert 'device_id="MPU-6050 250/42"' in serve.log
+    t_us, rates, temps = np.array(truth[: len(lines)]).T
+    assert len(lines) > 1100
+    assert [line["seq"] for line in lines] == list(range(1, len(lines) + 1))
+    assert [round(line["rate_dps"] * 131) for line in lines] == rates.tolist()
+    assert np.abs([line["temp_c"] for line in lines] - (temps / 340 + 36.53)).max() <= 0.0101
+    assert np.ptp([line["t_s"] * 1e6 for line in lines] - t_us) < 1.0
+
+
+def test_samples_take_no_memory(tmp_path: Path) -> None:
+    """Nothing has to be collected between two of them."""
+    assert in_micropython("count_memory.py", None, tmp_path) == b"1001 0"
+
+
+@pytest.mark.parametrize(("board", "name"), [({"absent": 9.0}, "no gyro on I2C"), ({"pin": False}, "INT pin is quiet")])
+def test_what_is_not_wired_is_told(tmp_path: Path, board: dict[str, Any], name: str) -> None:
+    """By HELLO, while there are no samples."""
+    decoder, readings = read_back(played(tmp_path, seconds=2.5, **board)[0])
+    assert (decoder.device.device_id, readings, decoder.counters.before_hello) == (name, [], 0)
+
+
+def test_a_gyro_that_is_plugged_in_late_is_found(tmp_path: Path) -> None:
+    """With its scale before the first sample."""
+    stream, truth = played(tmp_path, seconds=3.0, absent=1.5)
+    decoder, readings = read_back(stream)
+    assert decoder.device.device_id == "MPU-6050 250/42"
+    assert [round(reading.rate_dps * 131) for reading in readings] == [row[1] for row in truth[: len(readings)]]
+    assert len(readings) >= len(truth) - 1 > 200
+
+
+def test_the_records_of_sensors_are_those_of_the_sketch(tmp_path: Path) -> None:
+    """Which drives each of them in a simulated board."""
+    records = [json.loads(line) for line in run(compiled("sensor_records.c", tmp_path)).splitlines()]
+    sensors = _sensors().SENSORS
+    assert len(records) == len(sensors)
+    for record, sensor in zip(records, sensors, strict=True):
+        assert same_sensor(record, sensor)
+        assert len(sensor.id) <= 16

@@ -1,0 +1,143 @@
+"""The sketch on an Uno in simavr, with a gyro on its I2C and real `serve` at its serial line."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from firmware_support import HERE, LEONARDO, MEGA, SKETCH, STRICT, Board, Truth, run, sketch_object
+from support import Command
+
+from gyrodrift.session.mcap.read import read_mcap
+
+pytestmark = pytest.mark.xdist_group("firmware")  # it is compiled once
+
+MICROSECONDS_APART = 60.0
+"""Between the pin and the reading of the clock: other interrupts of the board; reading I2C alone takes 300."""
+
+
+def heard(board: Board, *more: str | Path) -> tuple[list[dict[str, Any]], str, dict[str, Any], Truth]:
+    """Lines and log of `serve` at a board until its end, and what the board and its gyro say."""
+    with board, Command("serve", "--port", board.link, *more) as serve:
+        serve.until(lambda _: board.is_over(), "end of the board")
+        result, truth = board.result()
+        serve.until(lambda command: "event=link_lost" in command.log, "end of the stream")
+        assert serve.stop() == 0
+        return serve.all_lines(), serve.log, result, truth
+
+
+def is_in_time(t_s: Any, truth: Truth) -> bool:
+    """Whether the clock of each sample was read at its measurement, but for when the board's clock began."""
+    late_us = np.asarray(t_s) * 1e6 - truth.t_us
+    return bool(late_us.max() - late_us.min() < MICROSECONDS_APART)
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Path:
+    return tmp_path / "uno"
+
+
+def test_no_sample_is_lost_on_the_way_to_serve_and_record(
+    board_program: Path, sketch: Path, link: Path, tmp_path: Path
+) -> None:
+    """At 200 Hz and 115200 baud: every rate and temperature that the gyro measured, and when it did."""
+    sessions = tmp_path / "sessions"
+    board = Board(board_program, sketch, link, seconds=10)
+    lines, log, result, truth = heard(board, "--record", str(sessions))
+    assert result["measured"] == len(truth.rate_raw) == len(lines) > 1900
+    assert [line["seq"] for line in lines] == list(range(1, len(lines) + 1))
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+    assert np.abs([line["temp_c"] for line in lines] - truth.temp_c).max() <= 0.01
+    assert is_in_time([line["t_s"] for line in lines], truth)
+    assert "gaps=0 missing=0" in log.splitlines()[-1]
+    (session,) = map(read_mcap, sessions.glob("*.mcap"))
+    assert np.rint(session.rate_dps * 131).tolist() == truth.rate_raw.tolist()
+    assert is_in_time(session.t_device_s, truth)
+
+
+@pytest.mark.parametrize(
+    ("gyro", "name", "counts_per_dps"),
+    [
+        ("mpu6050", "MPU-6050 250/42", 131.0),
+        ("lsm6dso", "LSM6DSO 250/67", 1000 / 8.75),
+        ("icm20948", "ICM-20948 250/51", 131.0),
+    ],
+)
+def test_hello_states_what_the_gyro_is_set_to(
+    board_program: Path, sketch: Path, link: Path, gyro: str, name: str, counts_per_dps: float
+) -> None:
+    """Sensor, range, low-pass and rate are those in its registers, and each of its samples comes through."""
+    lines, log, result, truth = heard(Board(board_program, sketch, link, seconds=2, gyro=gyro))
+    assert f'device_id="{name}" sample_rate_hz={result["rate_hz"]:.1f}' in log
+    assert name.split()[1] == f"{result['range_dps']:.0f}/{result['low_pass_hz']:.0f}"
+    assert [round(line["rate_dps"] * counts_per_dps) for line in lines] == truth.rate_raw.tolist()
+    assert np.abs([line["temp_c"] for line in lines] - truth.temp_c).max() <= 0.01
+    assert is_in_time([line["t_s"] for line in lines], truth)
+
+
+def test_a_gyro_that_is_plugged_in_late_is_found(board_program: Path, sketch: Path, link: Path) -> None:
+    """HELLO says that there is none; with the gyro comes its scale, before the first sample."""
+    lines, log, _, truth = heard(Board(board_program, sketch, link, seconds=3, absent=1))
+    assert log.index('device_id="no gyro on I2C"') < log.index('device_id="MPU-6050 250/42"')
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+
+
+def test_a_gyro_that_lost_its_settings_is_set_again(board_program: Path, sketch: Path, link: Path) -> None:
+    """As after a dip of its supply, which puts it to sleep."""
+    lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=3, reset=1))
+    assert len(lines) > 200
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+    assert float(np.diff(truth.t_us).max()) > 300e3
+
+
+def test_a_gyro_that_holds_the_bus_is_clocked_free(board_program: Path, sketch: Path, link: Path) -> None:
+    """As it does where the board was reset, by opening its port, while the gyro spoke."""
+    lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=2, held=7))
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+
+
+def test_what_is_too_fast_for_the_line_is_lost_and_counted(board_program: Path, sketch: Path, link: Path) -> None:
+    """Of a gyro with 1200 Hz half gets through; every sample has its own number, time and rate."""
+    lines, log, result, truth = heard(Board(board_program, sketch, link, seconds=3, ppm=5e6))
+    place = np.array([line["seq"] - 1 for line in lines])
+    assert 0.4 < len(lines) / result["measured"] < 0.6
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw[place].tolist()
+    assert is_in_time([line["t_s"] for line in lines], Truth(*(values[place] for values in truth)))
+    assert f"missing={place[-1] + 1 - len(lines)} " in log.splitlines()[-1]
+
+
+def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch: Path, link: Path) -> None:
+    """Nothing else looks wrong: the gyro answers, and no sample comes."""
+    with Board(board_program, sketch, link, seconds=3, pin=0), Command("serve", "--port", link) as serve:
+        serve.until_log('device_id="INT pin is quiet"')
+        assert serve.out == ""
+
+
+@pytest.mark.parametrize("kind", [MEGA, LEONARDO], ids=["mega", "leonardo"])
+def test_it_is_compiled_for_other_boards(tmp_path: Path, kind: tuple[str, ...]) -> None:
+    """Without a warning; a Leonardo has USB for its serial line, and other pins."""
+    assert "setup" in run("avr-nm", sketch_object(tmp_path, *kind))
+
+
+@pytest.mark.parametrize("core", ["ESP32", "ESP8266", "ARDUINO_ARCH_RP2040"])
+def test_it_is_compiled_where_numbers_have_32_bits(core: str) -> None:
+    """Against what such a core declares, without a warning."""
+    if shutil.which("c++") is None:
+        pytest.skip("there is no C++ compiler: apt-get install g++")
+    ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
+    run("c++", "-std=gnu++17", *STRICT, f"-D{core}", f"-I{HERE / 'other_core'}", "-fsyntax-only", *ino)
+
+
+def test_record_reads_it(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:
+    """To the end of its time, the first sample first."""
+    sessions = tmp_path / "sessions"
+    with (
+        Board(board_program, sketch, link, seconds=3) as board,
+        Command("record", "--port", link, "--out", sessions, "--duration", "2") as record,
+    ):
+        assert record.end() == 0
+        _, truth = board.result()
+    session = read_mcap(next(sessions.glob("*MPU-6050-250-42*.mcap")))
+    assert np.rint(session.rate_dps * 131).tolist() == truth.rate_raw[: len(session.rate_dps)].tolist()
+    assert session.t_device_s[-1] - session.t_device_s[0] > 1.9
