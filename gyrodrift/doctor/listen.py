@@ -133,6 +133,7 @@ def _status(link: Link, rate_hz: float | None, *, is_open: bool, has_line: bool)
         baud=link.baud,
         protocol=link.decoder.name if link.decoder else "unknown",
         is_open=is_open,
+        silent_s=link.silent_s(),
         rate_hz=rate_hz or 0.0,
         busy=frame_bytes * (rate_hz or 0.0) * BITS_PER_BYTE / link.baud if has_line else 0.0,
         **counted,

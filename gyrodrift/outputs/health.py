@@ -62,7 +62,12 @@ def _of_port(link: LinkStatus) -> Health | None:
         return Health(HealthLevel.BAD, f"The port {link.port} is gone; it is waited for.")
     if not link.samples:
         return Health(HealthLevel.NOTE, f"Nothing that can be decoded has come from {link.port} yet.")
-    if link.silent_s > SILENT_S:
+    return silent(link)
+
+
+def silent(link: LinkStatus, longest_s: float = SILENT_S) -> Health | None:
+    """A device that has stopped."""
+    if link.silent_s > longest_s:
         return Health(HealthLevel.BAD, f"The device has said nothing for {link.silent_s:.0f} s.")
     return None
 

@@ -8,6 +8,16 @@ from support import speaking_on
 
 QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
 SWAY = "about: To and fro.\nsegments: [{kind: sine, seconds: 60, amplitude_dps: 30, frequency_hz: 0.3}]\n"
+RADIANS_RIG = (
+    "base: {sample_rate_hz: 100, dps_per_lsb: 0.00013, noise_dps_rthz: 0.00006, bias_dps: 0.006, encoder_cpr: 0}\n"
+)
+RADIANS = """about: Turns of 90 deg/s as numbers in rad/s, with rests between them.
+segments:
+  - {kind: rest, seconds: 4}
+  - {kind: ramp, seconds: 1, to_dps: 1.57}
+  - {kind: hold, seconds: 4}
+  - {kind: ramp, seconds: 1, to_dps: 0}
+"""
 REST = ("--profile", "rest")
 
 CASES = {
@@ -86,7 +96,7 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
         status, found = doctor(capsys, "--port", port, "--seconds", "3", "--sensor", "mpu6050")
     assert status == 0
     assert {each["severity"] for each in found.values()} <= {"ok", "note"}
-    fine = "port protocol baud line_budget damage restarts gaps sample_rate stamps bursts stuck repeats clipped noise"
+    fine = "port protocol baud line_budget damage restarts gaps sample_rate stamps stuck repeats clipped noise"
     check(found, [(name, "ok", "") for name in fine.split()])
     check(found, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")])
     check(
@@ -140,7 +150,7 @@ def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> N
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
         _, found = doctor(capsys, "--port", port, "--seconds", "2")
     check(found, [("bursts", "note", "Samples arrive in bunches of"), ("jitter", "note", "Samples arrive unevenly")])
-    assert found["bursts"]["value"] == pytest.approx(10, rel=0.3)
+    assert found["bursts"]["value"] > 5
 
 
 def test_a_plug_that_is_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -148,6 +158,33 @@ def test_a_plug_that_is_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -
     with device(port, *REST, "--fault", "unplug:from_s=1,seconds=0.3"):
         _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
     check(found, [("unplugged", "warning", "The port came back once"), ("unplugged", "warning", "cable and hub")])
+
+
+def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What came before is told all the same."""
+    with device(port, *REST, "--fault", "unplug:from_s=0.8,seconds=100"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "1.2")
+    assert status == 3
+    check(found, [("unplugged", "error", "went away while it was listened to"), ("damage", "ok", "")])
+
+
+def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In the middle of a stream, with its port still there."""
+    with device(port, *REST, "--fault", "stall:from_s=0.5,seconds=100"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "2")
+    assert status == 3
+    check(found, [("silence", "error", "The device has said nothing for"), ("silence", "error", "firmware hangs")])
+
+
+def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is made of them in deg/s."""
+    (tmp_path / "rig.yaml").write_text(RADIANS_RIG)
+    (tmp_path / "turns.yaml").write_text(RADIANS)
+    with device(port, *FAST, "--protocol", "csv", "--rig", tmp_path / "rig.yaml", "--profile", tmp_path / "turns.yaml"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "1")
+    assert status == 3
+    check(found, [("rate_unit", "error", "rad/s rather than deg/s"), ("rate_unit", "error", "rate:rads")])
+    assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
 
 
 def test_a_device_that_never_rests(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,9 @@ from gyrodrift.outputs import health
 FULL = 0.6
 """Share of the line above which a frame more, or a higher rate, has no room."""
 
+SILENT_S = 1.0
+"""Who listens for half a minute does not wait as long as a service does."""
+
 CHECKED = frozenset({"native", "witmotion"})
 """Protocols with a checksum."""
 
@@ -93,6 +96,18 @@ def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
+def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
+    """A device that stopped speaking meanwhile."""
+    if not evidence.is_understood or evidence.recording is not None or not evidence.link.is_open:
+        return None
+    said = health.silent(evidence.link, SILENT_S)
+    if said is None:
+        return None
+    return of_health(
+        said, Severity.ERROR, "Its firmware hangs, perhaps in a read of the sensor: reset it, look at wires."
+    )
+
+
 def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
     """A port that went away meanwhile."""
     if evidence.recording is None and evidence.is_understood and not evidence.link.is_open:
@@ -152,6 +167,7 @@ CHECKS = (
     Check("baud", "the line rate, and which ones make sense for this stream", baud),
     Check("line_budget", "share of the line at this sample rate and frame size", line_budget),
     Check("damage", "frames that failed their checksum or form", damage),
+    Check("silence", "the device stopped speaking meanwhile", silence),
     Check("unplugged", "the port went away meanwhile", unplugged),
     Check("restarts", "the device booted, or its clock jumped", restarts),
     Check("clock_unit", "a clock that counts milliseconds or seconds", clock_unit),

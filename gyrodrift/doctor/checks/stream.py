@@ -132,11 +132,12 @@ def clock_drift(evidence: DeviceEvidence) -> DeviceFinding | None:
     """The device's clock against the host's."""
     if evidence.description is None or evidence.description.host is None or not evidence.has_clock:
         return None
-    ppm = evidence.link.clock_ppm
+    ppm, rough_ppm = evidence.link.clock_ppm, evidence.description.host.drift_ppm or 0.0
+    if abs(rough_ppm) > REPLAY_PPM:
+        pace = 1.0 + 1e-6 * rough_ppm
+        return note(f"Device time passes at {pace:.3g} times the pace of this computer: it is a replay.")
     if ppm is None:
         return ok("How fast its clock runs cannot be told from so few seconds, or so uneven arrivals.")
-    if abs(ppm) > REPLAY_PPM:
-        return note(f"Device time passes at {1.0 + 1e-6 * ppm:.3g} times the pace of this computer: it is a replay.")
     said = health.clock_off(evidence.link)
     if said is None:
         return ok(f"The device's clock is {ppm:+.0f} ppm off this computer's.", ppm, "ppm")
