@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from math import sqrt
 
+import numpy as np
+
 from gyrodrift.arrays import Floats
+from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.doctor.evidence import DeviceEvidence
 
 RAIL_LEAST_DPS = 20.0
@@ -39,8 +42,8 @@ def still_rate(evidence: DeviceEvidence) -> StillRate | None:
     rest, session, about = evidence.rest, evidence.session, evidence.description
     if rest is None or session is None or about is None or about.rate_hz is None or evidence.units:
         return None
-    t_s = session.t_device_s - session.t_device_s[0]
-    inside = (t_s >= rest.start_s) & (t_s <= rest.end_s)
+    t_s = session.t_device_s - session.t_device_s[np.isfinite(session.t_device_s)][0]
+    inside = (t_s >= rest.start_s) & (t_s <= rest.end_s) & np.isfinite(session.rate_dps)
     allan = about.allan
     walk = allan.angle_random_walk_deg_rts if allan is not None else None
     noise_dps_rthz = walk if walk is not None else rest.std_dps / sqrt(about.rate_hz)
@@ -55,3 +58,11 @@ def still_rate(evidence: DeviceEvidence) -> StillRate | None:
         std_dps=rest.std_dps,
         floor_dps=allan.bias_instability_dps if allan is not None else None,
     )
+
+
+def step_of(evidence: DeviceEvidence) -> float | None:
+    """The step of the rate, deg/s: what the device states, or what is seen where that is coarser; None without one."""
+    if evidence.session is None:
+        return None
+    seen, told = smallest_step(evidence.session.rate_dps), evidence.device.dps_per_lsb
+    return max(told, seen or 0.0) if told else seen

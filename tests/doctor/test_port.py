@@ -163,6 +163,19 @@ def test_without_a_port_it_is_looked_for(
     assert all(str(name) in found["port"]["do"] for name in ports[:count])
 
 
+def test_of_several_ports_that_of_the_gyro_is_taken(
+    port: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is opened once: what was heard while it was looked for is not lost to a second boot."""
+    names = [str(port), str(tmp_path / "gone")]
+    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(name) for name in names])
+    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    with device(port, *FAST, "--profile", "rest"):
+        status, found = doctor(capsys, "--seconds", "0.2")
+    assert status == 0
+    check(found, [("protocol", "ok", "It speaks native"), ("restarts", "ok", "")])
+
+
 def test_the_one_port_there_is_is_taken(
     port: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -43,7 +43,7 @@ def start_calibration(evidence: DeviceEvidence) -> DeviceFinding | None:
         f"{says} by noise alone. How far the bias wanders cannot be known from {at_rest.seconds:.0f} s of rest.{sheet}",
         drift.hour_deg,
         UNIT,
-        do=f"--seconds {LONG_S} at rest shows it.",
+        do=f"--seconds {LONG_S} at rest shows it." if at_rest.seconds < LONG_S else "",
     )
 
 

@@ -80,7 +80,7 @@ def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Frames that failed their checksum or form."""
-    if not evidence.is_understood:
+    if not _is_counted(evidence):
         return None
     said = health.damaged(evidence.link)
     share = evidence.link.damaged / max(evidence.link.samples + evidence.link.damaged, 1)
@@ -120,7 +120,7 @@ def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     """A device that booted, or whose clock jumped."""
-    if not evidence.is_understood:
+    if not _is_counted(evidence):
         return None
     said = health.restarted(evidence.link)
     if said is None:
@@ -150,6 +150,11 @@ def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
         f"The rates are {units['unit']} rather than deg/s, at odds of {units['odds']}: {units['reason']}.",
         f"{units['hint'][0].upper()}{units['hint'][1:]}.",
     )
+
+
+def _is_counted(evidence: DeviceEvidence) -> bool:
+    """Whether the link was heard, or its counters kept; a table of other people has none."""
+    return evidence.is_understood and (evidence.recording is None or evidence.link.bytes > 0)
 
 
 def _has_line(evidence: DeviceEvidence) -> bool:

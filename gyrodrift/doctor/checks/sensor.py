@@ -4,7 +4,6 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.describe.text import LOUD_DPS
 from gyrodrift.describe.values import RestSource
 from gyrodrift.doctor.check import Check
@@ -12,7 +11,7 @@ from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.doctor.sensors import with_step
 from gyrodrift.doctor.spectrum import spectrum_of
-from gyrodrift.doctor.still import RAIL_LEAST_DPS, still_rate
+from gyrodrift.doctor.still import RAIL_LEAST_DPS, step_of, still_rate
 from gyrodrift.outputs import health
 
 RAIL_SAMPLES = 5
@@ -34,7 +33,7 @@ def sensor(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Which sensor it is, as far as anybody says."""
     if evidence.session is None:
         return None
-    step_dps = _step_dps(evidence)
+    step_dps = step_of(evidence)
     if evidence.sensor is not None:
         scale = evidence.sensor.range_of(step_dps) if step_dps else None
         ranged = f", set to ±{scale} deg/s" if scale else ""
@@ -116,7 +115,7 @@ def noise(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 def resolution(evidence: DeviceEvidence) -> DeviceFinding | None:
     """The step of the rate beside its noise, and the range beside its turns."""
-    at_rest, step_dps = still_rate(evidence), _step_dps(evidence)
+    at_rest, step_dps = still_rate(evidence), step_of(evidence)
     if at_rest is None or evidence.session is None or not step_dps:
         return None
     says = f"The step of the rate is {step_dps:.3g} deg/s"
@@ -157,7 +156,7 @@ def aliasing(evidence: DeviceEvidence) -> DeviceFinding | None:
     mount = "Mount the sensor on foam, away from motors and fans"
     if not is_flat:
         return note(f"{tone}: vibration.", f"{mount}.", seen.tone_hz, "Hz")
-    folded = ", ".join(f"{hz:.4g}" for hz in (rate_hz - seen.tone_hz, rate_hz + seen.tone_hz))
+    folded = ", ".join(f"{hz:.3g}" for hz in (rate_hz - seen.tone_hz, rate_hz + seen.tone_hz))
     where = evidence.sensor.bandwidth_by if evidence.sensor else "see its data sheet"
     return warning(
         f"{tone}; nothing filters below half the sample rate, so it may be aliased, from {folded} Hz or more.",
@@ -229,14 +228,6 @@ def bias_moves(evidence: DeviceEvidence) -> DeviceFinding | None:
         moved_dps,
         "deg/s",
     )
-
-
-def _step_dps(evidence: DeviceEvidence) -> float | None:
-    if evidence.session is None:
-        return None
-    seen = smallest_step(evidence.session.rate_dps)
-    told = evidence.device.dps_per_lsb
-    return max(told, seen or 0.0) if told else seen
 
 
 CHECKS = (

@@ -3,12 +3,11 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.describe.text import JITTER_ODD
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
-from gyrodrift.doctor.still import RAIL_LEAST_DPS, still_rate
+from gyrodrift.doctor.still import RAIL_LEAST_DPS, step_of, still_rate
 from gyrodrift.outputs import health
 
 MANY_MISSING = 0.01
@@ -96,7 +95,9 @@ def jitter(evidence: DeviceEvidence) -> DeviceFinding | None:
     link = evidence.link
     said = health.uneven(link)
     if said is None:
-        return ok(f"95 of 100 samples arrive within {link.jitter_ms:.2g} ms of the soonest.", link.jitter_ms, "ms")
+        return ok(
+            f"95 of 100 samples arrive within {max(link.jitter_ms, 1e-3):.2g} ms of the soonest.", link.jitter_ms, "ms"
+        )
     effect = (
         "Yaw does not suffer, since the device has a clock of its own; what you control by it does."
         if evidence.has_clock
@@ -116,9 +117,11 @@ def bursts(evidence: DeviceEvidence) -> DeviceFinding | None:
     session, rate_hz = evidence.session, evidence.link.rate_hz
     if session is None or session.t_host_s is None or not rate_hz:
         return None
-    waits_s = np.diff(session.t_host_s)
-    apart = waits_s > TOGETHER * (session.t_host_s[-1] - session.t_host_s[0]) / max(len(waits_s), 1)
-    together = len(session.t_host_s) / (1 + int(apart.sum()))
+    arrivals_s = session.t_host_s[np.isfinite(session.t_host_s)]
+    waits_s = np.diff(arrivals_s)
+    if not waits_s.sum() > 0.0:
+        return None
+    together = len(arrivals_s) / (1 + int((waits_s > TOGETHER * waits_s.mean()).sum()))
     if together <= BUNCH:
         return ok("Samples arrive one by one.", together)
     return note(
@@ -140,7 +143,7 @@ def clock_drift(evidence: DeviceEvidence) -> DeviceFinding | None:
         return ok("How fast its clock runs cannot be told from so few seconds, or so uneven arrivals.")
     said = health.clock_off(evidence.link)
     if said is None:
-        return ok(f"The device's clock is {ppm:+.0f} ppm off this computer's.", ppm, "ppm")
+        return ok(f"The device's clock is {round(ppm) + 0:+d} ppm off this computer's.", ppm, "ppm")
     return of_health(
         said,
         Severity.WARNING,
@@ -173,7 +176,7 @@ def repeats(evidence: DeviceEvidence) -> DeviceFinding | None:
     at_rest = still_rate(evidence)
     if at_rest is None or not at_rest.std_dps:
         return None
-    step_dps = evidence.device.dps_per_lsb or smallest_step(at_rest.rate_dps) or 0.0
+    step_dps = step_of(evidence) or 0.0
     chance = step_dps / (2.0 * np.sqrt(np.pi) * at_rest.std_dps)  # of two normal values to fall on one step
     share = float((np.diff(at_rest.rate_dps) == 0.0).mean())
     if chance > 0.5 or share <= 1.3 * chance + REPEATED:
