@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from gyrodrift.describe.describe import describe
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.describe.values import SessionDescription
+from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
 from gyrodrift.doctor.look import latency_ms, look_at_port
 from gyrodrift.errors import LinkError, UnitError
 from gyrodrift.link.clocks.device import DeviceClock
@@ -52,29 +53,25 @@ def listen(
         return DeviceEvidence(options.port, port=outside, failure=error)
     try:
         _hear(link, seconds, heard, progress, monotonic)
-        if outside is not None:
+        if outside is not None:  # opening it has set the timer
             outside = replace(outside, latency_ms=latency_ms(outside.port.device))
-        is_open = link.port is not None
+        return _evidence(options.port, outside, link, heard)
     finally:
         link.close()
+
+
+def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Heard) -> DeviceEvidence:
     is_timed = not isinstance(heard.failure, UnitError)
     session = session_of(heard.samples) if heard.samples and is_timed else None
     description = describe(session) if session is not None else None
-    has_line = outside is not None and outside.has_line_rate
-    status = _status(link, description.rate_hz if description else None, is_open=is_open, has_line=has_line)
-    if description is not None and description.host is not None:
-        host = description.host
-        is_sure = host.drift_ppm is not None and (host.drift_sd_ppm or 0.0) < SURE_PPM
-        drift_ppm = host.drift_ppm if is_sure and isinstance(link.clock, DeviceClock) else None
-        status = replace(status, clock_ppm=drift_ppm, jitter_ms=1e3 * host.delay_p95_s)
-    about = link.device
+    about, has_clock = link.device, isinstance(link.clock, DeviceClock)
     return DeviceEvidence(
-        source=options.port,
+        source=source,
         port=outside,
         failure=heard.failure,
-        link=status,
+        link=_status(link, description, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
         device=DeviceStatus(about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr),
-        has_clock=isinstance(link.clock, DeviceClock),
+        has_clock=has_clock,
         units=heard.units,
         session=session,
         description=description,
@@ -124,17 +121,33 @@ def session_of(samples: list[Sample]) -> Session:
     )
 
 
-def _status(link: Link, rate_hz: float | None, *, is_open: bool, has_line: bool) -> LinkStatus:
+def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
     """The counters of the link, and the share of its line that samples at this rate take."""
-    counted = link.counted()
-    frame_bytes = counted["bytes"] / max(counted["samples"], 1)
+    counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
+    rate_hz = description.rate_hz or 0.0 if description else 0.0
+    bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * BITS_PER_BYTE
     return LinkStatus(
         port=link.name,
         baud=link.baud,
         protocol=link.decoder.name if link.decoder else "unknown",
-        is_open=is_open,
+        is_open=link.port is not None,
         silent_s=link.silent_s(),
-        rate_hz=rate_hz or 0.0,
-        busy=frame_bytes * (rate_hz or 0.0) * BITS_PER_BYTE / link.baud if has_line else 0.0,
+        rate_hz=rate_hz,
+        jitter_ms=jitter_ms(description),
+        busy=bits_per_s / link.baud if has_line else 0.0,
         **counted,
     )
+
+
+def clock_ppm(description: SessionDescription | None) -> float | None:
+    """How fast the device's clock runs against the host's; None where that is not sure."""
+    host = description.host if description else None
+    if host is None or host.drift_ppm is None or (host.drift_sd_ppm or 0.0) >= SURE_PPM:
+        return None
+    return host.drift_ppm
+
+
+def jitter_ms(description: SessionDescription | None) -> float:
+    """How much later than the soonest possible 95 of 100 samples arrive, ms; 0 without host times."""
+    host = description.host if description else None
+    return 0.0 if host is None else 1e3 * host.delay_p95_s

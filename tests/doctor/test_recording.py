@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from doctor_support import check, doctor
+from doctor_support import FAST, check, device, doctor
 from support import Command, Terminal
 
 from gyrodrift.cli import main
@@ -41,6 +41,23 @@ def test_a_recording_is_looked_at_too(session: Path, capsys: pytest.CaptureFixtu
     )
     assert found["clock_drift"]["value"] == pytest.approx(5000, abs=100)
     assert not {"port", "permission", "holder", "adapter", "baud"} & set(found)
+
+
+def test_what_a_recording_kept_of_its_link_is_told(
+    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Damage, the protocol and how full the line was; a table of other people says nothing of them."""
+    out = tmp_path / "out"
+    record = ("record", "--port", port, "--out", out, "--duration", "10")
+    with device(port, *FAST, "--profile", "rest", "--fault", "bit_flips:per_kilobyte=5"), Command(*record) as run:
+        assert run.end() == 0, run.log
+    status, found = doctor(capsys, *out.glob("*.mcap"))
+    assert status == 3
+    check(found, [("damage", "error", "frames arrived damaged"), ("protocol", "ok", "It speaks native")])
+    assert found["line_budget"]["value"] == pytest.approx(0.2, abs=0.06)
+    (tmp_path / "table.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 10},{i % 3}\n" for i in range(300)))
+    _, found = doctor(capsys, tmp_path / "table.csv")
+    assert not {"damage", "restarts", "line_budget", "protocol", "jitter", "clock_drift"} & set(found)
 
 
 def test_each_finding_has_the_keys_that_programs_read(session: Path) -> None:
