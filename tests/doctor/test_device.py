@@ -151,6 +151,24 @@ def test_noise_and_bias_beyond_the_data_sheet(port: Path, tmp_path: Path, capsys
     )
 
 
+def test_noise_and_range_short_of_the_data_sheet(
+    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A mean hides noise, and a finer range is offered where the step is as large as the noise."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base: {sample_rate_hz: 100, dps_per_lsb: 0.03049, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n")
+    with device(port, *FAST, *REST, "--rig", rig):
+        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "icm20948")
+    check(
+        found,
+        [
+            ("sensor", "ok", "ICM-20948, set to ±1000 deg/s"),
+            ("noise", "note", "something averages"),
+            ("resolution", "note", "A range of ±250 deg/s is finer"),
+        ],
+    )
+
+
 def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """As a slow USB host or Bluetooth delivers them."""
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
