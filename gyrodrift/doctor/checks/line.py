@@ -14,8 +14,8 @@ FULL = 0.6
 SILENT_S = 1.0
 """Who listens for half a minute does not wait as long as a service does."""
 
-CHECKED = frozenset({"native", "witmotion"})
-"""Protocols with a checksum."""
+UNCHECKED = frozenset({"csv", "text"})
+"""Protocols without a checksum."""
 
 
 def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
@@ -33,7 +33,7 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
             f"{says}, which carries no device clock: samples are timed by their arrival.",
             "Send the sensor's time with each sample, where the firmware is yours.",
         )
-    if link.protocol in {"csv", "text"}:
+    if link.protocol in UNCHECKED:
         return note(
             f"{says}: lines without a checksum, so a damaged one may pass for a rate.",
             "Send native frames over long or noisy lines.",
@@ -85,7 +85,7 @@ def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     said = health.damaged(evidence.link)
     share = evidence.link.damaged / max(evidence.link.samples + evidence.link.damaged, 1)
     if said is None:
-        seen = "No frame arrived damaged." if evidence.link.protocol in CHECKED else "Every line could be read."
+        seen = "Every line could be read." if evidence.link.protocol in UNCHECKED else "No frame arrived damaged."
         return ok(seen, 0.0)
     return of_health(
         said,
