@@ -23,6 +23,7 @@ ROOMS = {
     "outputs": BASE,
     "config": f"{BASE} filters outputs",
     "describe": f"{BASE} evaluation filters html session",
+    "doctor": f"{BASE} describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",
     "service": f"{BASE} config filters link outputs recording",
     "top": f"{BASE} outputs service",

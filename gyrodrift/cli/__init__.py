@@ -14,6 +14,7 @@ COMMANDS = {
     "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
     "install-service": "run serve under systemd: unit, udev rule, start",
     "devices": "list serial ports: stable name, maker, who holds each, what speaks there",
+    "doctor": "what is wrong with a device or a recording, what to do, and what drift to expect",
     "top": "watch a running service in the terminal",
     "record": "read a device and write what it sends into session files",
     "tune": "find the filter's parameters from recorded sessions",

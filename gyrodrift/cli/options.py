@@ -31,13 +31,14 @@ ITERATIONS = 3000
 TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 
-def add_link_options(parser: argparse.ArgumentParser) -> None:
-    """The options of every command that reads a device."""
+def add_link_options(parser: argparse.ArgumentParser, default_port: str | None = None) -> None:
+    """The options of every command that reads a device; the port has to be given where it has no default."""
     from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS
 
     parser.add_argument(
         "--port",
-        required=True,
+        required=default_port is None,
+        default=default_port,
         help="serial port of the device, such as /dev/ttyUSB0, or auto for the one gyro that is plugged in",
     )
     parser.add_argument(

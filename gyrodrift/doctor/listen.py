@@ -1,0 +1,153 @@
+"""Listening to a device for a while, as `serve` does it, and keeping all of it."""
+
+import select
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from gyrodrift.describe.describe import describe
+from gyrodrift.describe.values import SessionDescription
+from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
+from gyrodrift.doctor.look import latency_ms, look_at_port
+from gyrodrift.errors import LinkError, UnitError
+from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.port import Port
+from gyrodrift.outputs.status import DeviceStatus, LinkStatus
+from gyrodrift.progress import OnProgress
+from gyrodrift.sample import Sample
+from gyrodrift.session.session import Session
+
+BITS_PER_BYTE = 10
+SURE_PPM = 100.0
+"""The drift of a clock is told when its standard error is below that."""
+
+
+@dataclass(slots=True)
+class _Heard:
+    samples: list[Sample] = field(default_factory=list)
+    units: dict[str, Any] = field(default_factory=dict)
+    failure: LinkError | None = None
+
+    def on_event(self, event: str, **fields: Any) -> None:
+        if event == "rate_unit_differs":
+            self.units = fields
+
+
+def listen(
+    options: LinkOptions,
+    seconds: float,
+    progress: OnProgress,
+    port: Port | None = None,
+    monotonic: Callable[[], float] = time.monotonic,
+) -> DeviceEvidence:
+    """What is seen of a device within `seconds` from its first sample; `port` is open already, None to open it."""
+    outside = look_at_port(options.port)
+    heard = _Heard()
+    try:
+        link = Link(options, heard.on_event, monotonic, port)
+    except LinkError as error:
+        return DeviceEvidence(options.port, port=outside, failure=error)
+    try:
+        _hear(link, seconds, heard, progress, monotonic)
+        if outside is not None:  # opening it has set the timer
+            outside = replace(outside, latency_ms=latency_ms(outside.port.device))
+        return _evidence(options.port, outside, link, heard)
+    finally:
+        link.close()
+
+
+def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Heard) -> DeviceEvidence:
+    is_timed = not isinstance(heard.failure, UnitError)
+    session = session_of(heard.samples) if heard.samples and is_timed else None
+    description = describe(session) if session is not None else None
+    about, has_clock = link.device, isinstance(link.clock, DeviceClock)
+    return DeviceEvidence(
+        source=source,
+        port=outside,
+        failure=heard.failure,
+        link=_status(link, description, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
+        device=DeviceStatus(about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr),
+        has_clock=has_clock,
+        units=heard.units,
+        session=session,
+        description=description,
+    )
+
+
+def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monotonic: Callable[[], float]) -> None:
+    opened_s = monotonic()
+    begun_s: float | None = None
+    while True:
+        _wait(link)
+        try:
+            heard.samples += link.read()
+        except LinkError as error:
+            heard.failure = error
+            return
+        now_s = monotonic()
+        if begun_s is None and heard.samples:
+            begun_s = now_s
+        if begun_s is not None and now_s - begun_s >= seconds:
+            return
+        what = "waiting for the device" if begun_s is None else "listening, keep it still"
+        progress(what, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
+
+
+def _wait(link: Link) -> None:
+    poller = select.poll()
+    fd = link.fileno()
+    if fd is not None:
+        poller.register(fd, select.POLLIN)
+    poller.poll(min(link.wake_s(), 0.1) * 1e3)
+
+
+def session_of(samples: list[Sample]) -> Session:
+    """Samples as a session that was never written."""
+    seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c = (
+        np.array(column) for column in zip(*samples, strict=True)
+    )
+    return Session(
+        name="now",
+        t_device_s=t_device_s,
+        rate_dps=rate_dps,
+        t_host_s=t_host_s,
+        seq=seq,
+        encoder_deg=None if np.isnan(encoder_deg).all() else encoder_deg,
+        temp_c=None if np.isnan(temp_c).all() else temp_c,
+    )
+
+
+def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
+    """The counters of the link, and the share of its line that samples at this rate take."""
+    counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
+    rate_hz = description.rate_hz or 0.0 if description else 0.0
+    bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * BITS_PER_BYTE
+    return LinkStatus(
+        port=link.name,
+        baud=link.baud,
+        protocol=link.decoder.name if link.decoder else "unknown",
+        is_open=link.port is not None,
+        silent_s=link.silent_s(),
+        rate_hz=rate_hz,
+        jitter_ms=jitter_ms(description),
+        busy=bits_per_s / link.baud if has_line else 0.0,
+        **counted,
+    )
+
+
+def clock_ppm(description: SessionDescription | None) -> float | None:
+    """How fast the device's clock runs against the host's; None where that is not sure."""
+    host = description.host if description else None
+    if host is None or host.drift_ppm is None or (host.drift_sd_ppm or 0.0) >= SURE_PPM:
+        return None
+    return host.drift_ppm
+
+
+def jitter_ms(description: SessionDescription | None) -> float:
+    """How much later than the soonest possible 95 of 100 samples arrive, ms; 0 without host times."""
+    host = description.host if description else None
+    return 0.0 if host is None else 1e3 * host.delay_p95_s

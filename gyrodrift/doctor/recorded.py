@@ -1,0 +1,72 @@
+"""A recording as evidence: its samples, and what was kept of its link beside them."""
+
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+
+from gyrodrift.describe.describe import describe
+from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.listen import clock_ppm, jitter_ms
+from gyrodrift.link.protocols.registry import PROTOCOLS
+from gyrodrift.outputs.status import DeviceStatus, LinkStatus
+from gyrodrift.session.files import load_session
+
+COUNTED = ("bytes", "damaged", "before_hello", "clipped", "device_resets", "reconnects")
+"""Counters of the link that a recording keeps, but for those that its samples show."""
+
+
+def recorded(path: Path) -> DeviceEvidence:
+    """What a recording shows of the device.
+
+    Raises
+    ------
+    DataError
+        Where it cannot be read.
+    """
+    session = load_session(path)
+    description = describe(session)
+    about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))
+    counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}
+    protocol = about.get("protocol", "")
+    link = LinkStatus(
+        port=about.get("port", str(path)),
+        baud=int(_number(about, "baud") or 0.0),
+        protocol=protocol,
+        is_open=True,
+        rate_hz=description.rate_hz or 0.0,
+        jitter_ms=jitter_ms(description),
+        samples=description.samples,
+        gaps=description.gaps.count,
+        missing=description.gaps.missing,
+        clock_ppm=clock_ppm(description),
+        **counted,
+    )
+    return DeviceEvidence(
+        source=str(path),
+        recording=path,
+        link=link,
+        device=_device(device),
+        has_clock=PROTOCOLS[protocol].has_clock if protocol in PROTOCOLS else True,
+        session=session,
+        description=description,
+    )
+
+
+def _device(kept: Mapping[str, str]) -> DeviceStatus:
+    """What the device said of itself when it was recorded."""
+    counts = _number(kept, "encoder_cpr")
+    return DeviceStatus(
+        device_id=kept.get("device_id"),
+        sample_rate_hz=_number(kept, "sample_rate_hz"),
+        dps_per_lsb=_number(kept, "dps_per_lsb"),
+        encoder_cpr=None if counts is None else int(counts),
+    )
+
+
+def _number(kept: Mapping[str, str], name: str) -> float | None:
+    """A number that was kept; None where there is none, or, in files of other programs, something else."""
+    try:
+        found = float(kept[name])
+    except (KeyError, ValueError):
+        return None
+    return found if isfinite(found) else None

@@ -1,0 +1,119 @@
+"""Data sheets of usual gyros, as far as a finding compares with them: one record a sensor."""
+
+import re
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """Typical values of a data sheet; None for what it does not state.
+
+    ranges
+        Full scale in deg/s, and the counts of one deg/s there.
+    noise_dps_rthz
+        Rate noise density, one-sided, deg/s/√Hz.
+    zero_rate_dps
+        How far from zero the rate may be at rest, at 25 °C, deg/s.
+    zero_rate_dps_c
+        How far that moves with temperature, deg/s/°C.
+    in_run_dps
+        In-run bias stability, deg/s.
+    bandwidth_by
+        How the low-pass in the sensor is set.
+    source
+        Number of the data sheet, and where in it.
+    """
+
+    name: str
+    ranges: tuple[tuple[int, float], ...]
+    noise_dps_rthz: float
+    source: str
+    bandwidth_by: str
+    zero_rate_dps: float | None = None
+    zero_rate_dps_c: float | None = None
+    in_run_dps: float | None = None
+
+    def range_of(self, step_dps: float) -> int | None:
+        """The full scale that has this step, deg/s; None where none has."""
+        return next((scale for scale, lsb in self.ranges if abs(step_dps * lsb - 1.0) < STEP_TOLERANCE), None)
+
+
+STEP_TOLERANCE = 0.01
+
+INVENSENSE = ((250, 131.0), (500, 65.5), (1000, 32.8), (2000, 16.4))
+ST = ((125, 1e3 / 4.375), (250, 1e3 / 8.75), (500, 1e3 / 17.5), (1000, 1e3 / 35.0), (2000, 1e3 / 70.0))
+BOSCH = ((125, 262.4), (250, 131.2), (500, 65.6), (1000, 32.8), (2000, 16.4))
+
+SENSORS = (
+    Sensor(
+        "MPU-6050",
+        INVENSENSE,
+        noise_dps_rthz=0.005,
+        source="InvenSense PS-MPU-6000A rev. 3.4, 6.1",
+        bandwidth_by="DLPF_CFG of register 0x1A",
+        zero_rate_dps=20.0,
+        zero_rate_dps_c=0.16,  # ±20 deg/s from −40 to 85 °C
+    ),
+    Sensor(
+        "ICM-20948",
+        INVENSENSE,
+        noise_dps_rthz=0.015,
+        source="TDK InvenSense DS-000189 rev. 1.3, table 1",
+        bandwidth_by="GYRO_DLPFCFG of register 0x01 in bank 2",
+        zero_rate_dps=5.0,
+        zero_rate_dps_c=0.05,
+    ),
+    Sensor(
+        "LSM6DS3",
+        ST,
+        noise_dps_rthz=0.007,
+        source="ST DocID026899, mechanical characteristics",
+        bandwidth_by="the output data rate of CTRL2_G (0x11)",
+        zero_rate_dps=10.0,
+        zero_rate_dps_c=0.05,
+    ),
+    Sensor(
+        "LSM6DSO",
+        ST,
+        noise_dps_rthz=0.0038,
+        source="ST DS12140, table 2",
+        bandwidth_by="LPF1 of CTRL4_C (0x13) and CTRL6_C (0x15)",
+        zero_rate_dps=1.0,
+        zero_rate_dps_c=0.01,
+    ),
+    Sensor(
+        "BMI160",
+        BOSCH,
+        noise_dps_rthz=0.007,
+        source="Bosch BST-BMI160-DS000, gyroscope parameters",
+        bandwidth_by="gyr_bwp of register 0x42",
+        zero_rate_dps=3.0,
+        zero_rate_dps_c=0.05,
+    ),
+    Sensor(
+        "ADIS16470",
+        ((2000, 10.0),),
+        noise_dps_rthz=0.008,
+        source="Analog Devices ADIS16470 rev. C, page 1",
+        bandwidth_by="FILT_CTRL, register 0x5C",
+        in_run_dps=8.0 / 3600.0,
+    ),
+)
+"""Longer names stand behind those that they begin with."""
+
+
+def plain(name: str) -> str:
+    """Letters and digits alone, in capitals: mpu_6050 is an MPU-6050."""
+    return re.sub(r"[^A-Z0-9]", "", name.upper())
+
+
+def sensor_named(text: str) -> Sensor | None:
+    """The sensor that a device, a file or a person names somewhere in a text; None where none is."""
+    found = [sensor for sensor in SENSORS if plain(sensor.name) in plain(text)]
+    return found[-1] if found else None
+
+
+def with_step(step_dps: float) -> list[tuple[Sensor, int]]:
+    """The sensors that have a range with this step, and the range."""
+    found = [(sensor, sensor.range_of(step_dps)) for sensor in SENSORS]
+    return [(sensor, scale) for sensor, scale in found if scale is not None]

@@ -1,0 +1,245 @@
+"""What `gyrodrift doctor` finds at a simulated device: each fault and effect by its finding, over a real pty."""
+
+from pathlib import Path
+
+import pytest
+from doctor_support import FAST, SECONDS, check, device, doctor
+from support import speaking_on
+
+QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
+SWAY = "about: To and fro.\nsegments: [{kind: sine, seconds: 60, amplitude_dps: 30, frequency_hz: 0.3}]\n"
+RADIANS_RIG = (
+    "base: {sample_rate_hz: 100, dps_per_lsb: 0.00013, noise_dps_rthz: 0.00006, bias_dps: 0.006, encoder_cpr: 0}\n"
+)
+RADIANS = """about: Turns of 90 deg/s as numbers in rad/s, with rests between them.
+segments:
+  - {kind: rest, seconds: 4}
+  - {kind: ramp, seconds: 1, to_dps: 1.57}
+  - {kind: hold, seconds: 4}
+  - {kind: ramp, seconds: 1, to_dps: 0}
+"""
+REST = ("--profile", "rest")
+
+CASES = {
+    "bit flips, lost samples, a reset, a sensor that hangs": (
+        (
+            *(*REST, "--fault", "bit_flips", "--effect", "sample_drop:share_percent=3"),
+            *("--fault", "reset:from_s=8", "--fault", "stuck_value:from_s=16"),
+        ),
+        (
+            ("stuck", "error", "said one value for"),
+            ("stuck", "error", "set up the sensor anew"),
+            ("damage", "error", "frames arrived damaged"),
+            ("damage", "error", "Shorten the cable"),
+            ("gaps", "warning", "Lost: "),
+            ("restarts", "warning", "The device began anew once."),
+        ),
+    ),
+    "lines of stale samples with scattered times": (
+        (
+            *REST,
+            "--protocol",
+            "csv",
+            "--effect",
+            "stale_hold:share_percent=20",
+            "--effect",
+            "timestamp_jitter:sigma_ms=3",
+        ),
+        (
+            ("protocol", "note", "It speaks csv: lines without a checksum"),
+            ("damage", "ok", "Every line could be read."),
+            ("repeats", "warning", "repeat the one before"),
+            ("stamps", "warning", "interrupt of data-ready"),
+        ),
+    ),
+    "vibration above half the sample rate": (
+        (*REST, "--effect", "vibration:amplitude_dps=0.5,frequency_hz=73"),
+        (("aliasing", "warning", "A tone of 27 Hz"), ("aliasing", "warning", "aliased, from 73, 127 Hz or more")),
+    ),
+    "vibration behind a low-pass": (
+        (*REST, "--effect", "vibration:amplitude_dps=0.5,frequency_hz=12", "--effect", "bandwidth:cutoff_hz=12"),
+        (("aliasing", "note", "A tone of 12 Hz"),),
+    ),
+    "coarse steps, and a range that ends": (
+        ("--profile", "turntable", "--effect", "saturation:limit_dps=40", "--effect", "quantization:step_dps=0.25"),
+        (
+            ("resolution", "warning", "The step of the rate is 0.2"),
+            ("clipped", "warning", "samples say exactly "),
+            ("stuck", "ok", ""),
+            ("repeats", "ok", ""),
+        ),
+    ),
+    "a sensor at its rail, at another rate than HELLO says": (
+        (*REST, "--fault", "full_scale:from_s=7", "--fault", "rate_change:from_s=6"),
+        (
+            ("clipped", "error", "left the range of the sensor"),
+            ("clipped", "error", "stands at its rail"),
+            ("sample_rate", "warning", "samples a second arrive; the device says 100."),
+            ("rate_changes", "warning", "from 100 to 50 Hz"),
+        ),
+    ),
+    "no device clock": (
+        (*REST, "--protocol", "witmotion"),
+        (("protocol", "note", "It speaks witmotion, which carries no device clock"),),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_fault_has_its_finding(port: Path, capsys: pytest.CaptureFixture[str], case: str) -> None:
+    """With what to do about it; the status is 3 where one of them is an error."""
+    words, expected = CASES[case]
+    with device(port, *FAST, *words):
+        status, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
+    check(found, expected)
+    severities = {each["severity"] for each in found.values()}
+    assert status == (3 if "error" in severities else 0)
+
+
+def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In real time; bias and drift are those that the rig has."""
+    with device(port, *REST):
+        status, found = doctor(capsys, "--port", port, "--seconds", "3", "--sensor", "mpu6050")
+    assert status == 0
+    assert {each["severity"] for each in found.values()} <= {"ok", "note"}
+    fine = "port protocol baud line_budget damage restarts gaps sample_rate stamps stuck repeats clipped noise"
+    check(found, [(name, "ok", "") for name in fine.split()])
+    check(found, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")])
+    check(
+        found, [("drift_start_calibration", "ok", "by noise alone. How far the bias wanders cannot be known from 3 s")]
+    )
+    assert found["bias"]["value"] == pytest.approx(0.35, abs=0.01)
+    assert found["drift_plain"]["value"] == pytest.approx(3600 * 0.35, rel=0.03)
+    assert found["drift_plain"]["says"].startswith("Plain integration drifts 21 deg in a minute")
+    assert found["line_budget"]["value"] == pytest.approx(10 * 20.3 * 100 / 115200, rel=0.02)
+
+
+def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Noise, temperature, bias that moves, and what each filter leaves; what cannot be known is said."""
+    with device(port, *FAST, *REST, "--effect", "warmup:amplitude_dps=0.5,time_constant_s=200"):
+        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
+    check(
+        found,
+        [
+            ("noise", "ok", "deg/s/√Hz"),
+            ("temperature", "note", "°C a minute"),
+            ("bias_moves", "note", "The bias moved by -0."),
+            ("clock_drift", "note", "times the pace of this computer: it is a replay"),
+            ("sensor", "note", "MPU-6050 at ±250"),
+            ("drift_start_calibration", "ok", "A start calibration of 3 s leaves ±"),
+            ("drift_hdr", "ok", "cannot be known from a rest"),
+            ("drift_restlevel", "ok", "stands still at rest"),
+        ],
+    )
+    assert found["noise"]["value"] == pytest.approx(2**0.5 * 0.0035, rel=0.15)
+    assert found["drift_restlevel"]["value"] < found["drift_plain"]["value"] / 10
+
+
+def test_noise_and_bias_beyond_the_data_sheet(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of the sensor that was named."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text(QUIET_RIG % (0.02, 25.0))
+    with device(port, *FAST, *REST, "--rig", rig):
+        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "MPU-6050")
+    check(
+        found,
+        [
+            ("noise", "warning", "times the 0.005 of the MPU-6050"),
+            ("noise", "warning", "DLPF_CFG"),
+            ("bias", "warning", "the MPU-6050 may have ±20"),
+        ],
+    )
+
+
+def test_noise_and_range_short_of_the_data_sheet(
+    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A mean hides noise, and a finer range is offered where the step is as large as the noise."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base: {sample_rate_hz: 100, dps_per_lsb: 0.03049, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n")
+    with device(port, *FAST, *REST, "--rig", rig):
+        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "icm20948")
+    check(
+        found,
+        [
+            ("sensor", "ok", "ICM-20948, set to ±1000 deg/s"),
+            ("noise", "note", "something averages"),
+            ("resolution", "note", "A range of ±250 deg/s is finer"),
+        ],
+    )
+
+
+def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As a slow USB host or Bluetooth delivers them."""
+    with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
+        _, found = doctor(capsys, "--port", port, "--seconds", "2")
+    check(found, [("bursts", "note", "Samples arrive in bunches of"), ("jitter", "note", "Samples arrive unevenly")])
+    assert found["bursts"]["value"] > 5
+
+
+def test_a_plug_that_is_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """And put back while it is listened to."""
+    with device(port, *REST, "--fault", "unplug:from_s=1,seconds=0.3"):
+        _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
+    check(found, [("unplugged", "warning", "The port came back once"), ("unplugged", "warning", "cable and hub")])
+
+
+def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What came before is told all the same."""
+    with device(port, *REST, "--fault", "unplug:from_s=0.8,seconds=100"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "1.2")
+    assert status == 3
+    check(found, [("unplugged", "error", "went away while it was listened to"), ("damage", "ok", "")])
+
+
+def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In the middle of a stream, with its port still there."""
+    with device(port, *REST, "--fault", "stall:from_s=0.5,seconds=100"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "2")
+    assert status == 3
+    check(found, [("silence", "error", "The device has said nothing for"), ("silence", "error", "firmware hangs")])
+
+
+def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is made of them in deg/s."""
+    (tmp_path / "rig.yaml").write_text(RADIANS_RIG)
+    (tmp_path / "turns.yaml").write_text(RADIANS)
+    with device(port, *FAST, "--protocol", "csv", "--rig", tmp_path / "rig.yaml", "--profile", tmp_path / "turns.yaml"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "1")
+    assert status == 3
+    check(found, [("rate_unit", "error", "rad/s rather than deg/s"), ("rate_unit", "error", "rate:rads")])
+    assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
+
+
+def test_a_device_that_never_rests(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is said of noise, bias and drift, but why."""
+    (tmp_path / "sway.yaml").write_text(SWAY)
+    with device(port, *FAST, "--profile", tmp_path / "sway.yaml"):
+        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
+    check(found, [("still", "warning", "Leave it on a table")])
+    assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
+
+
+def test_a_clock_of_milliseconds(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing else is made of such times."""
+    with device(port, *REST, "--protocol", "csv", "--fault", "millisecond_clock"):
+        status, found = doctor(capsys, "--port", port, "--seconds", "3")
+    assert status == 3
+    check(found, [("clock_unit", "error", "counts milliseconds"), ("clock_unit", "error", "--columns")])
+    assert not {"sample_rate", "still", "bias"} & set(found)
+
+
+def test_a_wrong_baud_rate(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One that was given and is not that of the device."""
+    with device(port, *REST, "--fault", "wrong_baud:baud=9600"):
+        status, found = doctor(capsys, "--port", port, "--timeout", "1", "--baud", "115200")
+    assert status == 3
+    check(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "leave --baud out")])
+
+
+def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An error, with what to look at."""
+    with speaking_on(port):
+        status, found = doctor(capsys, "--port", port, "--timeout", "0.5")
+    assert status == 3
+    check(found, [("protocol", "error", "TX and RX the right way round"), ("port", "ok", "The port is /dev/pts/")])

@@ -1,0 +1,62 @@
+"""The numbers behind findings: drift that is expected against drift that happens, tones in a spectrum, data sheets."""
+
+import numpy as np
+import pytest
+
+from gyrodrift.doctor.drift import MINUTE_S, of_bias, of_uncertainty
+from gyrodrift.doctor.sensors import SENSORS, sensor_named, with_step
+from gyrodrift.doctor.spectrum import spectrum_of
+
+NOISE, WALK, SIGMA = 0.0035, 0.0005, 0.002
+RATE_HZ = 10.0
+
+
+def test_expected_drift_is_the_scatter_of_yaw_that_is_drawn() -> None:
+    """Bias, white noise and a walk of the bias, integrated over a minute, two thousand times."""
+    rng = np.random.default_rng(5)
+    runs, steps = 2000, int(MINUTE_S * RATE_HZ)
+    walks = WALK / np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps)).cumsum(axis=1)
+    whites = NOISE * np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps))
+    rates = SIGMA * rng.standard_normal((runs, 1)) + walks + whites
+    yaws = rates.sum(axis=1) / RATE_HZ
+    assert of_uncertainty(SIGMA, NOISE, WALK).minute_deg == pytest.approx(yaws.std(), rel=0.06)
+
+
+def test_a_bias_adds_up() -> None:
+    """Whatever its sign."""
+    assert (of_bias(-0.5).minute_deg, of_bias(-0.5).hour_deg) == (30.0, 1800.0)
+    assert str(of_bias(0.35)) == "21 deg in a minute, 1260 deg in an hour"
+
+
+def test_a_tone_is_found_with_its_frequency_and_amplitude() -> None:
+    """In noise that hides it from the eye; noise alone has none."""
+    rng = np.random.default_rng(1)
+    noise = 0.035 * rng.standard_normal(3000)
+    tone = 0.02 * np.sin(2.0 * np.pi * 27.0 * np.arange(3000) / 100.0)
+    seen = spectrum_of(noise + tone, 100.0)
+    assert seen is not None
+    assert seen.tone_hz == pytest.approx(27.0, abs=0.1)
+    assert seen.tone_dps == pytest.approx(0.02, rel=0.2)
+    assert seen.upper_share == pytest.approx(1.0, abs=0.3)
+    assert all(one is not None and one.tone_hz is None for one in (spectrum_of(_white(rng), 100.0) for _ in range(200)))
+    assert spectrum_of(noise[:500], 100.0) is None
+
+
+def _white(rng: np.random.Generator) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.asarray(rng.standard_normal(3000))
+
+
+def test_a_low_pass_shows_at_half_the_sample_rate() -> None:
+    """A mean of four samples, as some firmware sends it."""
+    means = np.convolve(np.random.default_rng(2).standard_normal(3003), np.full(4, 0.25), "valid")
+    seen = spectrum_of(means, 100.0)
+    assert seen is not None
+    assert seen.upper_share < 0.5
+
+
+def test_sensors_are_known_by_name_and_step() -> None:
+    """However a device writes them; one whose name is part of another's is not taken for it."""
+    assert [sensor_named(each.name.lower().replace("-", "_")) for each in SENSORS] == list(SENSORS)
+    assert sensor_named("my robot's LSM6DSOX") is sensor_named("LSM6DSO")
+    assert sensor_named("firmware_sim") is None
+    assert [(each.name, scale) for each, scale in with_step(0.00875)] == [("LSM6DS3", 250), ("LSM6DSO", 250)]

@@ -1,0 +1,189 @@
+"""What `gyrodrift doctor` finds at the port itself: rights, holder, name, adapter, latency timer, a line that is full.
+
+Adapters are played: their place in sysfs is a folder of the test, and their names are given to pyserial's list.
+"""
+
+import os
+import pwd
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import serial
+from doctor_support import FAST, SECONDS, check, device, doctor
+from serial.tools import list_ports
+from serial.tools.list_ports_common import ListPortInfo
+from support import Command, speaking_on
+
+from gyrodrift.link import holder as port_holder
+from gyrodrift.link import serial_port
+
+RIG = "base: {sample_rate_hz: %d, dps_per_lsb: 0.00763, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n"
+
+Adapter = Callable[..., None]
+
+
+@pytest.fixture
+def adapter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Adapter:
+    """Makes the pty behind a port look like an adapter."""
+
+    def plug(port: Path, driver: str, latency_ms: int | None = None, usb_id: tuple[int, int] | None = None) -> None:
+        terminal = os.path.realpath(port)
+        folder = tmp_path / "sys" / Path(terminal).name / "device"
+        folder.mkdir(parents=True)
+        (folder / "driver").symlink_to(tmp_path / "drivers" / driver)
+        if latency_ms is not None:
+            (folder / "latency_timer").write_text(f"{latency_ms}\n")
+        monkeypatch.setattr(serial_port, "TERMINALS", tmp_path / "sys")
+        entry = ListPortInfo(terminal)
+        if usb_id is not None:
+            entry.vid, entry.pid = usb_id
+            entry.manufacturer, entry.product = "FTDI", "FT232R USB UART"
+        monkeypatch.setattr(list_ports, "comports", lambda *_: [entry])
+
+    return plug
+
+
+def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its driver, its timer with the command that sets it, and a name that may change."""
+    with device(port, *FAST, "--profile", "rest"):
+        adapter(port, "ftdi_sio", latency_ms=16, usb_id=(0x0403, 0x6001))
+        _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
+    terminal = found["port"]["says"].rpartition("/")[2].rstrip(".")
+    check(
+        found,
+        [
+            ("adapter", "ok", "FTDI FT232R USB UART (0403:6001), with the driver ftdi_sio"),
+            ("latency_timer", "warning", "holds bytes back for up to 16 ms"),
+            ("latency_timer", "warning", f"/sys/bus/usb-serial/devices/{terminal}/latency_timer"),
+            ("name", "note", "no name in /dev/serial/by-id"),
+            ("baud", "ok", "It sends at 115200 baud; 38400, 57600, 115200, 230400 carry it with room."),
+        ],
+    )
+
+
+def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest.CaptureFixture[str]) -> None:
+    """One whose timer is short, and one that has no line at all."""
+    with device(port, *FAST, "--profile", "rest"):
+        adapter(port, "cdc_acm", latency_ms=1)
+        _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
+    check(
+        found,
+        [
+            ("latency_timer", "ok", "1 ms"),
+            ("name", "ok", "is built in"),
+            ("baud", "ok", "any rate does"),
+            ("line_budget", "ok", "this port has no such limit"),
+        ],
+    )
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "severity", "says"),
+    [
+        (800, "error", "The line is used to 1"),
+        (400, "note", "are 70% of 115200 baud: little room is left."),
+    ],
+)
+def test_how_full_the_line_is(
+    port: Path,
+    tmp_path: Path,
+    adapter: Adapter,
+    capsys: pytest.CaptureFixture[str],
+    rate_hz: int,
+    severity: str,
+    says: str,
+) -> None:
+    """With the rate that would carry it."""
+    (tmp_path / "rig.yaml").write_text(RIG % rate_hz)
+    with device(port, "--speed", "4", "--profile", "rest", "--rig", tmp_path / "rig.yaml"):
+        adapter(port, "ch341-uart")
+        status, found = doctor(capsys, "--port", port, "--seconds", "0.5")
+    check(found, [("line_budget", severity, says)])
+    check(found, [("line_budget", severity, "Set "), ("line_budget", severity, "or send at most 48")])
+    assert status == (3 if severity == "error" else 0)
+
+
+def test_a_port_that_another_program_holds(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is named, and loses nothing."""
+    with device(port, "--profile", "rest"), Command("serve", "--port", port) as serve:
+        serve.take_lines(3)
+        status, found = doctor(capsys, "--port", port)
+        assert status == 3
+        check(
+            found, [("holder", "error", f"(pid {serve.process.pid})"), ("holder", "error", "Stop that program first.")]
+        )
+        serve.take_lines(3)
+
+
+def test_a_port_that_this_user_may_not_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The system's refusal is played, since tests may run as root; the group is that of the port."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(os, "getegid", lambda: 1000)
+    monkeypatch.setattr(os, "getgroups", list)
+    monkeypatch.setattr(pwd, "getpwuid", lambda number: SimpleNamespace(pw_name="ada", pw_gid=number))
+    with speaking_on(tmp_path / "gyro") as speaker:
+        os.chown(speaker.slave_name, -1, 4321)
+        Path(speaker.slave_name).chmod(0o660)
+        status, found = doctor(capsys, "--port", tmp_path / "gyro")
+    assert status == 3
+    check(found, [("permission", "error", "No permission to open it."), ("permission", "error", "--group-add 4321")])
+    assert set(found) <= {"port", "permission", "adapter"}
+
+
+def test_a_port_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """And what there is instead."""
+    status, found = doctor(capsys, "--port", tmp_path / "gyro")
+    assert status == 3
+    check(found, [("port", "error", "There is no such port.")])
+    assert list(found) == ["port"]
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_without_a_port_it_is_looked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], count: int
+) -> None:
+    """None is there, or none of several speaks: one finding says so, with each port."""
+    ports = [tmp_path / f"silent-{number}" for number in range(2)]
+    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(str(name)) for name in ports[:count]])
+    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    with speaking_on(ports[0]), speaking_on(ports[1]):
+        status, found = doctor(capsys, "--timeout", "0.5")
+    assert status == 3
+    says = "No gyro speaks here." if count else "No serial port is plugged in."
+    check(found, [("port", "error", says)])
+    assert all(str(name) in found["port"]["do"] for name in ports[:count])
+
+
+def test_of_several_ports_that_of_the_gyro_is_taken(
+    port: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is opened once: what was heard while it was looked for is not lost to a second boot."""
+    names = [str(port), str(tmp_path / "gone")]
+    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(name) for name in names])
+    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    with device(port, *FAST, "--profile", "rest"):
+        status, found = doctor(capsys, "--seconds", "0.2")
+    assert status == 0
+    check(found, [("protocol", "ok", "It speaks native"), ("restarts", "ok", "")])
+
+
+def test_the_one_port_there_is_is_taken(
+    port: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And its gyro is listened to."""
+    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(str(port))])
+    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    monkeypatch.setattr(port_holder, "LOCKS", Path("/nowhere"))
+    with device(port, *FAST, "--profile", "rest"):
+        status, found = doctor(capsys, "--seconds", SECONDS)
+    assert status == 0
+    check(found, [("protocol", "ok", "It speaks native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")])
