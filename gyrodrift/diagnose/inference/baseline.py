@@ -25,9 +25,8 @@ PRIOR_SHARE = 0.7
 PRIOR_RUNS = 3.0
 """So many degrees of freedom is the prior worth."""
 
-TAIL = 2.3e-4
-"""Of what lies beyond 3.5 standard deviations, where a feature stands out: there a scatter that is known from a few
-recordings is widened to what Student's quantile says."""
+TAIL = 1e-4
+"""Probability at which a scatter known from a few recordings is widened to what Student's quantile says."""
 
 
 @dataclass(frozen=True, slots=True)
