@@ -217,8 +217,10 @@ class Link:
 
     def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
         if self.clock is None:
-            has_clock = self._protocols[decoder.name].has_clock
-            self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
+            protocol = self._protocols[decoder.name]
+            has_clock = protocol.has_clock and readings[0].t_us is not None
+            if not protocol.has_unit:
+                self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
             if has_clock:
                 self.clock = DeviceClock(self._epoch_s)
             else:

@@ -296,9 +296,9 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
     [
         (["--port", "/dev/ttyNONE"], 3, "gyrodrift: /dev/ttyNONE: there is no such port"),
         (
-            ["--port", "{port}", "--protocol", "nmea"],
+            ["--port", "{port}", "--protocol", "morse"],
             2,
-            "gyrodrift: --protocol nmea: there are auto, native, csv, witmotion",
+            "gyrodrift: --protocol morse: there are auto, native, vectornav, ",
         ),
         (
             ["--port", "{port}", "--baud", "fast"],
