@@ -17,6 +17,7 @@ from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
+from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, candidates
@@ -97,6 +98,7 @@ class Link:
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
+        self._columns = options.columns
         self._detector = Detector(list(self._protocols.values()))
         if len(self._protocols) == 1 and options.baud is not None:
             self.decoder = next(iter(self._protocols.values())).decoder()
@@ -175,6 +177,21 @@ class Link:
             "gone_s": round(self.counters.gone_s, 3),
             "clock_ppm": None if ppm is None else round(ppm, 1),
         }
+
+    def follow_columns(self, columns: str | None) -> None:
+        """Read text by other columns from here on, with nothing lost; said as an event where that cannot be."""
+        if columns == self._columns:
+            return
+        self._columns = columns
+        if columns is None or self.decoder is None or self.decoder.name != text.NAME:
+            self._on_event("columns_kept", reason="text is not what is read: they count from the next start")
+            return
+        protocol = text.text_protocol(columns)
+        if protocol.has_clock != self._protocols[text.NAME].has_clock:
+            self._on_event("columns_kept", reason="a clock cannot come or go: they count from the next start")
+            return
+        text.read_by(self.decoder, columns)
+        self._protocols = {text.NAME: protocol}
 
     def silent_s(self) -> float:
         """How long no sample has come, s."""

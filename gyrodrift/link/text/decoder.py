@@ -25,6 +25,10 @@ class TextDecoder(LineDecoder):
 
     def __init__(self, columns: Sequence[Column]) -> None:
         super().__init__()
+        self.read_by(columns)
+
+    def read_by(self, columns: Sequence[Column]) -> None:
+        """Read lines by these columns from here on."""
         self._least = len(columns)
         self._wanted = [(place, column) for place, column in enumerate(columns) if column.meaning != IGNORED]
 
