@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from math import isfinite, nan
 
+from gyrodrift.link.heard import COLOUR
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, OTHER, LineDecoder
 from gyrodrift.link.text.columns import CLOCK_US, IGNORED, Column
 from gyrodrift.link.text.fields import fields_of, is_number, is_whole
@@ -34,6 +35,8 @@ class TextDecoder(LineDecoder):
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """One line."""
+        if b"\x1b" in text:
+            text = COLOUR.sub(b"", text)
         if text.translate(None, NO_CONTROLS):
             return None
         fields = fields_of(text.decode("utf-8", "replace"))

@@ -122,10 +122,13 @@ def _usual_layout(parsed: Sequence[Fields]) -> _Layout | None:
 
 
 def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout) -> tuple[str, ...] | None:
-    """The names in a first line above rows of values."""
+    """The names in the last line above the first row of values."""
+    names = None
     for _, fields in parsed:
         if fields.form is Form.ROW is layout.form and len(fields.values) == layout.count:
-            return None if _has_numbers(fields) else tuple(map(as_label, fields.values))
+            if _has_numbers(fields):
+                return names
+            names = tuple(map(as_label, fields.values))
     return None
 
 
