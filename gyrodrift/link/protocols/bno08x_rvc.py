@@ -8,6 +8,7 @@ the chip's other protocols (BNO080 data sheet 1000-3927, 1.3.5 and 6.5; yaw is p
 The index counts frames of 10 ms, and is the clock: a frame that was lost leaves a hole, and yaw stays right.
 """
 
+import re
 from struct import Struct
 
 from gyrodrift.link.protocols.decoder import DeviceDescription
@@ -27,6 +28,8 @@ class RvcDecoder(FrameDecoder):
 
     name = "bno08x-rvc"
     head = b"\xaa\xaa"
+    header = re.compile(head)
+    header_bytes = len(head)
     needs_two = True
 
     def __init__(self) -> None:

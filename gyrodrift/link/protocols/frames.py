@@ -4,6 +4,7 @@ Frames stand right behind each other, so bytes that are none of a frame are dama
 byte of a head that led nowhere, not behind the frame that it promised: a damaged length costs no frame but its own.
 """
 
+import re
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
@@ -16,6 +17,8 @@ class FrameDecoder(ABC):
 
     head
         The bytes that each frame begins with.
+    header, header_bytes
+        What a frame begins with, as a pattern, and the most bytes that this takes: in noise heads are many.
     beside
         A first byte of what a device may say between frames; that is passed over and not counted as damage.
     needs_two
@@ -24,6 +27,8 @@ class FrameDecoder(ABC):
 
     name: str
     head: ClassVar[bytes]
+    header: ClassVar[re.Pattern[bytes]]
+    header_bytes: ClassVar[int]
     beside: ClassVar[bytes] = b""
     needs_two: ClassVar[bool] = False
 
@@ -68,11 +73,10 @@ class FrameDecoder(ABC):
         if self.head.startswith(left):
             return at
         self._lose_step(left[:1])
-        found = buffer.find(self.head, at + 1)
-        if found >= 0:
-            return found
-        longest = min(len(self.head) - 1, len(buffer) - at - 1)
-        return len(buffer) - next((n for n in range(longest, 0, -1) if buffer.endswith(self.head[:n])), 0)
+        found = self.header.search(buffer, at + 1)
+        cut = buffer.find(self.head[:1], max(at + 1, len(buffer) - self.header_bytes + 1))
+        place = len(buffer) if cut < 0 else cut
+        return place if found is None else min(place, found.start())
 
     def _end(self, buffer: bytes, at: int) -> int | None:
         """Where the frame at that place ends; 0 where it is none, None where more bytes have to tell."""

@@ -8,6 +8,7 @@ beyond the seventh are not read.
 The body frame has z downwards: a rate that is positive about it is clockwise from above.
 """
 
+import re
 from binascii import crc_hqx
 from functools import lru_cache
 from math import degrees, isfinite, nan
@@ -45,34 +46,50 @@ NANOSECONDS = Struct("<Q")
 FLOAT = Struct("<f")
 
 
-class Layout(NamedTuple):
-    """Bytes of a frame with its CRC, and where in it time, rate and temperature stand; 0 where they do not."""
+def _sums(sizes: tuple[int, ...]) -> tuple[int, ...]:
+    """Bytes of the fields of which a byte has the bits; too many where it has one of no field."""
+    return tuple(
+        sum(size for bit, size in enumerate(sizes) if byte >> bit & 1) + LONGEST_BYTES * (byte >> len(sizes))
+        for byte in range(256)
+    )
 
-    length: int
+
+GROUPS = tuple(tuple(group for group in range(len(FIELD_BYTES)) if byte >> group & 1) for byte in range(128))
+LOW_SUMS = tuple(_sums(sizes[:8]) for sizes in FIELD_BYTES)
+HIGH_SUMS = tuple(_sums(sizes[8:]) for sizes in FIELD_BYTES)
+"""What the fields take that the two bytes of a group name."""
+
+HEADER = b"\xfa(?:%b)" % b"|".join(
+    re.escape(bytes((byte,)))
+    + b"".join(rb".[\x00-\x%02x]" % ((1 << len(FIELD_BYTES[group]) - 8) - 1) for group in GROUPS[byte])
+    for byte in range(1, len(GROUPS))
+)
+"""A sync byte and groups that name no field but known ones."""
+
+
+class Layout(NamedTuple):
+    """Where in a frame time, rate and temperature stand; 0 where they do not."""
+
     time: int
     rate: int
     temp: int
 
 
 @lru_cache(maxsize=64)
-def layout_of(header: bytes) -> Layout | None:
-    """What a header says, all its bytes but the first; None where it is no header."""
+def layout_of(header: bytes) -> Layout:
+    """What a header says, all its bytes but the first."""
     places: dict[tuple[int, int], int] = {}
     at = 1 + len(header)
-    groups = [group for group in range(len(FIELD_BYTES)) if header[0] >> group & 1]
-    for group, low, high in zip(groups, header[1::2], header[2::2], strict=True):
-        fields, sizes = low | high << 8, FIELD_BYTES[group]
-        if not fields or fields >> len(sizes):
-            return None
-        for field, size in enumerate(sizes):
-            if fields >> field & 1:
+    for group, low, high in zip(GROUPS[header[0]], header[1::2], header[2::2], strict=True):
+        for field, size in enumerate(FIELD_BYTES[group]):
+            if (low | high << 8) >> field & 1:
                 places[group, field] = at
                 at += size
-    found = [
+    found = (
         next((places[group, field] + offset for group, field, offset in wanted if (group, field) in places), 0)
         for wanted in (TIMES, RATES, TEMPERATURES)
-    ]
-    return Layout(at + 2, *found) if at + 2 <= LONGEST_BYTES else None
+    )
+    return Layout(*found)
 
 
 class VectornavDecoder(FrameDecoder):
@@ -80,6 +97,8 @@ class VectornavDecoder(FrameDecoder):
 
     name = "vectornav"
     head = b"\xfa"
+    header = re.compile(HEADER, re.DOTALL)
+    header_bytes = 2 + 2 * len(FIELD_BYTES)
     beside = b"$"  # the ASCII messages, which a device sends on the same port unless told otherwise
 
     def __init__(self) -> None:
@@ -90,14 +109,16 @@ class VectornavDecoder(FrameDecoder):
         """By the fields that the header names."""
         if len(buffer) - at < 2:
             return None
-        groups = buffer[at + 1]
-        if not 0 < groups < 0x80:
+        if not 0 < buffer[at + 1] < len(GROUPS):
             return 0
-        end = at + 2 + 2 * groups.bit_count()
-        if len(buffer) < end:
+        groups, field = GROUPS[buffer[at + 1]], at + 2
+        length = 4 + 2 * len(groups)
+        if len(buffer) < field + 2 * len(groups):
             return None
-        layout = layout_of(buffer[at + 1 : end])
-        return layout.length if layout else 0
+        for group in groups:
+            length += LOW_SUMS[group][buffer[field]] + HIGH_SUMS[group][buffer[field + 1]]
+            field += 2
+        return length if length <= LONGEST_BYTES else 0
 
     def is_whole(self, frame: bytes) -> bool:
         """The CRC of a frame with its CRC is 0."""
@@ -105,8 +126,8 @@ class VectornavDecoder(FrameDecoder):
 
     def read(self, frame: bytes) -> Reading | None:
         """Time since start, rate and temperature."""
-        layout = layout_of(frame[1 : 2 + 2 * frame[1].bit_count()])
-        if layout is None or not layout.rate:
+        layout = layout_of(frame[1 : 2 + 2 * len(GROUPS[frame[1]])])
+        if not layout.rate:
             return None
         if self._is_timed is None:
             self._is_timed = bool(layout.time)

@@ -4,6 +4,7 @@ An item is an id of two bytes, a length, and its content, all of them big-endian
 numbers are written. The sum of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
 """
 
+import re
 from math import degrees, isfinite, nan
 from struct import Struct
 
@@ -52,6 +53,8 @@ class XsensDecoder(FrameDecoder):
 
     name = "xsens"
     head = b"\xfa\xff\x36"
+    header = re.compile(head)
+    header_bytes = len(head)
 
     def __init__(self) -> None:
         super().__init__()
