@@ -16,6 +16,8 @@ from gyrodrift.link.text.units import clock_unit, rate_unit
 
 LEAST_LINES = 3
 MOST_LINES = 400
+TEMPERATURES_C = (-55.0, 150.0)
+"""Beyond what any sensor is made for, a temperature is in counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,5 +154,6 @@ def _guessed(column: SeenColumn, lines_per_s: float | None, text: str) -> Guesse
         said = kind_of(column.label) if kind_of(column.label) in {"gx", "gy"} else SPOKEN["rate"]
         unit, why = rate_unit(column, text)
         return GuessedColumn(said, f"rate{unit}", f"{column.why}{why}")
-    entry = kind if kind in USED else IGNORED
+    is_counted = kind == "temp" and not all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
+    entry = kind if kind in USED and not is_counted else IGNORED
     return GuessedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)
