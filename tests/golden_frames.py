@@ -34,3 +34,38 @@ WT901_RATES = {
 
 WT901_ACCELERATION = bytes.fromhex("5551000000000008c4097b")
 """Kind 0x51 of a level device at 25 °C."""
+
+VECTORNAV_ANGLES = bytes.fromhex("fa01080093502e42833ef13f48b504bb9288")
+"""Yaw, pitch and roll alone, 43.579, 1.885 and -0.002 deg: an example of the user manual of the VN-100."""
+
+VECTORNAV_RATE = bytes.fromhex("fa012104") + bytes.fromhex(
+    "40420f00000000000000803e000000bf0000003f0000000000000000000000000000ca4166a6ca428e88"
+)
+"""TimeStartup 1 ms, rates 0.25, -0.5 and 0.5 rad/s, 25.25 °C; its CRC is that of `binascii`."""
+
+VECTORNAV_VNYMR = (
+    b"$VNYMR,+100.949,-007.330,+000.715,-00.0049,-00.2449,+00.5397,-01.258,-00.100,-09.701,"
+    b"-00.000018,+00.001122,-00.000551*69\r\n"
+)
+"""From the maker's examples: z -0.000551 rad/s."""
+
+VECTORNAV_VNIMU = (
+    b"$VNIMU,-00.0350,+00.4222,-00.6643,-00.015,+00.019,+09.948,+00.002066,-00.008442,-00.044656,+20.7,+084.322*66\r\n"
+)
+"""As a VN-200 sent it: z -0.044656 rad/s, 20.7 °C."""
+
+XSENS_MTI300 = bytes.fromhex(
+    "faff3692"
+    "102002918d 10600401363fa6 2010103f35e0423f31cd15bd9f49dbbda938cf 40200cbd635a90411d08d43e5faa50"
+    "40100cb91168003cc901003a0f7d00 40300cbc3b29803c35fc003ca46e00 80200c3caea241bb56d800bad5ac01"
+    "8030103f80000037df8801b6898000b608c000 c0200cbefbfbf23f33c485bfa0a2c1 08100442168000"
+    "301004000186e1 e0200400400003"
+)
+"""Recorded of an MTi-300 with the maker's MT Manager, all but its sum: packet 37261, ticks 20332454, rate about z
+-0.00163019 rad/s, 37.625 °C."""
+
+RVC_FRAME = bytes.fromhex("aaaade010092ff25088dfeecffd103000000e7")
+"""The example of the data sheet of the BNO08x: index 222, yaw 0.01, pitch -1.10, roll 20.85 deg, -371, -20, 977 mg."""
+
+NMEA_ROT = b"$GPROT,35.6,A*01\r\n"
+"""The example of gpsd's description of NMEA: 35.6 deg/min to starboard."""

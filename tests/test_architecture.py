@@ -21,7 +21,7 @@ ROOMS = {
     "link": BASE,
     "html": BASE,
     "outputs": BASE,
-    "config": f"{BASE} filters outputs",
+    "config": f"{BASE} filters link outputs",
     "describe": f"{BASE} evaluation filters html session",
     "doctor": f"{BASE} describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",

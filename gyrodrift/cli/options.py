@@ -58,8 +58,8 @@ def add_link_options(parser: argparse.ArgumentParser, default_port: str | None =
         "--columns",
         metavar="SPEC",
         help="read lines of text with these columns, one entry each: _ (ignored), t_us, t_ms, t_s, seq, "
-        "rate[:dps|:rads|:lsb/N][:-], encoder[:deg|:counts/N], temp, such as 't_ms, _, _, rate:lsb/131'; of labelled "
-        "values and JSON, LABEL=rate (default: none)",
+        "rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], encoder[:deg|:counts/N], temp, such as "
+        "'t_ms, _, _, rate:lsb/131'; of labelled values and JSON, LABEL=rate (default: none)",
     )
     parser.add_argument(
         "--timeout",
@@ -70,13 +70,22 @@ def add_link_options(parser: argparse.ArgumentParser, default_port: str | None =
     )
 
 
+def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
+    """Whether it is left to the config how lines of text are read."""
+    return arguments.columns is None and arguments.protocol in ("auto", "text")
+
+
 def link_target(
-    arguments: argparse.Namespace, baud: int | None, on_event: "EventHandler"
+    arguments: argparse.Namespace, baud: int | None, on_event: "EventHandler", columns: str | None = None
 ) -> "tuple[LinkOptions, Port | None]":
-    """What the options of a command say of its link; with `--port auto` that of the one gyro, its port open already."""
+    """What the options of a command say of its link; with `--port auto` that of the one gyro, its port open already.
+
+    `columns` are those of the config, which count where the options name neither others nor another protocol.
+    """
     from gyrodrift.link.link import LinkOptions
 
-    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns)
+    named = columns if reads_columns_of_config(arguments) else arguments.columns
+    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, named)
     if asked.port != AUTO_PORT:
         return asked, None
     from gyrodrift.link.port import serial_ports

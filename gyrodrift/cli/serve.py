@@ -5,7 +5,7 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,11 +15,13 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
+    from gyrodrift.config.model import Config
     from gyrodrift.config.watch import ConfigWatch
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.output_feed import OutputFeed
 
 
 class ListOutputs(argparse.Action):
@@ -101,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
-    target, port = options.link_target(arguments, baud, events)
+    target, port = options.link_target(arguments, baud, events, watch.config.columns if watch else None)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
@@ -118,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
             meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
             reporting = Reporting(meter, filtering, feed)
             filtering.sinks.append(feed)
-            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+            filtering.on_event, filtering.on_config = feed.hear, _follow(link, feed, asked, arguments)
             feed.state = reporting.status
             events.listeners.append(feed.hear)
             listeners.insert(0, meter)
@@ -134,6 +136,19 @@ def run(arguments: argparse.Namespace) -> int:
         closing.callback(notify.stopping)
         Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
     return 0
+
+
+def _follow(
+    link: "Link", feed: "OutputFeed", asked: "list[OutputSpec]", arguments: argparse.Namespace
+) -> "Callable[[Config], None]":
+    """What is done with a config that has changed, besides its filter."""
+
+    def follow(new: "Config") -> None:
+        feed.want([*asked, *new.outputs])
+        if options.reads_columns_of_config(arguments):
+            link.follow_columns(new.columns)
+
+    return follow
 
 
 def _recording(

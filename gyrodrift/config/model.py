@@ -31,6 +31,8 @@ class Config:
         Parameters by the name of their filter, of those that the file gives.
     sample_rate_hz
         The rate the parameters were tuned at, Hz; None where the file does not say.
+    columns
+        Of the text protocol, as `--columns` takes them; None where another one is spoken.
     outputs
         Where corrected samples go beside stdout.
     completed
@@ -43,6 +45,7 @@ class Config:
     sample_rate_hz: float | None = None
     completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
+    columns: str | None = None
 
     @property
     def chosen(self) -> Filter:
@@ -65,6 +68,7 @@ class Config:
         pairs: list[tuple[str, object, object]] = [
             ("filter", old.filter, self.filter),
             (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
+            ("columns", old.columns, self.columns),
         ]
         for name, known in FILTERS.items():
             before, after = old.params_of(known), self.params_of(known)
@@ -91,6 +95,7 @@ def _file() -> type[Strict]:
         SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
+        "columns": (Any, None),
     }
     return create_model("File", __base__=Strict, **content)
 
@@ -113,12 +118,33 @@ def load_config(path: Path) -> Config:
         read.report((), f"holds {said(read.value)}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
     outputs = outputs_in(read.value.get("outputs"), _in_outputs(read)) if isinstance(read.value, dict) else ()
+    columns = columns_in(read.value.get("columns"), _in_columns(read)) if isinstance(read.value, dict) else None
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return _config(file, read.value, outputs)
+    return _config(file, read.value, outputs, columns)
 
 
-def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...]) -> Config:
+def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
+    """Of the value of `columns:`, as `--columns` takes them or as a list of the entries; None where there are none."""
+    if given is None:
+        return None
+    entries = given if isinstance(given, list) else [given]
+    if not all(isinstance(entry, str) for entry in entries):
+        wrong = next(entry for entry in entries if not isinstance(entry, str))
+        report(f"is {said(wrong)}; expected text such as 't_ms, _, rate:lsb/131', or a list of its entries")
+        return None
+    from gyrodrift.link.text.columns import parsed  # noqa: PLC0415 - few configs have columns
+
+    spec = ", ".join(entries)
+    try:
+        parsed(spec)
+    except ValueError as error:
+        report(str(error))
+        return None
+    return spec
+
+
+def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...], columns: str | None) -> Config:
     content = file.model_dump()
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
@@ -131,11 +157,15 @@ def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, .
         if name in begun or name == chosen:
             left = [key for key in known.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
-    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs)
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs, columns)
 
 
 def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:
     return lambda key, what: read.report(("outputs", *key), what)
+
+
+def _in_columns(read: YamlFile) -> Callable[[str], None]:
+    return lambda what: read.report(("columns",), what)
 
 
 def _check(read: YamlFile) -> Strict | None:

@@ -10,7 +10,16 @@ from typing import Any
 from structlog.typing import FilteringBoundLogger
 
 WARNINGS = frozenset(
-    {"gap", "link_lost", "link_refused", "device_reset", "link_silent", "rate_unit_differs", "not_understood"}
+    {
+        "gap",
+        "link_lost",
+        "link_refused",
+        "device_reset",
+        "link_silent",
+        "rate_unit_differs",
+        "not_understood",
+        "columns_kept",
+    }
 )
 GAP_EVERY_S = 1.0
 

@@ -1,10 +1,15 @@
 """The last bytes that came while it is not clear yet what they are, and whether they are text."""
 
+import re
+
 MOST_BYTES = 8192
 LEAST_LINES = 3
 LEAST_TEXT_BYTES = 24
 TEXT_SHARE = 0.97
 """Of printable characters; bytes at a wrong line rate have a third of them."""
+
+COLOUR = re.compile(rb"\x1b\[[0-9;]*+m")
+"""What tells a terminal in which colour to show a log."""
 
 LONGEST_QUOTE = 80
 PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
@@ -48,7 +53,7 @@ class Heard:
         return [line.strip() for line in whole[1:] if line.strip() and not line.startswith("#")]
 
     def _whole_lines(self) -> bytes:
-        return self.content[: self.content.rfind(b"\n") + 1]
+        return COLOUR.sub(b"", self.content[: self.content.rfind(b"\n") + 1])
 
 
 def quoted(line: str) -> str:

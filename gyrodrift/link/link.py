@@ -17,6 +17,7 @@ from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
+from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, candidates
@@ -97,6 +98,7 @@ class Link:
         self._monotonic = monotonic
         self._epoch_s = time.time() - monotonic()
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
+        self._columns = options.columns
         self._detector = Detector(list(self._protocols.values()))
         if len(self._protocols) == 1 and options.baud is not None:
             self.decoder = next(iter(self._protocols.values())).decoder()
@@ -176,6 +178,21 @@ class Link:
             "clock_ppm": None if ppm is None else round(ppm, 1),
         }
 
+    def follow_columns(self, columns: str | None) -> None:
+        """Read text by other columns from here on, with nothing lost; said as an event where that cannot be."""
+        if columns == self._columns:
+            return
+        self._columns = columns
+        if columns is None or self.decoder is None or self.decoder.name != text.NAME:
+            self._on_event("columns_kept", reason="text is not what is read: they count from the next start")
+            return
+        protocol = text.text_protocol(columns)
+        if protocol.has_clock != self._protocols[text.NAME].has_clock:
+            self._on_event("columns_kept", reason="a clock cannot come or go: they count from the next start")
+            return
+        text.read_by(self.decoder, columns)
+        self._protocols = {text.NAME: protocol}
+
     def silent_s(self) -> float:
         """How long no sample has come, s."""
         return self._monotonic() - self._heard_s
@@ -217,8 +234,10 @@ class Link:
 
     def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
         if self.clock is None:
-            has_clock = self._protocols[decoder.name].has_clock
-            self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
+            protocol = self._protocols[decoder.name]
+            has_clock = protocol.has_clock and readings[0].t_us is not None
+            if not protocol.has_unit:
+                self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
             if has_clock:
                 self.clock = DeviceClock(self._epoch_s)
             else:

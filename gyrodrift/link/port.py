@@ -21,7 +21,7 @@ from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMiss
 from gyrodrift.link.holder import holder_of
 from gyrodrift.link.serial_port import SerialPort, built_in_ports, has_uart
 
-USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 1000000, 2000000)
+USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 4800, 1000000, 2000000)
 """What `--baud auto` tries, the most common first."""
 
 READ_BYTES = 4096

@@ -5,7 +5,7 @@ import shlex
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.link.protocols.registry import listed
+from gyrodrift.link.protocols.registry import PROTOCOLS, listed
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c]]"
 MOST_NAMES = 12
@@ -26,6 +26,12 @@ def why_silent(
         return (
             f"{decoder.counters.before_hello} samples came {waited}, but no HELLO frame that says their scale; "
             "the device has to send one once a second"
+        )
+    if decoder is not None and decoder.counters.other:
+        advice = PROTOCOLS[decoder.name].without_rate
+        return (
+            f"{decoder.counters.other} good {decoder.name} frames came {waited}, but none with a yaw rate"
+            f"{f'; {advice}' if advice else ''}"
         )
     if heard.is_text:
         return _why_text(protocol, heard)

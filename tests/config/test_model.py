@@ -17,7 +17,7 @@ from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
-KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs")
+KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs", "columns")
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
 
 HDR_DEFAULTS = ("i_c_dps: 0.0006", "tau_s: 0.9447", "theta_w_dps: 0.5608", "c1: 0.7839", "c2: 1.2161")
@@ -138,8 +138,8 @@ def test_the_shipped_config_is_valid() -> None:
         (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr or restlevel"),
         (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
         (
-            GOOD + "colour: 1\n",
-            f"c.yaml:7:1 colour: is not a key of this file; expected {', '.join(KEYS)}",
+            GOOD + "shade: 1\n",
+            f"c.yaml:7:1 shade: is not a key of this file; expected {', '.join(KEYS)}",
         ),
         (GOOD + "sample_rate_hz: 0\n", "c.yaml:7:1 sample_rate_hz: is 0; expected a number above 0 up to 1e+06 Hz"),
         (GOOD + "  c1: 1\n", "c.yaml:7:3 hdr.c1: is given twice, first in line 5; keep one"),
@@ -238,3 +238,34 @@ def test_changes_are_told_key_by_key() -> None:
     new = Config("hdr", {"hdr": HdrParams(tau_s=2.0)}, None)
     assert new.changes_from(old) == ["sample_rate_hz: 100.0 → None", "hdr.tau_s: 1.0 → 2.0"]
     assert new.changes_from(new) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "columns"),
+    [
+        ("columns: t_ms, _, _, gz:lsb/131\n", "t_ms, _, _, gz:lsb/131"),
+        ("columns: [t=t_ms, Gyro Z=rate:rads:-]\n", "t=t_ms, Gyro Z=rate:rads:-"),
+        ("columns:\n- rate\n", "rate"),
+    ],
+)
+def test_columns_of_text_stand_in_a_line_or_a_list(tmp_path: Path, text: str, columns: str) -> None:
+    """As the option takes them."""
+    path = tmp_path / "c.yaml"
+    path.write_text(text)
+    config = load_config(path)
+    assert config.columns == columns
+    assert config.changes_from(Config()) == [f"columns: None → {columns}"]
+
+
+@pytest.mark.parametrize(
+    ("value", "what"),
+    [
+        ("t_ms, raet", "'raet' is no column; did you mean rate"),
+        ("[t_ms, rate:furlongs]", "'rate:furlongs': 'furlongs' is no unit of rate"),
+        ("[t_ms, 5]", "is 5; expected text such as"),
+    ],
+)
+def test_columns_that_are_wrong_are_told_with_their_place(tmp_path: Path, value: str, what: str) -> None:
+    """Like any other mistake."""
+    (problem,) = problems(tmp_path, f"filter: hdr\ncolumns: {value}\n")
+    assert problem.startswith(f"c.yaml:2:1 columns: {what}")

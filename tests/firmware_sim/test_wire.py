@@ -8,14 +8,15 @@ from itertools import islice
 import numpy as np
 import pytest
 from cobs import cobs
-from golden_frames import HELLO, SAMPLES, WT901_ACCELERATION, WT901_RATES, NativeSample
+from golden_frames import HELLO, RVC_FRAME, SAMPLES, VECTORNAV_ANGLES, WT901_ACCELERATION, WT901_RATES, NativeSample
 from hypothesis import given
 from hypothesis import strategies as st
+from pynmeagps import NMEAReader
 
 from firmware_sim.measure import Block, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
-from firmware_sim.wire import csv, native, witmotion
+from firmware_sim.wire import bno08x_rvc, csv, native, nmea, vectornav, witmotion, xsens
 from firmware_sim.wire.registry import ENCODERS
 
 i16 = st.integers(-32768, 32767)
@@ -74,6 +75,29 @@ def test_witmotion_rates_are_the_golden_ones(rate_and_temperature: tuple[int, in
 def test_witmotion_acceleration_is_the_golden_one() -> None:
     """A level device feels 1 g on its z axis."""
     assert witmotion.wt901_sample(0.0, 2500)[:11] == WT901_ACCELERATION
+
+
+def test_the_example_of_the_vectornav_manual_is_met() -> None:
+    """Angles alone, with their CRC."""
+    assert vectornav.vectornav_frame(0x0008, VECTORNAV_ANGLES[4:-2]) == VECTORNAV_ANGLES
+
+
+def test_the_example_of_the_bno08x_data_sheet_is_met() -> None:
+    """Index, angles in hundredths of a degree, accelerations in mg."""
+    assert bno08x_rvc.rvc_frame(222, 1, -110, 2085, -371, -20, 977) == RVC_FRAME
+
+
+def test_a_message_of_the_xsens_protocol_is_met() -> None:
+    """OutputConfiguration as a device sends it, by its items; all bytes but the first add up to 0."""
+    message = xsens.mtdata2(xsens.item(0x1020, b"\xff\xff") + xsens.item(0x1060, bytes(4)))
+    assert message.hex() == "faff360c102002ffff10600400000000%02x" % (-sum(message[1:-1]) & 0xFF)
+
+
+def test_a_rate_of_turn_is_read_by_a_library() -> None:
+    """In deg/min, negative to port, which is counter-clockwise; nothing is said with a minus that is none."""
+    found = NMEAReader.parse(nmea.rate_of_turn(2.5))
+    assert (found.identity, found.rot, found.valid) == ("HEROT", -150.0, "A")
+    assert nmea.rate_of_turn(0.0).startswith(b"$HEROT,0.00,A*")
 
 
 @given(st.binary(max_size=254))

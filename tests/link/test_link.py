@@ -1,11 +1,15 @@
 """The link: finds baud rate and protocol, survives what happens to cables, and says what happened."""
 
+import struct
 import termios
+from binascii import crc_hqx
 from collections.abc import Iterator
-from itertools import islice
+from itertools import islice, repeat
+from math import radians
 from pathlib import Path
 from typing import Any
 
+import golden_frames as golden
 import pytest
 from support import speaking_on
 
@@ -201,5 +205,35 @@ def test_gaps_are_counted_and_told(port: Path) -> None:
 
 def test_an_unknown_protocol_is_refused_before_the_port_is_opened() -> None:
     """The port need not even exist."""
-    with pytest.raises(UsageError, match="unknown protocol 'nmea'"):
-        Link(LinkOptions("/dev/ttyNONE", protocol="nmea"), lambda *_, **__: None)
+    with pytest.raises(UsageError, match="unknown protocol 'nmea2000'"):
+        Link(LinkOptions("/dev/ttyNONE", protocol="nmea2000"), lambda *_, **__: None)
+
+
+@pytest.mark.parametrize(
+    ("frame", "protocol", "advice"),
+    [
+        (golden.VECTORNAV_ANGLES, "vectornav", "turn on AngularRate"),
+        (b"$HEROT,0.0,V*3C\r\n", "nmea", "its .*ROT sentences say V"),
+    ],
+)
+def test_a_device_that_sends_no_rate_is_told_what_to_send(port: Path, frame: bytes, protocol: str, advice: str) -> None:
+    """Its frames are good, and there is nothing in them for a filter."""
+    with speaking_on(port) as device:
+        host = Host(port, timeout_s=1.0)
+        said = rf"good {protocol} frames came within 1 s, but none with a yaw rate; {advice}"
+        with pytest.raises(DeviceSilentError, match=said):
+            host.hear(device, repeat(frame), 200)
+        host.link.close()
+
+
+def test_a_device_whose_frames_have_no_time_is_timed_by_their_arrival(port: Path) -> None:
+    """Though its protocol has a word for it."""
+    rate = b"\x01\x20\x00" + struct.pack("<3f", 0.0, 0.0, -radians(2.0))
+    with speaking_on(port) as device:
+        host = Host(port)
+        frame = b"\xfa" + rate + struct.pack(">H", crc_hqx(rate, 0))
+        samples = host.hear(device, repeat(frame), 100)
+        assert len(samples) == 100
+        assert samples[-1].t_device_s == pytest.approx(0.99, abs=0.05)
+        assert "no_device_clock" in host.events()
+        host.link.close()

@@ -127,6 +127,30 @@ def test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key(por
     assert abs(second["bias_dps"] - first["bias_dps"]) == pytest.approx(0.002)
 
 
+def printed(t_ms: range) -> bytes:
+    return b"".join(b"%d 5 262\r\n" % t for t in t_ms)
+
+
+def test_columns_of_the_config_are_followed_with_no_line_lost(port: Path, tmp_path: Path) -> None:
+    """A sensitivity put right half way through a line; a clock that goes away is not, and the log says so."""
+    config = tmp_path / "c.yaml"
+    config.write_text("columns: t_ms, _, rate:lsb/131\n")
+    with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
+        device.wait_for_reader(never)
+        device.send_all(printed(range(0, 1000, 10)) + b"1000 5", never)
+        before = serve.take_lines(99)
+        config.write_text("columns: [t_ms, _, 'rate:lsb/65.5:-']\n")
+        serve.until_log("config_applied")
+        device.send_all(b" 262\r\n" + printed(range(1010, 2000, 10)), never)
+        after = serve.take_lines(100)
+        config.write_text("columns: _, _, rate\n")
+        serve.until_log("columns_kept")
+        assert serve.stop() == 0
+    assert {line["rate_dps"] for line in before} == {2.0}
+    assert [line["rate_dps"] for line in after][1:] == [-4.0] * 99
+    assert [line["seq"] for line in before + after] == list(range(199))
+
+
 def test_another_filter_is_taken_while_it_runs_and_yaw_goes_on(port: Path, tmp_path: Path) -> None:
     """It says how certain it is, which the one before does not."""
     other = f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n"
@@ -296,9 +320,9 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
     [
         (["--port", "/dev/ttyNONE"], 3, "gyrodrift: /dev/ttyNONE: there is no such port"),
         (
-            ["--port", "{port}", "--protocol", "nmea"],
+            ["--port", "{port}", "--protocol", "morse"],
             2,
-            "gyrodrift: --protocol nmea: there are auto, native, csv, witmotion",
+            "gyrodrift: --protocol morse: there are auto, native, vectornav, ",
         ),
         (
             ["--port", "{port}", "--baud", "fast"],

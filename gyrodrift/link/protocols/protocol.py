@@ -20,13 +20,17 @@ class WireProtocol:
     decoder
         Makes a fresh decoder.
     has_clock
-        Whether its readings carry the time of the device; those of others are timed by their arrival.
+        Whether its readings can carry the time of the device; those that do not are timed by their arrival.
     rank
         Detection asks the protocols in ascending order: those with the strongest checksum come first.
     sure_frames
         So many good frames say that a stream is of this protocol, as one introduction of a device does.
     is_detected
         Whether detection listens for it; not where a person has to say how it is laid out.
+    has_unit
+        Whether the protocol itself lays down the unit of its rates; those of others are looked at.
+    without_rate
+        What to do where a device speaks it and sends no rate; empty where each of its frames has one.
     """
 
     name: str
@@ -36,3 +40,5 @@ class WireProtocol:
     rank: int
     sure_frames: int = SURE_FRAMES
     is_detected: bool = True
+    has_unit: bool = False
+    without_rate: str = ""

@@ -5,6 +5,7 @@ Nothing of it is loaded before it is asked for: most devices speak something els
 
 from typing import TYPE_CHECKING
 
+from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 
 if TYPE_CHECKING:
@@ -34,6 +35,15 @@ def text_protocol(columns: str) -> WireProtocol:
 
     has_clock = any(column.meaning in CLOCK_US for column in parsed)
     return WireProtocol(NAME, HELP, decoder, has_clock=has_clock, rank=90, is_detected=False)
+
+
+def read_by(decoder: Decoder, columns: str) -> None:
+    """Let a decoder of text read by other columns."""
+    from gyrodrift.link.text.columns import columns_of  # noqa: PLC0415 - likewise
+    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+
+    if isinstance(decoder, TextDecoder):
+        decoder.read_by(columns_of(columns))
 
 
 def _shipped() -> "TextDecoder":

@@ -13,11 +13,11 @@ CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
 
 MEANINGS = (IGNORED, *CLOCK_US, "seq", "rate", "encoder", "temp")
 OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg": "encoder"}
-RATE_DPS = {"dps": 1.0, "rads": degrees(1.0)}
+RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'
 EXPECTED = (
-    f"expected one entry a column: {', '.join(MEANINGS)}; rate may say :dps, :rads or :lsb/N and :- for the other sign,"
-    f" encoder :deg or :counts/N, as in {EXAMPLE}"
+    f"expected one entry a column: {', '.join(MEANINGS)}; rate may say :dps, :mdps, :rads, :mrads or :lsb/N and :- for"
+    f" the other sign, encoder :deg or :counts/N, as in {EXAMPLE}"
 )
 PER = re.compile(r"(lsb|counts)/(\d+(?:\.\d*)?)")
 
@@ -40,24 +40,38 @@ class Column:
 
 
 def columns_of(spec: str) -> tuple[Column, ...]:
-    """The columns of a SPEC.
+    """The columns of the option `--columns SPEC`.
 
     Raises
     ------
     UsageError
         With the entry that is wrong, and what is expected.
     """
+    try:
+        return parsed(spec)
+    except ValueError as error:
+        raise UsageError(f"--columns: {error}") from error
+
+
+def parsed(spec: str) -> tuple[Column, ...]:
+    """The columns of a SPEC.
+
+    Raises
+    ------
+    ValueError
+        With the entry that is wrong, and what is expected.
+    """
     columns = tuple(_column(entry.strip()) for entry in spec.split(","))
     for meaning in MEANINGS[1:]:
         named = [column for column in columns if column.meaning == meaning]
         if len(named) > 1:
-            raise UsageError(f"--columns {spec!r}: {meaning} is given twice; call the other one {IGNORED}")
+            raise ValueError(f"{spec!r}: {meaning} is given twice; call the other one {IGNORED}")
     if sum(column.meaning in CLOCK_US for column in columns) > 1:
-        raise UsageError(f"--columns {spec!r}: there are two clocks; call one of them {IGNORED}")
+        raise ValueError(f"{spec!r}: there are two clocks; call one of them {IGNORED}")
     if not any(column.meaning == "rate" for column in columns):
-        raise UsageError(f"--columns {spec!r}: no column is the rate; {EXPECTED}")
+        raise ValueError(f"{spec!r}: no column is the rate; {EXPECTED}")
     if len({bool(column.label) for column in columns}) > 1:
-        raise UsageError(f"--columns {spec!r}: either all columns have a label (LABEL=rate), or none has")
+        raise ValueError(f"{spec!r}: either all columns have a label (LABEL=rate), or none has")
     return columns
 
 
@@ -68,7 +82,7 @@ def _column(entry: str) -> Column:
     if meaning not in MEANINGS or (mark and not label.strip()):
         nearest = get_close_matches(name, [*MEANINGS, *OTHER_NAMES], n=1)
         meant = f"did you mean {nearest[0]}? " if nearest else ""
-        raise UsageError(f"--columns: {entry!r} is no column; {meant}{EXPECTED}")
+        raise ValueError(f"{entry!r} is no column; {meant}{EXPECTED}")
     return Column(meaning, _scale(entry, meaning, options), " ".join(label.split()))
 
 
@@ -86,5 +100,5 @@ def _scale(entry: str, meaning: str, options: list[str]) -> float:
         elif meaning == "encoder" and found and found[1] == "counts" and per:
             scale *= 360.0 / per
         elif not (meaning == "encoder" and option == "deg"):
-            raise UsageError(f"--columns: {entry!r}: {option!r} is no unit of {meaning}; {EXPECTED}")
+            raise ValueError(f"{entry!r}: {option!r} is no unit of {meaning}; {EXPECTED}")
     return scale

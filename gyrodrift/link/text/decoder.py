@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from math import isfinite, nan
 
+from gyrodrift.link.heard import COLOUR
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, OTHER, LineDecoder
 from gyrodrift.link.text.columns import CLOCK_US, IGNORED, Column
 from gyrodrift.link.text.fields import fields_of, is_number, is_whole
@@ -25,11 +26,17 @@ class TextDecoder(LineDecoder):
 
     def __init__(self, columns: Sequence[Column]) -> None:
         super().__init__()
+        self.read_by(columns)
+
+    def read_by(self, columns: Sequence[Column]) -> None:
+        """Read lines by these columns from here on."""
         self._least = len(columns)
         self._wanted = [(place, column) for place, column in enumerate(columns) if column.meaning != IGNORED]
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """One line."""
+        if b"\x1b" in text:
+            text = COLOUR.sub(b"", text)
         if text.translate(None, NO_CONTROLS):
             return None
         fields = fields_of(text.decode("utf-8", "replace"))

@@ -4,6 +4,7 @@ Sketches print what a serial plotter or a person likes to read, so the same thre
 behind a value, such as its unit, belongs to nobody and is passed over.
 """
 
+import ast
 import json
 import re
 from enum import StrEnum
@@ -14,7 +15,33 @@ from typing import Any, NamedTuple
 NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+"
 WHOLE = re.compile(r"[-+]?\d++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
-LABELLED = re.compile(rf"([A-Za-z_][\w .()\[\]/°-]{{0,40}}?)\s*+[:=]\s*+({NUMBER}|nan)", re.IGNORECASE)
+LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
+LABELLED = re.compile(rf"{LABEL}(?:[:=]\s*+\[?|\[)\s*+({NUMBER}|nan)", re.IGNORECASE)
+VECTOR = re.compile(
+    rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
+    rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.\d])\s*+[\])]?"
+)
+"""`Gyr (DPS) [ 1, 2, 3 ]`, `Gyro: 1 2 3`, `gyro=(1, 2, 3)`: three numbers of one label are those of three axes."""
+
+BRACED = re.compile(r"(?<![A-Za-z_])([A-Za-z_][\w ]{0,40}?)\s*+[:=]\s*+[{(\[]\s*+(?=[A-Za-z_]\w*+\s*+[:=])")
+"""`gyro={x=1, y=2}`: what is in the braces belongs to the word before them."""
+
+STATE = re.compile(rf"'([^']+)'(?:: Sending state|\s*+>>)\s*+({NUMBER}|nan)", re.IGNORECASE)
+"""A sensor of ESPHome in its log."""
+
+LOG_HEAD = re.compile(r"(?:\[[^\[\]\s]++\])++:?\s++(?=['A-Za-z])")
+"""`[12:34:56][D][sensor:094]: ` before a message."""
+
+UNIT_HEAD = re.compile(
+    r"^(?:°|m?deg(?:rees)?/s(?:ec(?:ond)?)?|m?dps|m?rad/s|/s|m/s\^?2|m/s²|deg[CF]?|degrees|mg|g|[mun]?s|C|F|uT)\s++(?=\S\S)"
+)
+"""The unit of the value before stands in front of a label where nothing parts them: `gx: 1 deg/s gy: 2 deg/s`."""
+
+WITH_UNIT = re.compile(rf"({NUMBER})\s*+[A-Za-z°µ%][\w/²^°]*+")
+MARK = re.compile(r"[:=\[(]")
+"""Without one of those there is no label."""
+
+AXES = "xyz"
 UNSAID = re.compile(r"[^\w .()\[\]/°-]")
 """What no label holds: labels are told to people and pasted into shells, whatever a device calls its values."""
 
@@ -23,6 +50,7 @@ SEPARATORS = (";", "\t", "|", ",")
 """Asked in this order: with a semicolon or a tab, a comma may be the decimal point of a language."""
 
 DECIMAL_COMMA = re.compile(r"[-+]?\d++,\d++")
+BRACKETS = {"(": ")", "[": "]"}
 DEEPEST = 4
 """Objects within objects that are looked into."""
 
@@ -56,7 +84,13 @@ def fields_of(line: str) -> Fields | None:
         return _json(line)
     if line[:1] in {"$", "!"} and "*" in line:
         return _sentence(line)
-    found = LABELLED.findall(line)
+    if line.startswith("["):
+        line = LOG_HEAD.sub("", line, count=1)
+        if state := STATE.match(line):
+            return Fields(Form.LABELLED, (as_label(state[1]),), (state[2],))
+    if line[:1] in BRACKETS and line[-1:] == BRACKETS[line[:1]]:
+        line = line[1:-1].strip()
+    found = LABELLED.findall(VECTOR.sub(_axes, BRACED.sub(r"\1 ", line))) if MARK.search(line) else []
     values = _row(line)
     if found and not (len(found) == 1 and sum(map(is_number, values)) > 1):  # one word may stand before a row
         labels, labelled = zip(*found, strict=True)
@@ -86,8 +120,8 @@ def is_whole(text: str) -> bool:
 
 def _json(line: str) -> Fields | None:
     try:
-        content = json.loads(line)
-    except (ValueError, RecursionError):
+        content = json.loads(line) if '"' in line else ast.literal_eval(line)  # MicroPython prints its own dictionaries
+    except (ValueError, SyntaxError, RecursionError, MemoryError):
         return None
     found = list(_leaves(content, "", DEEPEST))
     return Fields(Form.JSON, tuple(label for label, _ in found), tuple(value for _, value in found))
@@ -117,7 +151,7 @@ def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
     """`Gyro X: 1 Y: 2 Z: 3` names three of a gyro: a letter alone takes over the words before the first one."""
     head = ""
     full = []
-    for label in (" ".join(label.split()) for label in labels):
+    for label in (" ".join(UNIT_HEAD.sub("", label, count=1).split()) for label in labels):
         words, _, last = label.rpartition(" ")
         if len(last) == 1 and words:
             head = words
@@ -125,11 +159,18 @@ def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(full)
 
 
+def _axes(found: re.Match[str]) -> str:
+    label, *numbers = found.groups()
+    return ", ".join(f"{label} {axis}={number}" for axis, number in zip(AXES, numbers, strict=True)) + ", "
+
+
 def _row(line: str) -> tuple[str, ...]:
     mark = next((each for each in SEPARATORS if each in line), None)
     parts = line.split() if mark is None else [part.strip() for part in line.split(mark)]
     if len(parts) > 1 and not parts[-1]:
         parts.pop()  # a sketch that prints a separator behind each value
+    if mark is not None:
+        parts = [unit[1] if (unit := WITH_UNIT.fullmatch(part)) else part for part in parts]
     if mark != ",":
         parts = [part.replace(",", ".") if DECIMAL_COMMA.fullmatch(part) else part for part in parts]
     return tuple(parts)

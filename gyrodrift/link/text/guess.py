@@ -16,6 +16,8 @@ from gyrodrift.link.text.units import clock_unit, rate_unit
 
 LEAST_LINES = 3
 MOST_LINES = 400
+TEMPERATURES_C = (-55.0, 150.0)
+"""Beyond what any sensor is made for, a temperature is in counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,10 +124,13 @@ def _usual_layout(parsed: Sequence[Fields]) -> _Layout | None:
 
 
 def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout) -> tuple[str, ...] | None:
-    """The names in a first line above rows of values."""
+    """The names in the last line above the first row of values."""
+    names = None
     for _, fields in parsed:
         if fields.form is Form.ROW is layout.form and len(fields.values) == layout.count:
-            return None if _has_numbers(fields) else tuple(map(as_label, fields.values))
+            if _has_numbers(fields):
+                return names
+            names = tuple(map(as_label, fields.values))
     return None
 
 
@@ -149,5 +154,6 @@ def _guessed(column: SeenColumn, lines_per_s: float | None, text: str) -> Guesse
         said = kind_of(column.label) if kind_of(column.label) in {"gx", "gy"} else SPOKEN["rate"]
         unit, why = rate_unit(column, text)
         return GuessedColumn(said, f"rate{unit}", f"{column.why}{why}")
-    entry = kind if kind in USED else IGNORED
+    is_counted = kind == "temp" and not all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
+    entry = kind if kind in USED and not is_counted else IGNORED
     return GuessedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)

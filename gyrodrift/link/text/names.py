@@ -3,24 +3,33 @@
 import re
 from dataclasses import dataclass
 
+GYRO = "gyro?|gyr|gy|g|w|omega|rot|rate|gyroscope|rotation|rotationrate|angvel|angularvelocity|angularrate"
+BESIDE = re.compile(r"\([^)]*+\)|\[[^\]]*+\]")
+"""Units and remarks beside a name."""
+
+NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor)+")
+"""Words and chips that are named before a quantity."""
+
+PLACES = {"0": "x", "1": "y", "2": "z"}
 KINDS = {
     "clock": r"t|ts|time|timestamp|clock|millis|micros|ms|us|t(ime(stamp)?)?(ms|us|s|sec)|sec(onds)?",
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
     "rate": r"(yaw|z)rate(dps|deg|rads?)?|(rate|gyro?|gyr|omega|w|rot)(z|dps|rads?)?|gz|gyrz|gyroz(dps|rads?)?"
-    r"|(gyroscope|rotation|angvel|angularvelocity)z?",
-    "gx": r"(gyro?|gyr|g|w|omega|rot|rate|gyroscope|rotation|angvel|angularvelocity)x|rollrate",
-    "gy": r"(gyro?|gyr|g|w|omega|rot|rate|gyroscope|rotation|angvel|angularvelocity)y|pitchrate",
-    "temp": r"temp(erature)?(c|degc)?|tempc",
+    r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z?|gyz|zgyro(rate)?|rotationratez",
+    "gx": rf"({GYRO})x|rollrate|xgyro(rate)?",
+    "gy": rf"({GYRO})y|pitchrate|ygyro(rate)?",
+    "temp": r"t(e)?mp(erature)?(c|degc)?|tempc",
     "encoder": r"enc(oder)?(deg)?|angle(deg)?|ref(erence)?(deg)?",
-    "ax": r"(a|acc|accel|acceleration|accelerometer|linacc)x",
-    "ay": r"(a|acc|accel|acceleration|accelerometer|linacc)y",
-    "az": r"(a|acc|accel|acceleration|accelerometer|linacc)z",
+    "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)x",
+    "ay": r"yacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)y",
+    "az": r"zacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)z",
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
     "yaw": r"yaw|heading|psi|euler(z|yaw)|ypr(yaw)?",
     "pitch": r"pitch|theta|euler(y|pitch)",
     "roll": r"roll|phi|euler(x|roll)",
+    "angle": r"(acc)?(ypr|rpy|euler|angles?|orientation|attitude)[xyz]",
 }
 """Names that sketches give to columns, without case, spaces and punctuation."""
 
@@ -67,7 +76,9 @@ class SeenColumn:
 
 def kind_of(label: str) -> str:
     """The key of KINDS that a label means; empty where it is none of them."""
-    plain = re.sub(r"[^a-z]", "", label.lower())
+    words, mark, place = BESIDE.sub("", label).lower().rpartition(".")
+    named = f"{words}{PLACES[place]}" if mark and place in PLACES else f"{words}{place}"
+    plain = NO_QUANTITY.sub("", re.sub(r"[^a-z]", "", named))
     return next((kind for kind, names in KINDS.items() if re.fullmatch(names, plain)), "") if plain else ""
 
 

@@ -45,6 +45,8 @@ def clock_unit(column: SeenColumn, lines_per_s: float | None) -> tuple[str, str]
 def rate_unit(column: SeenColumn, text: str) -> tuple[str, str]:
     """What `rate` says of its unit, and why."""
     label = column.label.lower()
+    if milli := re.search(r"mdps|mrad/s|mrads", label) or re.search(r"\bmdps|\bmrad/s", text):
+        return (":mdps", ", in mdps as it says") if milli[0] == "mdps" else (":mrads", ", in mrad/s as it says")
     if re.search(r"rad(ian)?s?\b|rads\b|rad/s", label) or (re.search(r"rad(ian)?s?/s|rad/sec", text)):
         return ":rads", ", in rad/s as it says"
     if re.search(r"dps|deg/s|°/s|deg/sec|degrees/s", f"{label} {text}"):

@@ -17,7 +17,7 @@ from gyrodrift.link.text.fields import Fields, Form, fields_of
         ("1 | 2 | 3", ("1", "2", "3")),
         ("1,2,", ("1", "2")),
         ("1,,3", ("1", "", "3")),
-        ("a/g:\t16000\t-12\t300", ("a/g:", "16000", "-12", "300")),
+        ("a/g:\t16000\t-12\t300\t7", ("a/g:", "16000", "-12", "300", "7")),
     ],
 )
 def test_a_row_is_split_at_what_stands_between_its_values(line: str, values: tuple[str, ...]) -> None:

@@ -136,3 +136,10 @@ def test_angles_alone_are_no_rate() -> None:
     assert found is not None
     assert found.spec is None
     assert [column.said for column in found.columns] == ["_", "yaw", "pitch", "roll"]
+
+
+def test_a_temperature_in_counts_is_left_out() -> None:
+    """It would be taken for °C."""
+    found = guess([f"gz={n(1):.2f} temp={-3600 - i}" for i in range(9)])
+    assert found is not None
+    assert found.spec == "gz=rate"

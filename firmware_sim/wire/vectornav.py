@@ -1,0 +1,53 @@
+"""VectorNav binary output of the common group: TimeStartup, AngularRate and MagPres, in a frame with a CRC-16."""
+
+import struct
+from collections.abc import Iterable, Iterator
+from math import isfinite, isnan, radians
+
+from firmware_sim.measure import Block
+from firmware_sim.rig import Base
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.native import CRC_TABLE
+
+SYNC, COMMON = 0xFA, 0x01
+TIME_STARTUP, ANGULAR_RATE, MAG_PRES = 1 << 0, 1 << 5, 1 << 10
+PRESSURE_KPA = 101.325
+
+
+def crc16_ccitt(content: bytes) -> int:
+    """Polynomial 0x1021, initial value 0."""
+    crc = 0
+    for byte in content:
+        crc = (crc << 8 & 0xFFFF) ^ CRC_TABLE[crc >> 8 ^ byte]
+    return crc
+
+
+def vectornav_frame(fields: int, payload: bytes) -> bytes:
+    """Sync, the common group with these fields, payload, and the CRC of all but sync, its high byte first."""
+    content = struct.pack("<BH", COMMON, fields) + payload
+    return bytes((SYNC,)) + content + struct.pack(">H", crc16_ccitt(content))
+
+
+def vectornav_sample(t_us: int, rate_dps: float, temp_c: float) -> bytes:
+    """One measurement of a level device at rest in roll and pitch; its z axis points down."""
+    payload = struct.pack("<Q8f", t_us * 1000, 0.0, 0.0, -radians(rate_dps), 0.0, 0.0, 0.0, temp_c, PRESSURE_KPA)
+    return vectornav_frame(TIME_STARTUP | ANGULAR_RATE | MAG_PRES, payload)
+
+
+def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
+    """A frame for each measurement."""
+    for block in blocks:
+        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+            sample = vectornav_sample(t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0)
+            yield Frame(t_host_s, sample, 1)
+
+
+def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
+    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    for m in measurements:
+        if isfinite(m.rate_dps):
+            temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0
+            yield Frame(m.due_s, vectornav_sample(m.t_us, m.rate_dps, temp_c), 1)
+
+
+ENCODER = WireEncoder("vectornav", frames, recorded)

@@ -1,0 +1,72 @@
+"""BNO08x in UART-RVC mode: `AA AA index yaw pitch roll x y z … sum` at 100 Hz; the rate is how far yaw went.
+
+The chip sends yaw in hundredths of a degree and no rate. From one frame to the next that makes a rate with a resolution
+of 1 deg/s, whose sum is exactly the yaw of the chip. Its bias the chip has taken away already, by its own filter: what
+drift is left is the chip's, and there is little for another filter to find. A rate of the sensor itself comes only with
+the chip's other protocols (BNO080 data sheet 1000-3927, 1.3.5 and 6.5; yaw is positive counter-clockwise, chapter 4).
+
+The index counts frames of 10 ms, and is the clock: a frame that was lost leaves a hole, and yaw stays right.
+"""
+
+import re
+from struct import Struct
+
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.link.protocols.frames import FrameDecoder
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.sample import Reading
+
+FRAME = Struct("<2sBhhhhhhBBBB")
+PERIOD_US = 10_000
+CENTIDEGREES = 36_000
+FASTEST_DPS = 2000.0
+"""Range of the chip's gyro; yaw that moves faster was set anew, or many frames were lost."""
+
+
+class RvcDecoder(FrameDecoder):
+    """Differences of yaw; the first frame gives none."""
+
+    name = "bno08x-rvc"
+    head = b"\xaa\xaa"
+    header = re.compile(head)
+    header_bytes = len(head)
+    needs_two = True
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.device = DeviceDescription(sample_rate_hz=100.0, dps_per_lsb=1.0)
+        self._yaw: int | None = None
+        self._index = 0
+        self._count = 0
+
+    def length(self, buffer: bytes, at: int) -> int | None:  # noqa: ARG002 - others say it in the frame
+        """Always the same."""
+        return FRAME.size
+
+    def is_whole(self, frame: bytes) -> bool:
+        """The sum of all between head and sum."""
+        return sum(frame[2:-1]) & 0xFF == frame[-1]
+
+    def read(self, frame: bytes) -> Reading | None:
+        """The mean rate since the last frame."""
+        _, index, yaw, *_ = FRAME.unpack(frame)
+        before, steps = self._yaw, (index - self._index) & 0xFF
+        self._yaw, self._index = yaw, index
+        self._count += steps
+        if before is None or not steps:
+            return None
+        turned = (yaw - before + CENTIDEGREES // 2) % CENTIDEGREES - CENTIDEGREES // 2
+        rate_dps = turned / steps
+        if abs(rate_dps) > FASTEST_DPS:
+            return None
+        return Reading(self._count * PERIOD_US & 0xFFFFFFFF, self._count & 0xFFFF, rate_dps)
+
+
+PROTOCOL = WireProtocol(
+    "bno08x-rvc",
+    "yaw of a BNO08x in UART-RVC mode, as a rate of 1 deg/s resolution",
+    RvcDecoder,
+    has_clock=True,
+    rank=18,
+    has_unit=True,
+)

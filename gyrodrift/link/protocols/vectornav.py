@@ -1,0 +1,149 @@
+"""VectorNav binary output: `0xFA groups fields… payload crc`, of which time, rate and temperature are read.
+
+Which fields there are is said by every frame, so that any selection is understood (VN-100 user manual UM001, binary
+output messages): a byte with one bit a group, two bytes for each group with one bit a field, the fields themselves in
+that order, and a CRC-16/CCITT of all but the first byte, whose initial value is 0. Fields of no fixed length and groups
+beyond the seventh are not read.
+
+The body frame has z downwards: a rate that is positive about it is clockwise from above.
+"""
+
+import re
+from binascii import crc_hqx
+from functools import lru_cache
+from math import degrees, isfinite, nan
+from struct import Struct
+from typing import NamedTuple
+
+from gyrodrift.link.protocols.frames import FrameDecoder
+from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.sample import Reading
+
+GPS = (8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28)
+FIELD_BYTES = (
+    (8, 8, 8, 12, 16, 12, 24, 12, 12, 24, 20, 28, 2, 4, 8),
+    (8, 8, 8, 2, 8, 8, 8, 4, 4, 1),
+    (2, 12, 12, 12, 4, 4, 16, 12, 12, 12, 12, 2),
+    GPS,
+    (2, 12, 16, 36, 12, 12, 12, 12, 12, 12, 28, 24),
+    (2, 24, 24, 12, 12, 12, 12, 12, 12, 4, 4, 68, 64),
+    GPS,
+)
+"""Of each field of the groups common, time, IMU, GNSS, attitude, INS and second GNSS."""
+
+TIMES = ((0, 0, 0), (1, 0, 0))
+"""TimeStartup, as group, field and the place within the field."""
+
+RATES = ((2, 3, 8), (0, 9, 20), (0, 5, 8), (2, 10, 8))
+"""The third axis of UncompGyro, Imu and AngularRate: first those from which the device has taken no bias away."""
+
+TEMPERATURES = ((2, 4, 0), (0, 10, 12))
+"""Temp, and the one in MagPres."""
+
+LONGEST_BYTES = 500
+NANOSECONDS = Struct("<Q")
+FLOAT = Struct("<f")
+
+
+def _sums(sizes: tuple[int, ...]) -> tuple[int, ...]:
+    """Bytes of the fields of which a byte has the bits; too many where it has one of no field."""
+    return tuple(
+        sum(size for bit, size in enumerate(sizes) if byte >> bit & 1) + LONGEST_BYTES * (byte >> len(sizes))
+        for byte in range(256)
+    )
+
+
+GROUPS = tuple(tuple(group for group in range(len(FIELD_BYTES)) if byte >> group & 1) for byte in range(128))
+LOW_SUMS = tuple(_sums(sizes[:8]) for sizes in FIELD_BYTES)
+HIGH_SUMS = tuple(_sums(sizes[8:]) for sizes in FIELD_BYTES)
+"""What the fields take that the two bytes of a group name."""
+
+HEADER = b"\xfa(?:%b)" % b"|".join(
+    re.escape(bytes((byte,)))
+    + b"".join(rb".[\x00-\x%02x]" % ((1 << len(FIELD_BYTES[group]) - 8) - 1) for group in GROUPS[byte])
+    for byte in range(1, len(GROUPS))
+)
+"""A sync byte and groups that name no field but known ones."""
+
+
+class Layout(NamedTuple):
+    """Where in a frame time, rate and temperature stand; 0 where they do not."""
+
+    time: int
+    rate: int
+    temp: int
+
+
+@lru_cache(maxsize=64)
+def layout_of(header: bytes) -> Layout:
+    """What a header says, all its bytes but the first."""
+    places: dict[tuple[int, int], int] = {}
+    at = 1 + len(header)
+    for group, low, high in zip(GROUPS[header[0]], header[1::2], header[2::2], strict=True):
+        for field, size in enumerate(FIELD_BYTES[group]):
+            if (low | high << 8) >> field & 1:
+                places[group, field] = at
+                at += size
+    found = (
+        next((places[group, field] + offset for group, field, offset in wanted if (group, field) in places), 0)
+        for wanted in (TIMES, RATES, TEMPERATURES)
+    )
+    return Layout(*found)
+
+
+class VectornavDecoder(FrameDecoder):
+    """Frames of any selection of fields; those without a rate are counted and passed over."""
+
+    name = "vectornav"
+    head = b"\xfa"
+    header = re.compile(HEADER, re.DOTALL)
+    header_bytes = 2 + 2 * len(FIELD_BYTES)
+    beside = b"$"  # the ASCII messages, which a device sends on the same port unless told otherwise
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._is_timed: bool | None = None
+
+    def length(self, buffer: bytes, at: int) -> int | None:
+        """By the fields that the header names."""
+        if len(buffer) - at < 2:
+            return None
+        if not 0 < buffer[at + 1] < len(GROUPS):
+            return 0
+        groups, field = GROUPS[buffer[at + 1]], at + 2
+        length = 4 + 2 * len(groups)
+        if len(buffer) < field + 2 * len(groups):
+            return None
+        for group in groups:
+            length += LOW_SUMS[group][buffer[field]] + HIGH_SUMS[group][buffer[field + 1]]
+            field += 2
+        return length if length <= LONGEST_BYTES else 0
+
+    def is_whole(self, frame: bytes) -> bool:
+        """The CRC of a frame with its CRC is 0."""
+        return not crc_hqx(frame[1:], 0)
+
+    def read(self, frame: bytes) -> Reading | None:
+        """Time since start, rate and temperature."""
+        layout = layout_of(frame[1 : 2 + 2 * len(GROUPS[frame[1]])])
+        if not layout.rate:
+            return None
+        if self._is_timed is None:
+            self._is_timed = bool(layout.time)
+        rate_dps = -degrees(FLOAT.unpack_from(frame, layout.rate)[0])
+        if self._is_timed > bool(layout.time) or not (isfinite(rate_dps) and abs(rate_dps) <= MAX_RATE_DPS):
+            return None
+        t_us = NANOSECONDS.unpack_from(frame, layout.time)[0] // 1000 & 0xFFFFFFFF if self._is_timed else None
+        return Reading(t_us, None, rate_dps, nan, FLOAT.unpack_from(frame, layout.temp)[0] if layout.temp else nan)
+
+
+PROTOCOL = WireProtocol(
+    "vectornav",
+    "VectorNav binary output with any fields",
+    VectornavDecoder,
+    has_clock=True,
+    rank=2,
+    has_unit=True,
+    without_rate="turn on AngularRate of the common group (register 75), and TimeStartup for a clock",
+)

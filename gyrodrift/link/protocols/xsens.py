@@ -1,0 +1,121 @@
+"""Xsens MTData2: `FA FF 36 length items sum`, of which rate of turn, sample time, counter and temperature are read.
+
+An item is an id of two bytes, a length, and its content, all of them big-endian; the low digit of the id says how
+numbers are written. The sum of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
+"""
+
+import re
+from math import degrees, isfinite, nan
+from struct import Struct
+
+from gyrodrift.link.protocols.frames import FrameDecoder
+from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.sample import Reading
+
+EXTENDED = 0xFF
+LONGEST_BYTES = 700
+"""A length of 255 says that two bytes with the length follow; no device sends more than this at each measurement."""
+
+PACKET_COUNTER = 0x1020
+SAMPLE_TIME_FINE = 0x1060
+TEMPERATURE = 0x0810
+RATES_OF_TURN = (0x8020, 0x8040)
+"""The calibrated one, and that of high rate."""
+
+SAMPLE_TIME_US = 100
+"""A tick of SampleTimeFine: 10 kHz."""
+
+COUNTER = Struct(">H")
+TICKS = Struct(">I")
+FLOAT, FP1220, DOUBLE = Struct(">f"), Struct(">i"), Struct(">d")
+FP1632 = Struct(">Ih")
+"""Fraction first, then the whole part."""
+
+
+def number(content: bytes, precision: int, index: int) -> float:
+    """One of several numbers; NaN where there are not that many.
+
+    precision
+        0 for single precision, 1 for 12.20 and 2 for 16.32 fixed point, 3 for double precision.
+    """
+    form = (FLOAT, FP1220, FP1632, DOUBLE)[precision]
+    if len(content) < (index + 1) * form.size:
+        return nan
+    value: tuple[float, ...] = form.unpack_from(content, index * form.size)
+    if form is FP1632:
+        return value[1] + value[0] / 2.0**32
+    return value[0] / 2.0**20 if form is FP1220 else value[0]
+
+
+class XsensDecoder(FrameDecoder):
+    """MTData2 with any items; those without a rate of turn are counted and passed over."""
+
+    name = "xsens"
+    head = b"\xfa\xff\x36"
+    header = re.compile(head)
+    header_bytes = len(head)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._is_timed: bool | None = None
+        self._temp_c = nan
+
+    def length(self, buffer: bytes, at: int) -> int | None:
+        """Of head, length, items and sum."""
+        if len(buffer) - at < 4:
+            return None
+        said = buffer[at + 3]
+        if said != EXTENDED:
+            return said + 5
+        if len(buffer) - at < 6:
+            return None
+        said = buffer[at + 4] << 8 | buffer[at + 5]
+        return said + 7 if EXTENDED <= said <= LONGEST_BYTES else 0
+
+    def is_whole(self, frame: bytes) -> bool:
+        """The sum is right, and the items fill the frame."""
+        return not sum(frame[1:]) & 0xFF and _items(frame) is not None
+
+    def read(self, frame: bytes) -> Reading | None:
+        """Rate about the third axis; a temperature holds until the next one, for it comes less often."""
+        items = _items(frame) or {}
+        rate_dps = t_us = seq = None
+        for kind, (precision, content) in items.items():
+            if kind in RATES_OF_TURN:
+                rate_dps = degrees(number(content, precision, 2))
+            elif kind == TEMPERATURE:
+                self._temp_c = number(content, precision, 0)
+            elif kind == SAMPLE_TIME_FINE and len(content) == TICKS.size:
+                t_us = TICKS.unpack(content)[0] * SAMPLE_TIME_US & 0xFFFFFFFF
+            elif kind == PACKET_COUNTER and len(content) == COUNTER.size:
+                seq = COUNTER.unpack(content)[0]
+        if rate_dps is None or not (isfinite(rate_dps) and abs(rate_dps) <= MAX_RATE_DPS):
+            return None
+        if self._is_timed is None:
+            self._is_timed = t_us is not None
+        if self._is_timed and t_us is None:
+            return None
+        return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c)
+
+
+def _items(frame: bytes) -> dict[int, tuple[int, bytes]] | None:
+    """Precision and content by kind; None where they do not fill the frame."""
+    at, end = (6 if frame[3] == EXTENDED else 4), len(frame) - 1
+    items = {}
+    while at + 3 <= end:
+        kind, size = frame[at] << 8 | frame[at + 1], frame[at + 2]
+        items[kind & 0xFFF0] = kind & 0x3, frame[at + 3 : at + 3 + size]
+        at += 3 + size
+    return items if at == end else None
+
+
+PROTOCOL = WireProtocol(
+    "xsens",
+    "Xsens MTData2 with rate of turn",
+    XsensDecoder,
+    has_clock=True,
+    rank=8,
+    has_unit=True,
+    without_rate="add RateOfTurn (0x8020) to the output configuration, and SampleTimeFine (0x1060) for a clock",
+)
