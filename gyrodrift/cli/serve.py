@@ -15,11 +15,14 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
+    from gyrodrift.config.model import Config
     from gyrodrift.config.watch import ConfigWatch
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.recording.resilient import ResilientRecorder
     from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.output_feed import OutputFeed
 
 
 class ListOutputs(argparse.Action):
@@ -105,9 +108,8 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
         filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
-        listeners: list[SampleListener] = [filtering]
-        if arguments.record is not None:
-            listeners.insert(0, _recording(arguments, link, events, log, watch))
+        recording = None if arguments.record is None else _recording(arguments, link, events, log, watch)
+        listeners: list[SampleListener] = [filtering] if recording is None else [recording, filtering]
         control = None
         if asked or watch is not None or arguments.control is not None:
             from gyrodrift.service.link_meter import LinkMeter
@@ -117,7 +119,8 @@ def run(arguments: argparse.Namespace) -> int:
             meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
             reporting = Reporting(meter, filtering, feed)
             filtering.sinks.append(feed)
-            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+            filtering.on_event = feed.hear
+            filtering.on_config = lambda new: _follow(new, feed, asked, recording)
             feed.state = reporting.status
             events.listeners.append(feed.hear)
             listeners.insert(0, meter)
@@ -141,7 +144,7 @@ def _recording(
     events: "LinkEvents",
     log: "FilteringBoundLogger",
     watch: "ConfigWatch | None",
-) -> "SampleListener":
+) -> "ResilientRecorder":
     """The recorder of `--record`, which hears the link's events too."""
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
@@ -163,6 +166,17 @@ def _outputs(asked: list[str]) -> "list[OutputSpec]":
     return [output_of(each) for each in asked]
 
 
+def _follow(
+    new: "Config", feed: "OutputFeed", asked: "list[OutputSpec]", recording: "ResilientRecorder | None"
+) -> None:
+    """What a new config changes beside the filter."""
+    feed.want([*asked, *new.outputs])
+    if recording is not None:
+        recording.keep(options.calibration_tables(new))
+
+
 def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
     """What a recording keeps of the config."""
-    return {} if watch is None else {"config": {"file": str(watch.path), "text": watch.path.read_text()}}
+    if watch is None:
+        return {}
+    return options.config_tables(watch.path, watch.config)

@@ -10,6 +10,8 @@ from annotated_types import Gt, Le
 from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
+from gyrodrift.calibration import Calibration
+from gyrodrift.config.calibration import CALIBRATION, calibration_in
 from gyrodrift.config.explain import Strict, expectation, nearest, said, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
@@ -33,6 +35,8 @@ class Config:
         The rate the parameters were tuned at, Hz; None where the file does not say.
     outputs
         Where corrected samples go beside stdout.
+    calibration
+        What puts the rate right before the filter; None where the file gives none.
     completed
         One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
         block says which filter is meant.
@@ -43,6 +47,7 @@ class Config:
     sample_rate_hz: float | None = None
     completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
+    calibration: Calibration | None = None
 
     @property
     def chosen(self) -> Filter:
@@ -70,6 +75,9 @@ class Config:
             before, after = old.params_of(known), self.params_of(known)
             pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in known.names]
         changed = [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
+        if self.calibration != old.calibration:
+            dates = ["none" if each is None else each.date for each in (old.calibration, self.calibration)]
+            changed.append(f"{CALIBRATION}: {dates[0]} → {dates[1]}")
         gone = [f"outputs: {spec} is closed" for spec in old.outputs if spec not in self.outputs]
         new = [f"outputs: {spec} is opened" for spec in self.outputs if spec not in old.outputs]
         return [*changed, *gone, *new]
@@ -91,6 +99,7 @@ def _file() -> type[Strict]:
         SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
+        CALIBRATION: (Any, None),
     }
     return create_model("File", __base__=Strict, **content)
 
@@ -112,13 +121,17 @@ def load_config(path: Path) -> Config:
     elif read.value is not None and not isinstance(read.value, dict):
         read.report((), f"holds {said(read.value)}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
-    outputs = outputs_in(read.value.get("outputs"), _in_outputs(read)) if isinstance(read.value, dict) else ()
+    given = read.value if isinstance(read.value, dict) else {}
+    outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
+    calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return _config(file, read.value, outputs)
+    return _config(file, given, outputs, calibration)
 
 
-def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...]) -> Config:
+def _config(
+    file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...], calibration: Calibration | None
+) -> Config:
     content = file.model_dump()
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
@@ -131,11 +144,11 @@ def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, .
         if name in begun or name == chosen:
             left = [key for key in known.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
-    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs)
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs, calibration)
 
 
-def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:
-    return lambda key, what: read.report(("outputs", *key), what)
+def _within(read: YamlFile, block: str) -> Callable[[Key, str], None]:
+    return lambda key, what: read.report((block, *key), what)
 
 
 def _check(read: YamlFile) -> Strict | None:

@@ -1,0 +1,149 @@
+"""One move from a stop at the mark to the next: when it is over, and by what angle the gyro says that it turned.
+
+The bias is taken from the rest before the move and from that after it, and runs straight from one to the other.
+"""
+
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.calibrate.rest import LEAST_PER_BLOCK, Rest
+from gyrodrift.errors import CalibrationError
+from gyrodrift.sample import Sample
+
+BLOCK_S = 0.25
+STOP_S = 1.5
+"""A stop is a rest of at least this; hands that change their grip are quicker."""
+
+WINDOW_S = 5.0
+"""Of a longer rest the part next to the move gives the bias."""
+
+STILL_DPS = 0.15
+STILL_ERRORS = 6.0
+"""A block is still whose mean is within the larger of both of the last bias: what a bias may walk between two stops,
+and standard errors of its noise."""
+
+TREMBLES_DPS = 0.3
+TREMBLES = 3.0
+"""And whose scatter is below the larger of both: a hand that holds the table still, and times the noise."""
+
+HOLE_PERIODS = 3.5
+"""Samples further apart than this were lost."""
+
+
+@dataclass(slots=True)
+class Move:
+    """Takes samples from a stop on; `bias_dps` is what the rate was then, deg/s.
+
+    angle_deg
+        By how much the gyro says that it has turned so far, degrees, without the bias.
+    still_s
+        For how long it has been still, s.
+    """
+
+    rest: Rest
+    bias_dps: float
+    angle_deg: float = 0.0
+    still_s: float = 0.0
+    _samples: list[Sample] = field(default_factory=list)
+    _block: int = 0
+    _clipped: int = 0
+
+    def take(self, samples: list[Sample], clipped: int = 0) -> None:
+        """Samples of the device, and how many of them it marked as out of its range."""
+        size = self._size
+        self._clipped += clipped
+        for sample in samples:
+            if self._samples:
+                step_s = sample.t_device_s - self._samples[-1].t_device_s
+                self.angle_deg += (sample.rate_dps - self.bias_dps) * step_s
+            self._samples.append(sample)
+        while self._block + size <= len(self._samples):
+            block = self._samples[self._block : self._block + size]
+            self._block += size
+            is_still = self._is_still(np.array([sample.rate_dps for sample in block]))
+            self.still_s = self.still_s + size * self.rest.period_s if is_still else 0.0
+            if is_still and self.still_s >= self.seconds - BLOCK_S:
+                self._forget()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it stands still for long enough to be a stop."""
+        return self.still_s >= STOP_S
+
+    @property
+    def seconds(self) -> float:
+        """How long it lasts so far, the rest before it included, s."""
+        return self._samples[-1].t_device_s - self._samples[0].t_device_s if self._samples else 0.0
+
+    def finished(self) -> "FinishedMove":
+        """The move up to the stop that it is at.
+
+        Raises
+        ------
+        CalibrationError
+            Where samples are missing from it, or the rate left the range of the device.
+        """
+        t_s = np.array([sample.t_device_s for sample in self._samples])
+        rate_dps = np.array([sample.rate_dps for sample in self._samples])
+        before, after = self._before(rate_dps), self._after(rate_dps)
+        self._check(t_s)
+        first, last = before // 2, len(t_s) - 1 - after // 2
+        start_dps, end_dps = float(rate_dps[:before].mean()), float(rate_dps[len(rate_dps) - after :].mean())
+        bias_dps = np.interp(t_s, [t_s[first], t_s[last]], [start_dps, end_dps])
+        moved_dps = (rate_dps - bias_dps)[first : last + 1]
+        angle_deg = float(np.sum(0.5 * (moved_dps[1:] + moved_dps[:-1]) * np.diff(t_s[first : last + 1])))
+        return FinishedMove(angle_deg, float(np.abs(moved_dps).max()), end_dps, self._samples[len(t_s) - after :])
+
+    @property
+    def _size(self) -> int:
+        return max(LEAST_PER_BLOCK, round(BLOCK_S / self.rest.period_s))
+
+    def _is_still(self, rate_dps: Floats) -> bool:
+        noise_dps = self.rest.noise_dps
+        is_level = abs(float(rate_dps.mean()) - self.bias_dps) <= max(
+            STILL_DPS, STILL_ERRORS * noise_dps / sqrt(len(rate_dps))
+        )
+        return is_level and float(rate_dps.std()) <= max(TREMBLES_DPS, TREMBLES * noise_dps)
+
+    def _forget(self) -> None:
+        """Of a rest that has no move yet, all but what gives the bias."""
+        surplus = len(self._samples) - round(WINDOW_S / self.rest.period_s)
+        if surplus > 0:
+            del self._samples[:surplus]
+            self._block -= surplus
+            self.angle_deg, self._clipped = 0.0, 0
+
+    def _before(self, rate_dps: Floats) -> int:
+        """Samples at the beginning that were still; at least a block, since a move begins at a stop."""
+        size, still = self._size, 0
+        while still + size <= len(rate_dps) and self._is_still(rate_dps[still : still + size]):
+            still += size
+        return max(size, still)
+
+    def _after(self, rate_dps: Floats) -> int:
+        """Samples at the end that were still, up to the window."""
+        size, still, most = self._size, 0, round(WINDOW_S / self.rest.period_s)
+        end = len(rate_dps)
+        while still < most and still + size <= end and self._is_still(rate_dps[end - still - size : end - still]):
+            still += size
+        return max(size, still)
+
+    def _check(self, t_s: Floats) -> None:
+        holes_s = np.diff(t_s)
+        if holes_s.max() > HOLE_PERIODS * self.rest.period_s or holes_s.min() <= 0.0:
+            raise CalibrationError(f"samples were lost during the turn, {holes_s.max():.3g} s of them")
+        if self._clipped:
+            raise CalibrationError(f"{self._clipped} samples were out of the device's range: turn slower")
+
+
+@dataclass(frozen=True, slots=True)
+class FinishedMove:
+    """A move: its angle as the gyro has it, deg, its largest rate, deg/s, the bias after it, deg/s, and that rest."""
+
+    angle_deg: float
+    fastest_dps: float
+    bias_dps: float
+    rest: list[Sample]
