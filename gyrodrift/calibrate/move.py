@@ -109,12 +109,13 @@ class Move:
         return is_level and float(rate_dps.std()) <= max(TREMBLES_DPS, TREMBLES * noise_dps)
 
     def _forget(self) -> None:
-        """Of a rest that has no move yet, all but what gives the bias."""
+        """Of a rest that has no move yet, all but what gives the bias, which may have walked."""
         surplus = len(self._samples) - round(WINDOW_S / self.rest.period_s)
         if surplus > 0:
             del self._samples[:surplus]
             self._block -= surplus
             self.angle_deg, self._clipped = 0.0, 0
+            self.bias_dps = sum(sample.rate_dps for sample in self._samples) / len(self._samples)
 
     def _before(self, rate_dps: Floats) -> int:
         """Samples at the beginning that were still; at least a block, since a move begins at a stop."""

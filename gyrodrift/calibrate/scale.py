@@ -154,7 +154,7 @@ def settled(found: Sequence[Turns]) -> Scales:
         )
     if scales.spread > SPREAD_MOST:
         raise CalibrationError(
-            f"the turns differ too much: the scale is known to {scales.spread:.1%} only, {SPREAD_MOST:.0%} is the most; "
+            f"the turns differ too much: the scale is known to {scales.spread:.1%}, {SPREAD_MOST:.0%} is the most; "
             f"a stop at the mark was {scales.mark_deg:.1f} deg off (standard deviation): turn several turns at a time, "
             "with --turns 5, or make the mark sharper"
         )

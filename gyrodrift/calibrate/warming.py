@@ -110,8 +110,8 @@ def line_of(temps_c: Floats, biases_dps: Floats) -> BiasLine:
     low_c, high_c = float(temps_c.min()), float(temps_c.max())
     if high_c - low_c < LEAST_SPAN_C:
         raise CalibrationError(
-            f"the temperature moved by {high_c - low_c:.1f} °C only, from {low_c:.1f} to {high_c:.1f}; {LEAST_SPAN_C:g} "
-            "are needed: begin with a cold device"
+            f"the temperature moved by {high_c - low_c:.1f} °C only, from {low_c:.1f} to {high_c:.1f}; at least "
+            f"{LEAST_SPAN_C:g} are needed: begin with a cold device"
         )
     one, other = np.triu_indices(len(temps_c), 1)
     is_apart = np.abs(temps_c[other] - temps_c[one]) > 0.1 * (high_c - low_c)
