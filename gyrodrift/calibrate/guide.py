@@ -116,8 +116,9 @@ class Guide:
         match key, self.step:
             case Key.ENTER, Step.READY:
                 self._begin_rest()
-            case Key.ENTER, Step.AT_MARK | Step.TURNING:
+            case Key.ENTER, Step.AT_MARK | Step.TURNING if self._move is not None:
                 self._is_asked = True
+                self._look(self._move)
             case Key.ENOUGH, Step.WARMING if self._warming is not None:
                 self._end_warming(self._warming)
             case Key.ENOUGH, _:
@@ -185,8 +186,10 @@ class Guide:
         begun_s = self._samples[0].t_device_s + (HANDS_OFF_S if self.plan.is_by_hand else 0.0)
         if self._samples[-1].t_device_s - begun_s < self.plan.rest_s:
             return
+        end_s = begun_s + self.plan.rest_s
+        later = [sample for sample in self._samples if sample.t_device_s > end_s]
         try:
-            self._rest = rest_of([sample for sample in self._samples if sample.t_device_s >= begun_s])
+            self._rest = rest_of([sample for sample in self._samples if begun_s <= sample.t_device_s <= end_s])
         except CalibrationError as error:
             self._refuse(error)
             self.step = Step.READY
@@ -201,6 +204,7 @@ class Guide:
             self._begin_warming(rest)
         else:
             self._begin_turns(rest, rest.bias_dps)
+        self.take(later)
 
     def _begin_warming(self, rest: Rest) -> None:
         if isnan(rest.temp_c):
@@ -251,11 +255,12 @@ class Guide:
         if not move.is_stopped or not self._is_over(move):
             return
         self._is_asked = False
+        if self.step is Step.AT_MARK:
+            stop = move.last_rest()
+            self._begin_move(move.rest, sum(sample.rate_dps for sample in stop) / len(stop), stop)
+            return
         try:
             done = move.finished()
-            if self.step is Step.AT_MARK:
-                self._begin_move(move.rest, done.bias_dps, done.rest)
-                return
             new = Turns(self._is_next_ccw, self.plan.turns, done.angle_deg)
             check_turns(new, self.turns)
         except CalibrationError as error:

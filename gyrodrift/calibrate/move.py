@@ -41,42 +41,41 @@ class Move:
         By how much the gyro says that it has turned so far, degrees, without the bias.
     still_s
         For how long it has been still, s.
+    seconds
+        How long ago it was begun, s.
     """
 
     rest: Rest
     bias_dps: float
     angle_deg: float = 0.0
     still_s: float = 0.0
+    seconds: float = 0.0
     _samples: list[Sample] = field(default_factory=list)
     _block: int = 0
+    _has_moved: bool = False
     _clipped: int = 0
 
     def take(self, samples: list[Sample], clipped: int = 0) -> None:
         """Samples of the device, and how many of them it marked as out of its range."""
-        size = self._size
         self._clipped += clipped
-        for sample in samples:
-            if self._samples:
-                step_s = sample.t_device_s - self._samples[-1].t_device_s
-                self.angle_deg += (sample.rate_dps - self.bias_dps) * step_s
-            self._samples.append(sample)
+        self._samples += samples
+        size = self._size
         while self._block + size <= len(self._samples):
-            block = self._samples[self._block : self._block + size]
+            rates_dps = np.array([sample.rate_dps for sample in self._samples[self._block : self._block + size]])
             self._block += size
-            is_still = self._is_still(np.array([sample.rate_dps for sample in block]))
-            self.still_s = self.still_s + size * self.rest.period_s if is_still else 0.0
-            if is_still and self.still_s >= self.seconds - BLOCK_S:
+            block_s = size * self.rest.period_s
+            self.seconds += block_s
+            self.angle_deg += (float(rates_dps.mean()) - self.bias_dps) * block_s
+            if self._is_still(rates_dps):
+                self.still_s += block_s
                 self._forget()
+            else:
+                self.still_s, self._has_moved = 0.0, True
 
     @property
     def is_stopped(self) -> bool:
         """Whether it stands still for long enough to be a stop."""
         return self.still_s >= STOP_S
-
-    @property
-    def seconds(self) -> float:
-        """How long it lasts so far, the rest before it included, s."""
-        return self._samples[-1].t_device_s - self._samples[0].t_device_s if self._samples else 0.0
 
     def finished(self) -> "FinishedMove":
         """The move up to the stop that it is at.
@@ -84,7 +83,7 @@ class Move:
         Raises
         ------
         CalibrationError
-            Where samples are missing from it, or the rate left the range of the device.
+            Where samples are missing from it, the rate left the range of the device, or there was no rest before it.
         """
         t_s = np.array([sample.t_device_s for sample in self._samples])
         rate_dps = np.array([sample.rate_dps for sample in self._samples])
@@ -96,6 +95,11 @@ class Move:
         moved_dps = (rate_dps - bias_dps)[first : last + 1]
         angle_deg = float(np.sum(0.5 * (moved_dps[1:] + moved_dps[:-1]) * np.diff(t_s[first : last + 1])))
         return FinishedMove(angle_deg, float(np.abs(moved_dps).max()), end_dps, self._samples[len(t_s) - after :])
+
+    def last_rest(self) -> list[Sample]:
+        """Samples of the stop that it is at, up to the window."""
+        rate_dps = np.array([sample.rate_dps for sample in self._samples])
+        return self._samples[len(rate_dps) - self._after(rate_dps) :]
 
     @property
     def _size(self) -> int:
@@ -110,19 +114,21 @@ class Move:
 
     def _forget(self) -> None:
         """Of a rest that has no move yet, all but what gives the bias, which may have walked."""
-        surplus = len(self._samples) - round(WINDOW_S / self.rest.period_s)
-        if surplus > 0:
+        surplus = self._block - round(WINDOW_S / self.rest.period_s)
+        if not self._has_moved and surplus > 0:
             del self._samples[:surplus]
             self._block -= surplus
             self.angle_deg, self._clipped = 0.0, 0
-            self.bias_dps = sum(sample.rate_dps for sample in self._samples) / len(self._samples)
+            self.bias_dps = sum(sample.rate_dps for sample in self._samples[: self._block]) / self._block
 
     def _before(self, rate_dps: Floats) -> int:
-        """Samples at the beginning that were still; at least a block, since a move begins at a stop."""
+        """Samples at the beginning that were still."""
         size, still = self._size, 0
         while still + size <= len(rate_dps) and self._is_still(rate_dps[still : still + size]):
             still += size
-        return max(size, still)
+        if not still:
+            raise CalibrationError("it was moving already when the turn began")
+        return still
 
     def _after(self, rate_dps: Floats) -> int:
         """Samples at the end that were still, up to the window."""

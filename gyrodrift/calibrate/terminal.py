@@ -43,6 +43,12 @@ class Screen:
         self.stream.write(CLEAR + line[: columns - 1])
         self.stream.flush()
 
+    def clear(self) -> None:
+        """Leave the terminal as it was."""
+        if self.is_terminal:
+            self.stream.write(CLEAR)
+            self.stream.flush()
+
 
 @dataclass(slots=True)
 class Keys:

@@ -84,12 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
         closing.callback(link.close)
+        closing.callback(screen.clear)
         keys = None
         if plan.is_by_hand:
             keys = Keys(sys.stdin.fileno())
             closing.enter_context(without_echo(keys.fd))
-        is_done = guided(link, guide, screen, keys, stop.fd)
-        if not is_done:
+        if not guided(link, guide, screen, keys, stop.fd):
             screen.say("gyrodrift: interrupted; nothing is written")
             return INTERRUPTED
         found = _result(guide, link)
