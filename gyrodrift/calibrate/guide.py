@@ -140,6 +140,8 @@ class Guide:
                 return f"warming at rest: {had}, {self._warming.temp_c:.1f} °C, {self._warming.last_dps:+.4f} deg/s"
             case Step.AT_MARK | Step.TURNING if self._move is not None:
                 is_still = "at rest" if self._move.is_stopped else "moving"
+                if self.step is Step.AT_MARK:
+                    return f"on the way to the mark: {is_still}"
                 return f"{self._next_words}: reads {self._move.angle_deg:+.1f} deg, {is_still}"
         return ""
 
@@ -297,7 +299,7 @@ class Guide:
         """By hand it is done again; without, a run that was asked for is not done by halves."""
         if not self.plan.is_by_hand:
             raise error
-        self.say(f"Not taken: {error}.")
+        self.say(f"Not taken: {str(error).rstrip('.')}{'' if str(error).endswith('?') else '.'}")
 
     @property
     def _is_next_ccw(self) -> bool:
