@@ -29,6 +29,10 @@ HALF_WAY_S = 10.0
 """Without hands, a stop of this length is one at the mark, wherever it is."""
 
 
+PIECE = 10
+"""Samples that are looked at together, however many were read at once: a stop is seen where it is."""
+
+
 class Key(Enum):
     """What a person says."""
 
@@ -100,8 +104,10 @@ class Guide:
         CalibrationError
             Where something went wrong that nobody can do again.
         """
-        if not samples:
-            return
+        for start in range(0, len(samples), PIECE):
+            self._take_piece(samples[start : start + PIECE], clipped if start == 0 else 0)
+
+    def _take_piece(self, samples: list[Sample], clipped: int) -> None:
         match self.step:
             case Step.REST:
                 self._take_rest(samples)
@@ -188,10 +194,8 @@ class Guide:
         begun_s = self._samples[0].t_device_s + (HANDS_OFF_S if self.plan.is_by_hand else 0.0)
         if self._samples[-1].t_device_s - begun_s < self.plan.rest_s:
             return
-        end_s = begun_s + self.plan.rest_s
-        later = [sample for sample in self._samples if sample.t_device_s > end_s]
         try:
-            self._rest = rest_of([sample for sample in self._samples if begun_s <= sample.t_device_s <= end_s])
+            self._rest = rest_of([sample for sample in self._samples if sample.t_device_s >= begun_s])
         except CalibrationError as error:
             self._refuse(error)
             self.step = Step.READY
@@ -206,7 +210,6 @@ class Guide:
             self._begin_warming(rest)
         else:
             self._begin_turns(rest, rest.bias_dps)
-        self.take(later)
 
     def _begin_warming(self, rest: Rest) -> None:
         if isnan(rest.temp_c):
@@ -258,8 +261,7 @@ class Guide:
             return
         self._is_asked = False
         if self.step is Step.AT_MARK:
-            stop = move.last_rest()
-            self._begin_move(move.rest, sum(sample.rate_dps for sample in stop) / len(stop), stop)
+            self._begin_move(move.rest, *move.last_rest())
             return
         try:
             done = move.finished()

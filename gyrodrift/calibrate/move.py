@@ -78,15 +78,15 @@ class Move:
         return self.still_s >= STOP_S
 
     def finished(self) -> "FinishedMove":
-        """The move up to the stop that it is at.
+        """The move up to the stop that it is at; samples behind the last whole block go to the next one.
 
         Raises
         ------
         CalibrationError
             Where samples are missing from it, the rate left the range of the device, or there was no rest before it.
         """
-        t_s = np.array([sample.t_device_s for sample in self._samples])
-        rate_dps = np.array([sample.rate_dps for sample in self._samples])
+        t_s = np.array([sample.t_device_s for sample in self._samples[: self._block]])
+        rate_dps = self._rates_dps()
         before, after = self._before(rate_dps), self._after(rate_dps)
         self._check(t_s)
         first, last = before // 2, len(t_s) - 1 - after // 2
@@ -96,10 +96,15 @@ class Move:
         angle_deg = float(np.sum(0.5 * (moved_dps[1:] + moved_dps[:-1]) * np.diff(t_s[first : last + 1])))
         return FinishedMove(angle_deg, float(np.abs(moved_dps).max()), end_dps, self._samples[len(t_s) - after :])
 
-    def last_rest(self) -> list[Sample]:
-        """Samples of the stop that it is at, up to the window."""
-        rate_dps = np.array([sample.rate_dps for sample in self._samples])
-        return self._samples[len(rate_dps) - self._after(rate_dps) :]
+    def last_rest(self) -> tuple[float, list[Sample]]:
+        """Bias at the stop that it is at, deg/s, and all samples since."""
+        rate_dps = self._rates_dps()
+        after = self._after(rate_dps)
+        return float(rate_dps[len(rate_dps) - after :].mean()), self._samples[self._block - after :]
+
+    def _rates_dps(self) -> Floats:
+        """Of all whole blocks."""
+        return np.array([sample.rate_dps for sample in self._samples[: self._block]])
 
     @property
     def _size(self) -> int:
@@ -148,7 +153,7 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class FinishedMove:
-    """A move: its angle as the gyro has it, deg, its largest rate, deg/s, the bias after it, deg/s, and that rest."""
+    """Angle as the gyro has it, deg, largest rate and the bias after it, deg/s, and all samples since the stop."""
 
     angle_deg: float
     fastest_dps: float

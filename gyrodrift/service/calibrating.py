@@ -38,9 +38,11 @@ class Calibrating:
 
     def take(self, samples: list[Sample], bias_dps: float) -> list[Sample]:
         """Samples with their true rates; `bias_dps` is what the filter has found so far."""
-        if self.link.device is not self._device and samples:
+        if not samples:
+            return samples
+        if self.link.device != self._device:  # a device says who it is once a second
             self._decide(bias_dps)
-        if self.applied is None or not samples:
+        if self.applied is None:
             return samples
         self._temp_c = samples[-1].temp_c
         return [self.applied.sample(sample) for sample in samples]
