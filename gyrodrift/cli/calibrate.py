@@ -30,8 +30,7 @@ NEW_FILE = "# Begun by gyrodrift calibrate. serve --config follows this file whi
 
 EXAMPLES = """\
 gyrodrift calibrate --port auto --config my.yaml
-gyrodrift calibrate --port /dev/ttyUSB0 --config my.yaml --turns 5
-gyrodrift calibrate --port /dev/ttyUSB0 --config my.yaml --temperature 20 --force
+gyrodrift calibrate --port /dev/ttyUSB0 --config my.yaml --turns 5 --temperature 20 --force
 gyrodrift calibrate --port /dev/ttyUSB0 --yes --json > calibration.json
 """
 
