@@ -11,7 +11,7 @@ from enum import Enum
 from math import isfinite, isnan
 
 from gyrodrift.calibrate.move import FinishedMove, Move
-from gyrodrift.calibrate.rest import Rest, rest_of
+from gyrodrift.calibrate.rest import RestMeasurement, rest_of
 from gyrodrift.calibrate.scale import LEAST, Scales, Turns, check_turns, scales_of, settled
 from gyrodrift.calibrate.warming import BiasLine, Warming
 from gyrodrift.calibration import Calibration
@@ -41,7 +41,7 @@ class Key(Enum):
     ENOUGH = "q"
 
 
-class Step(Enum):
+class GuideStep(Enum):
     """Where the guide is."""
 
     READY = "ready"
@@ -53,7 +53,7 @@ class Step(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class CalibrationPlan:
     """What is asked for.
 
     turns, most
@@ -78,12 +78,12 @@ class Plan:
 class Guide:
     """A calibration under way; `say` is called with each sentence that stays on the screen."""
 
-    plan: Plan
+    plan: CalibrationPlan
     say: Callable[[str], object]
-    step: Step = Step.READY
+    step: GuideStep = GuideStep.READY
     turns: list[Turns] = field(default_factory=list)
     line_of_bias: BiasLine | None = None
-    _rest: Rest | None = None
+    _rest: RestMeasurement | None = None
     _samples: list[Sample] = field(default_factory=list)
     _warming: Warming | None = None
     _move: Move | None = None
@@ -109,26 +109,26 @@ class Guide:
 
     def _take_piece(self, samples: list[Sample], clipped: int) -> None:
         match self.step:
-            case Step.REST:
+            case GuideStep.REST:
                 self._take_rest(samples)
-            case Step.WARMING if self._warming is not None:
+            case GuideStep.WARMING if self._warming is not None:
                 self._take_warming(self._warming, samples)
-            case Step.AT_MARK | Step.TURNING if self._move is not None:
+            case GuideStep.AT_MARK | GuideStep.TURNING if self._move is not None:
                 self._move.take(samples, clipped)
                 self._look(self._move)
 
     def press(self, key: Key) -> None:
         """A key, with Enter behind it."""
         match key, self.step:
-            case Key.ENTER, Step.READY:
+            case Key.ENTER, GuideStep.READY:
                 self._begin_rest()
-            case Key.ENTER, Step.AT_MARK | Step.TURNING if self._move is not None:
+            case Key.ENTER, GuideStep.AT_MARK | GuideStep.TURNING if self._move is not None:
                 self._is_asked = True
                 self._look(self._move)
-            case Key.ENOUGH, Step.WARMING if self._warming is not None:
+            case Key.ENOUGH, GuideStep.WARMING if self._warming is not None:
                 self._end_warming(self._warming)
             case Key.ENOUGH, _:
-                self.step = Step.DONE
+                self.step = GuideStep.DONE
             case Key.UNDO, _ if self.turns:
                 taken = self.turns.pop()
                 self.say(f"Taken back: {taken.angle_deg:+.1f} deg.")
@@ -138,15 +138,15 @@ class Guide:
     def line(self) -> str:
         """What is going on, for one line that is rewritten."""
         match self.step:
-            case Step.REST:
+            case GuideStep.REST:
                 had_s = self._samples[-1].t_device_s - self._samples[0].t_device_s if self._samples else 0.0
                 return f"at rest: {had_s:.0f} of {self.plan.rest_s:g} s, hands off"
-            case Step.WARMING if self._warming is not None:
+            case GuideStep.WARMING if self._warming is not None:
                 had = f"{self._warming.seconds / 60.0:.1f} of {self.plan.warming_s / 60.0:g} min"
                 return f"warming at rest: {had}, {self._warming.temp_c:.1f} °C, {self._warming.last_dps:+.4f} deg/s"
-            case Step.AT_MARK | Step.TURNING if self._move is not None:
+            case GuideStep.AT_MARK | GuideStep.TURNING if self._move is not None:
                 is_still = "at rest" if self._move.is_stopped else "moving"
-                if self.step is Step.AT_MARK:
+                if self.step is GuideStep.AT_MARK:
                     return f"on the way to the mark: {is_still}"
                 return f"{self._next_words}: reads {self._move.angle_deg:+.1f} deg, {is_still}"
         return ""
@@ -185,7 +185,7 @@ class Guide:
         )
 
     def _begin_rest(self) -> None:
-        self.step = Step.REST
+        self.step = GuideStep.REST
         self._samples.clear()
         self.say(f"Rest: {self.plan.rest_s:g} s. Do not touch it.")
 
@@ -198,7 +198,7 @@ class Guide:
             self._rest = rest_of([sample for sample in self._samples if sample.t_device_s >= begun_s])
         except CalibrationError as error:
             self._refuse(error)
-            self.step = Step.READY
+            self.step = GuideStep.READY
             self.say("Enter begins the rest again.")
             return
         rest = self._rest
@@ -211,12 +211,12 @@ class Guide:
         else:
             self._begin_turns(rest, rest.bias_dps)
 
-    def _begin_warming(self, rest: Rest) -> None:
+    def _begin_warming(self, rest: RestMeasurement) -> None:
         if isnan(rest.temp_c):
             self._refuse(CalibrationError("the device sends no temperature, so there is no temperature run"))
             self._begin_turns(rest, rest.bias_dps)
             return
-        self.step, self._warming = Step.WARMING, Warming(rest, rest.bias_dps)
+        self.step, self._warming = GuideStep.WARMING, Warming(rest, rest.bias_dps)
         early = "; q ends it earlier" if self.plan.is_by_hand else ""
         self.say(f"Temperature run: {self.plan.warming_s / 60.0:g} min. Do not touch it while it warms{early}.")
 
@@ -237,13 +237,13 @@ class Guide:
             )
         self._begin_turns(warming.rest, warming.last_dps)
 
-    def _begin_turns(self, rest: Rest, bias_dps: float) -> None:
+    def _begin_turns(self, rest: RestMeasurement, bias_dps: float) -> None:
         if self.plan.is_by_hand:
             self.say("Turns: as slowly as you like. u takes the last one back, q ends with what is there.")
         self._begin_move(rest, bias_dps)
 
-    def _begin_move(self, rest: Rest, bias_dps: float, so_far: list[Sample] | None = None) -> None:
-        self._move, self._is_asked, self.step = Move(rest, bias_dps), False, Step.TURNING
+    def _begin_move(self, rest: RestMeasurement, bias_dps: float, so_far: list[Sample] | None = None) -> None:
+        self._move, self._is_asked, self.step = Move(rest, bias_dps), False, GuideStep.TURNING
         self._move.take(so_far or [])
         enter = ", stop at the mark, then Enter" if self.plan.is_by_hand else ", stop at the mark"
         self.say(f"Turn {self._next_words}{enter}.")
@@ -252,7 +252,7 @@ class Guide:
         """From wherever it is; by hand."""
         if self._rest is None or self._move is None:
             return
-        self._move, self._is_asked, self.step = Move(self._rest, self._move.bias_dps), False, Step.AT_MARK
+        self._move, self._is_asked, self.step = Move(self._rest, self._move.bias_dps), False, GuideStep.AT_MARK
         self.say(f"{words} Enter when it stands there.")
 
     def _look(self, move: Move) -> None:
@@ -260,7 +260,7 @@ class Guide:
         if not move.is_stopped or not self._is_over(move):
             return
         self._is_asked = False
-        if self.step is Step.AT_MARK:
+        if self.step is GuideStep.AT_MARK:
             self._begin_move(move.rest, *move.last_rest())
             return
         try:
@@ -283,7 +283,7 @@ class Guide:
             return False
         return abs(abs(move.angle_deg) - whole_deg) < MOVED_DEG or move.still_s > HALF_WAY_S
 
-    def _keep(self, new: Turns, done: FinishedMove, rest: Rest) -> None:
+    def _keep(self, new: Turns, done: FinishedMove, rest: RestMeasurement) -> None:
         self.turns.append(new)
         whole_deg = 360.0 * new.turns
         off = f"{100.0 * (abs(new.angle_deg) / whole_deg - 1.0):+.2f} %"
@@ -293,7 +293,7 @@ class Guide:
         if scales is not None and is_pair:
             self.say(f"  {told(scales)}")
             if scales.spread <= self.plan.spread or scales.repeats >= self.plan.most:
-                self.step = Step.DONE
+                self.step = GuideStep.DONE
                 return
         self._begin_move(rest, done.bias_dps, done.rest)
 

@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.calibrate.rest import LEAST_PER_BLOCK, Rest
+from gyrodrift.calibrate.rest import LEAST_PER_BLOCK, RestMeasurement
 from gyrodrift.errors import CalibrationError
 from gyrodrift.sample import Sample
 
@@ -45,7 +45,7 @@ class Move:
         How long ago it was begun, s.
     """
 
-    rest: Rest
+    rest: RestMeasurement
     bias_dps: float
     angle_deg: float = 0.0
     still_s: float = 0.0

@@ -27,7 +27,7 @@ BIAS_MOST_DPS = 30.0
 
 
 @dataclass(frozen=True, slots=True)
-class Rest:
+class RestMeasurement:
     """A rest, as measured.
 
     bias_dps, bias_se_dps
@@ -53,7 +53,7 @@ class Rest:
     temp_c: float
 
 
-def rest_of(samples: list[Sample]) -> Rest:
+def rest_of(samples: list[Sample]) -> RestMeasurement:
     """Measure a rest.
 
     Raises
@@ -75,7 +75,7 @@ def rest_of(samples: list[Sample]) -> Rest:
     step_dps = smallest_step(rate_dps)
     _check(blocks_dps, noise_dps, step_dps or 0.0, size * period_s)
     known_c = temp_c[~np.isnan(temp_c)]
-    return Rest(
+    return RestMeasurement(
         bias_dps=float(rate_dps.mean()),
         bias_se_dps=float(blocks_dps.mean(axis=1).std(ddof=1)) / sqrt(len(blocks_dps)),
         noise_dps=noise_dps,

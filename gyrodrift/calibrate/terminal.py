@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TextIO
 
-from gyrodrift.calibrate.guide import Guide, Key, Step
+from gyrodrift.calibrate.guide import Guide, GuideStep, Key
 from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link
 
@@ -20,7 +20,7 @@ SILENT_MOST_S = 10.0
 
 
 @dataclass(slots=True)
-class Screen:
+class GuideScreen:
     """Where a person reads: sentences that stay, and on a terminal a line below them that is rewritten."""
 
     stream: TextIO
@@ -83,7 +83,7 @@ def without_echo(fd: int) -> Iterator[None]:
             termios.tcsetattr(fd, termios.TCSANOW, before)
 
 
-def guided(link: Link, guide: Guide, screen: Screen, keys: Keys | None, stop_fd: int) -> bool:
+def guided(link: Link, guide: Guide, screen: GuideScreen, keys: Keys | None, stop_fd: int) -> bool:
     """Run until the guide is done, or until `stop_fd` becomes readable; whether it is done.
 
     Raises
@@ -95,7 +95,7 @@ def guided(link: Link, guide: Guide, screen: Screen, keys: Keys | None, stop_fd:
     """
     guide.begin()
     clipped = 0
-    while guide.step is not Step.DONE:
+    while guide.step is not GuideStep.DONE:
         ready = _wait(link, keys, stop_fd)
         if stop_fd in ready:
             return False

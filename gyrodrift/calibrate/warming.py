@@ -10,7 +10,7 @@ from math import isnan, sqrt
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.calibrate.rest import MOVED_DPS, Rest
+from gyrodrift.calibrate.rest import MOVED_DPS, RestMeasurement
 from gyrodrift.errors import CalibrationError
 from gyrodrift.sample import Sample
 
@@ -50,7 +50,7 @@ class Warming:
         Bias of the last block, deg/s.
     """
 
-    rest: Rest
+    rest: RestMeasurement
     last_dps: float
     seconds: float = 0.0
     left_out: int = 0

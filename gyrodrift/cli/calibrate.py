@@ -22,7 +22,7 @@ from gyrodrift.cli import INTERRUPTED, options
 from gyrodrift.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
-    from gyrodrift.calibrate.guide import Guide, Plan
+    from gyrodrift.calibrate.guide import CalibrationPlan, Guide
     from gyrodrift.calibration import Calibration
     from gyrodrift.link.link import Link
 
@@ -68,14 +68,14 @@ def run(arguments: argparse.Namespace) -> int:
         _check_place(arguments.config, force=arguments.force)
 
     from gyrodrift.calibrate.guide import Guide
-    from gyrodrift.calibrate.terminal import Keys, Screen, guided, without_echo
+    from gyrodrift.calibrate.terminal import GuideScreen, Keys, guided, without_echo
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log
     from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.service.signals import StopSignal
 
-    screen = Screen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
+    screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
     log_to = AboveLine(sys.stderr) if screen.is_terminal else None
     events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format, log_to))
     target, port = options.link_target(arguments, baud, events)
@@ -96,8 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _plan(arguments: argparse.Namespace) -> "Plan":
-    from gyrodrift.calibrate.guide import Plan
+def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
+    from gyrodrift.calibrate.guide import CalibrationPlan
     from gyrodrift.calibrate.scale import LEAST
 
     for name in ("turns", "spread", "rest"):
@@ -106,7 +106,7 @@ def _plan(arguments: argparse.Namespace) -> "Plan":
         raise UsageError(f"--repeats {arguments.repeats}: fewer than {LEAST} tell nothing of how exact they are")
     if not 0.0 <= arguments.temperature < float("inf"):
         raise UsageError(f"--temperature {arguments.temperature:g}: expected minutes, or 0 for none")
-    return Plan(
+    return CalibrationPlan(
         turns=arguments.turns,
         most=arguments.repeats,
         spread=arguments.spread / 100.0,

@@ -8,7 +8,7 @@ import pytest
 from support import near
 
 from gyrodrift.arrays import Floats
-from gyrodrift.calibrate.guide import Guide, Key, Plan, Step
+from gyrodrift.calibrate.guide import CalibrationPlan, Guide, GuideStep, Key
 from gyrodrift.calibrate.rest import rest_of
 from gyrodrift.calibrate.scale import Turns, check_turns, settled
 from gyrodrift.calibrate.warming import line_of
@@ -132,7 +132,7 @@ def test_a_temperature_run_that_shows_no_line_is_refused(span_c: float, slope: f
         line_of(temps_c, 0.3 + slope * temps_c + 0.01 * RNG.standard_normal(count))
 
 
-def by_hand(plan: Plan) -> tuple[Guide, list[str]]:
+def by_hand(plan: CalibrationPlan) -> tuple[Guide, list[str]]:
     said: list[str] = []
     guide = Guide(plan, said.append)
     guide.begin()
@@ -142,11 +142,11 @@ def by_hand(plan: Plan) -> tuple[Guide, list[str]]:
 
 def test_a_temperature_run_gives_the_slope_of_the_bias() -> None:
     """While it warms by 8 °C in five minutes; then come the turns."""
-    guide, said = by_hand(Plan(rest_s=5.0, warming_s=300.0))
+    guide, said = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
     temps_c = np.concatenate([np.full(600, 20.0), np.linspace(20.0, 28.0, 30600)])
     noise_dps = at_rest(len(temps_c) / RATE_HZ)
     guide.take(samples_of(noise_dps + 0.01 * (temps_c - 20.0), temps_c))
-    assert guide.step is Step.TURNING
+    assert guide.step is GuideStep.TURNING
     assert guide.line_of_bias is not None
     assert guide.line_of_bias.slope_dps_per_c == near(0.01, 4.0 * guide.line_of_bias.slope_se_dps_per_c)
     assert any("deg/s per °C" in each for each in said)
@@ -154,26 +154,26 @@ def test_a_temperature_run_gives_the_slope_of_the_bias() -> None:
 
 def test_by_hand_a_rest_in_which_it_moved_is_done_again() -> None:
     """And a run without a temperature is told and left out."""
-    guide, said = by_hand(Plan(rest_s=5.0, warming_s=300.0))
+    guide, said = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
     guide.take(samples_of(np.concatenate([at_rest(3.0), at_rest(3.0, 9.0)])))
     assert guide.line == ""
     assert "the device moved at rest" in said[-2]
     guide.press(Key.ENTER)
     guide.take([sample._replace(temp_c=nan) for sample in samples_of(at_rest(6.0))])
-    assert guide.step is Step.TURNING
+    assert guide.step is GuideStep.TURNING
     assert any("sends no temperature" in each for each in said)
 
 
 def test_a_turn_is_taken_back_by_a_key() -> None:
     """The same direction comes next, from the mark."""
-    guide, said = by_hand(Plan(rest_s=5.0))
+    guide, said = by_hand(CalibrationPlan(rest_s=5.0))
     ramp = np.concatenate([at_rest(7.0), 90.3 + at_rest(4.0, 0.0), at_rest(4.0)])
     guide.take(samples_of(ramp))
     guide.press(Key.ENTER)
     assert guide.turns[0].angle_deg == near(360.0, 0.5)
     guide.press(Key.UNDO)
     assert guide.turns == []
-    assert guide.step is Step.AT_MARK
+    assert guide.step is GuideStep.AT_MARK
     assert "counter-clockwise" in said[-1]
 
 
