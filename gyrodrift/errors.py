@@ -10,6 +10,7 @@
     │   ├── DeviceSilentError     nothing decodable within the time given
     │   └── UnitError             a device clock that is none in microseconds
     └── DataError             4   a session that cannot be read
+        └── CalibrationError      turns or a rest that calibrate nothing
 
 An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
 """
@@ -68,3 +69,7 @@ class DataError(GyrodriftError):
     """A recorded session cannot be read."""
 
     exit_status = 4
+
+
+class CalibrationError(DataError):
+    """What the device sent while it was calibrated says nothing of it."""

@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
-BASE = "arrays callable_room cluster errors files installation log log_stream parallel progress sample"
+BASE = "arrays calibration callable_room cluster errors files installation log log_stream parallel progress sample"
 """Single files at the top of the package: they know each other and no room."""
 
 ROOMS = {
@@ -25,6 +25,7 @@ ROOMS = {
     "describe": f"{BASE} evaluation filters html session",
     "doctor": f"{BASE} describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",
+    "calibrate": f"{BASE} describe link",
     "service": f"{BASE} config filters link outputs recording",
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} filters session",

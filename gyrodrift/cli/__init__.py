@@ -13,6 +13,7 @@ COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
     "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
     "install-service": "run serve under systemd: unit, udev rule, start",
+    "calibrate": "scale, sign, bias and noise of a gyro from whole turns against a mark, into the config",
     "devices": "list serial ports: stable name, maker, who holds each, what speaks there",
     "doctor": "what is wrong with a device or a recording, what to do, and what drift to expect",
     "top": "watch a running service in the terminal",

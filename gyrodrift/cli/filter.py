@@ -1,7 +1,8 @@
 """Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
 
-Samples whose time does not advance or whose rate is not finite are left out and counted. Columns are t_device_s and
-rate_dps, so that it can be read as a session, and then
+Samples whose time does not advance or whose rate is not finite are left out and counted. A calibration is applied
+first: that of --config, or else the one the session was recorded under. Columns are t_device_s and rate_dps (as the
+filter takes it), so that it can be read as a session, and then
 """
 
 import argparse
@@ -44,16 +45,15 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
-        from gyrodrift.session.files import load_session
 
         if arguments.out is not None:
             inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
             check_kept([arguments.out], inputs, force=arguments.force)
-        chosen, params = options.chosen_filter(arguments)
+        config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
-        session = load_session(arguments.session)
-        state: FilterState = chosen.state()
-        _write(arguments.out, session, csv_lines(session, chosen, params, state), progress.evaluated)
+        session = options.calibrated_session(arguments.session, config)
+        state: FilterState = config.chosen.state()
+        _write(arguments.out, session, csv_lines(session, config.chosen, config.params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0

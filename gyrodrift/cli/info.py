@@ -139,8 +139,10 @@ class _Drawing:
         from gyrodrift.describe.panels import Seen
         from gyrodrift.describe.picture import draw
         from gyrodrift.describe.yaw import yaw_history_of
+        from gyrodrift.session.calibrated import with_config
 
-        seen = Seen(session, description, yaw_history_of(session, self.config.chosen, self.config.params))
+        right = with_config(session, self.config.calibration)
+        seen = Seen(session, description, yaw_history_of(right, self.config.chosen, self.config.params))
         if self.page is not None:
             self.page.add(seen, groups)
         if self._picture is not None:

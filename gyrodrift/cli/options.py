@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError
-from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from gyrodrift.link.link import EventHandler, LinkOptions
     from gyrodrift.link.port import Port
     from gyrodrift.progress import Progress
+    from gyrodrift.session.session import Session
 
 SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
 AUTO_PORT = "auto"
@@ -220,13 +220,33 @@ def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> Non
     )
 
 
-def chosen_filter(arguments: argparse.Namespace) -> tuple[Filter, FilterParams]:
-    """The filter that is asked for, and its parameters; what a config leaves to the defaults is told."""
-    if arguments.config is None:
-        chosen = FILTERS[arguments.filter or DEFAULT.name]
-        return chosen, chosen.params()
-    config = loaded_config(arguments.config)
-    return config.chosen, config.params
+def chosen_config(arguments: argparse.Namespace) -> "Config":
+    """The config that is asked for, or that of a filter at its defaults; what it leaves to the defaults is told."""
+    from gyrodrift.config.model import Config
+
+    return Config(arguments.filter or DEFAULT.name) if arguments.config is None else loaded_config(arguments.config)
+
+
+def config_tables(path: Path, config: "Config") -> dict[str, dict[str, str]]:
+    """What a recording keeps of a config: its text, and the calibration by which its rates are to be put right."""
+    return {"config": {"file": str(path), "text": path.read_text()}, **calibration_tables(config)}
+
+
+def calibration_tables(config: "Config") -> dict[str, dict[str, str]]:
+    """The calibration as a recording keeps it; an empty table says that there is none any more."""
+    return {"calibration": {} if config.calibration is None else config.calibration.table()}
+
+
+def calibrated_session(path: Path, config: "Config") -> "Session":
+    """A session with its rates put right: by the calibration of the config, or else by the one that it keeps."""
+    from gyrodrift.session.calibrated import device_of, with_config
+    from gyrodrift.session.files import load_session
+
+    session, given = load_session(path), config.calibration
+    if given is not None and not given.is_for(device_of(session)):
+        whose = f"the calibration is one of {given.device_id} and is not applied"
+        print(f"gyrodrift: warning: {path}: is of the device {device_of(session)}; {whose}", file=sys.stderr)
+    return with_config(session, given)
 
 
 def loaded_config(path: Path) -> "Config":

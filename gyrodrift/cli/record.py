@@ -36,7 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--duration", type=float, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
     )
-    options.add_filter_options(parser, "YAML with a filter and its parameters, for the yaw on the terminal")
+    options.add_filter_options(
+        parser,
+        "YAML with a filter and its parameters, for the yaw on the terminal; its calibration is kept in the file",
+    )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -57,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
 
-    yaw = LiveYaw(*options.chosen_filter(arguments))
+    config = options.chosen_config(arguments)
+    yaw = LiveYaw(config.chosen, config.params, config.calibration)
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
     log_to = AboveLine(stderr) if is_shown else None
@@ -67,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop:
         link = Link(target, events, port=port)
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-        recorder = Recorder(RecordOptions(*what), link)
+        about = options.config_tables(arguments.config, config) if arguments.config else {}
+        recorder = Recorder(RecordOptions(*what, about), link)
         repair_interrupted(arguments.out, log)
         events.listeners.append(recorder.on_event)
         try:

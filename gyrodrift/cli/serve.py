@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.recording.resilient import ResilientRecorder
     from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.output_feed import OutputFeed
 
@@ -108,9 +109,8 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
         filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
-        listeners: list[SampleListener] = [filtering]
-        if arguments.record is not None:
-            listeners.insert(0, _recording(arguments, link, events, log, watch))
+        recording = None if arguments.record is None else _recording(arguments, link, events, log, watch)
+        listeners: list[SampleListener] = [filtering] if recording is None else [recording, filtering]
         control = None
         if asked or watch is not None or arguments.control is not None:
             from gyrodrift.service.link_meter import LinkMeter
@@ -120,7 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
             meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
             reporting = Reporting(meter, filtering, feed)
             filtering.sinks.append(feed)
-            filtering.on_event, filtering.on_config = feed.hear, _follow(link, feed, asked, arguments)
+            filtering.on_event = feed.hear
+            filtering.on_config = _follow(link, feed, asked, recording, arguments)
             feed.state = reporting.status
             events.listeners.append(feed.hear)
             listeners.insert(0, meter)
@@ -139,7 +140,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _follow(
-    link: "Link", feed: "OutputFeed", asked: "list[OutputSpec]", arguments: argparse.Namespace
+    link: "Link",
+    feed: "OutputFeed",
+    asked: "list[OutputSpec]",
+    recording: "ResilientRecorder | None",
+    arguments: argparse.Namespace,
 ) -> "Callable[[Config], None]":
     """What is done with a config that has changed, besides its filter."""
 
@@ -147,6 +152,8 @@ def _follow(
         feed.want([*asked, *new.outputs])
         if options.reads_columns_of_config(arguments):
             link.follow_columns(new.columns)
+        if recording is not None:
+            recording.keep(options.calibration_tables(new))
 
     return follow
 
@@ -157,7 +164,7 @@ def _recording(
     events: "LinkEvents",
     log: "FilteringBoundLogger",
     watch: "ConfigWatch | None",
-) -> "SampleListener":
+) -> "ResilientRecorder":
     """The recorder of `--record`, which hears the link's events too."""
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
@@ -181,4 +188,6 @@ def _outputs(asked: list[str]) -> "list[OutputSpec]":
 
 def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
     """What a recording keeps of the config."""
-    return {} if watch is None else {"config": {"file": str(watch.path), "text": watch.path.read_text()}}
+    if watch is None:
+        return {}
+    return options.config_tables(watch.path, watch.config)

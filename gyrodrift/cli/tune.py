@@ -141,7 +141,10 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
 
     words = [word for word in arguments.command_line if word != "--resume"]
     command = shlex.join(words)
+    calibration = _calibration_in(arguments.out)
     write_config(arguments.out, tuning, command)
+    if calibration:
+        _keep_calibration(arguments.out, calibration)
     if arguments.report is not None:
         from gyrodrift.files import write_whole
         from gyrodrift.html.provenance import Provenance, date_now, set_name
@@ -155,3 +158,22 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
     for line in summary(tuning):
         print(line)
+
+
+def _calibration_in(out: Path) -> str:
+    """The calibration of a config that is there already, which the parameters do not replace; else nothing."""
+    from gyrodrift.config.calibration import block_in
+    from gyrodrift.config.model import load_config
+
+    try:
+        load_config(out)
+        return block_in(out.read_text(encoding="utf-8-sig"))
+    except (UsageError, OSError):
+        return ""  # what it has cannot be read, and is replaced as a whole
+
+
+def _keep_calibration(out: Path, block: str) -> None:
+    from gyrodrift.config.calibration import with_block
+    from gyrodrift.files import write_whole
+
+    write_whole(out, [with_block(out.read_text(encoding="utf-8"), block)])

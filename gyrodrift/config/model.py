@@ -1,7 +1,7 @@
 """The config of `serve`: YAML in, a checked and frozen value out, or every mistake at once with its line."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_type_hints
@@ -10,6 +10,8 @@ from annotated_types import Gt, Le
 from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
+from gyrodrift.calibration import Calibration
+from gyrodrift.config.calibration import CALIBRATION, calibration_in
 from gyrodrift.config.explain import Strict, expectation, nearest, said, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
@@ -35,6 +37,8 @@ class Config:
         Of the text protocol, as `--columns` takes them; None where another one is spoken.
     outputs
         Where corrected samples go beside stdout.
+    calibration
+        What puts the rate right before the filter; None where the file gives none.
     completed
         One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
         block says which filter is meant.
@@ -46,6 +50,7 @@ class Config:
     completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
     columns: str | None = None
+    calibration: Calibration | None = None
 
     @property
     def chosen(self) -> Filter:
@@ -74,6 +79,9 @@ class Config:
             before, after = old.params_of(known), self.params_of(known)
             pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in known.names]
         changed = [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
+        if self.calibration != old.calibration:
+            dates = ["none" if each is None else each.date for each in (old.calibration, self.calibration)]
+            changed.append(f"{CALIBRATION}: {dates[0]} → {dates[1]}")
         gone = [f"outputs: {spec} is closed" for spec in old.outputs if spec not in self.outputs]
         new = [f"outputs: {spec} is opened" for spec in self.outputs if spec not in old.outputs]
         return [*changed, *gone, *new]
@@ -96,6 +104,7 @@ def _file() -> type[Strict]:
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
         "columns": (Any, None),
+        CALIBRATION: (Any, None),
     }
     return create_model("File", __base__=Strict, **content)
 
@@ -117,11 +126,13 @@ def load_config(path: Path) -> Config:
     elif read.value is not None and not isinstance(read.value, dict):
         read.report((), f"holds {said(read.value)}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
-    outputs = outputs_in(read.value.get("outputs"), _in_outputs(read)) if isinstance(read.value, dict) else ()
-    columns = columns_in(read.value.get("columns"), _in_columns(read)) if isinstance(read.value, dict) else None
+    given = read.value if isinstance(read.value, dict) else {}
+    outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
+    columns = columns_in(given.get("columns"), lambda what: read.report(("columns",), what))
+    calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return _config(file, read.value, outputs, columns)
+    return replace(_config(file, given), outputs=outputs, columns=columns, calibration=calibration)
 
 
 def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
@@ -144,7 +155,8 @@ def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
     return spec
 
 
-def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...], columns: str | None) -> Config:
+def _config(file: Strict, given: Mapping[str, Any]) -> Config:
+    """Of what stands in the file itself; blocks that have modules of their own are added by the caller."""
     content = file.model_dump()
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
@@ -157,15 +169,11 @@ def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, .
         if name in begun or name == chosen:
             left = [key for key in known.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
-    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs, columns)
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed))
 
 
-def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:
-    return lambda key, what: read.report(("outputs", *key), what)
-
-
-def _in_columns(read: YamlFile) -> Callable[[str], None]:
-    return lambda what: read.report(("columns",), what)
+def _within(read: YamlFile, block: str) -> Callable[[Key, str], None]:
+    return lambda key, what: read.report((block, *key), what)
 
 
 def _check(read: YamlFile) -> Strict | None:

@@ -11,6 +11,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
+from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.files import load_session
 
 CROSS_VALIDATED = 5
@@ -73,14 +74,14 @@ class LoadedSession:
 
 
 def load_with_reference(source: Source) -> LoadedSession:
-    """Read a session; its first sample is the first one with a reference.
+    """Read a session, its rates put right by its calibration; its first sample is the first one with a reference.
 
     Raises
     ------
     DataError
         With its path, where it cannot be read or has no reference.
     """
-    session = load_session(source.path)
+    session = calibrated(load_session(source.path))
     try:
         t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:

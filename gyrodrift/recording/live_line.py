@@ -28,7 +28,7 @@ class LiveLine:
 
     def take(self, samples: list[Sample]) -> None:
         """For yaw; of all else the counters tell."""
-        self._yaw.take(samples)
+        self._yaw.take(samples, self._link)
 
     def tick(self, now_s: float) -> None:
         """Write the line anew."""

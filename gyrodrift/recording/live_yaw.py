@@ -1,21 +1,30 @@
 """Yaw of what is being recorded, for the person who looks on; the file has the samples as they came."""
 
+from gyrodrift.calibration import NO_CALIBRATION, Calibration, device_identity
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
+from gyrodrift.link.link import Link
 from gyrodrift.sample import Sample
 
 
 class LiveYaw:
-    """Runs a filter over the samples."""
+    """Runs a filter over the samples, put right by a calibration where that is one of their device."""
 
-    def __init__(self, chosen: Filter, params: FilterParams) -> None:
+    def __init__(self, chosen: Filter, params: FilterParams, calibration: Calibration | None = None) -> None:
+        self._calibration = calibration
         self._step, self._coefficients = chosen.step, chosen.coefficients(params)
         self._state: FilterState = chosen.state()
 
-    def take(self, samples: list[Sample]) -> None:
-        """Filter samples."""
+    def take(self, samples: list[Sample], link: Link) -> None:
+        """Filter samples of a link."""
         step, coefficients, state = self._step, self._coefficients, self._state
+        right = self._applied_to(link)
         for sample in samples:
-            step(coefficients, state, sample.t_device_s, sample.rate_dps)
+            step(coefficients, state, sample.t_device_s, right.rate_dps(sample.rate_dps, sample.temp_c))
+
+    def _applied_to(self, link: Link) -> Calibration:
+        given = self._calibration
+        is_applied = given is not None and given.is_for(device_identity(link.device.device_id, link.name))
+        return given if given is not None and is_applied else NO_CALIBRATION
 
     @property
     def text(self) -> str:

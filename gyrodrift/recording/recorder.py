@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -96,6 +96,13 @@ class Recorder:
             self._waiting.append((content, t_host_s))
         else:
             self._writer.add_read(content, t_host_s)
+
+    def keep(self, tables: Mapping[str, dict[str, str]]) -> None:
+        """Keep named tables in the metadata of this file, in the place of older ones, and of those that follow."""
+        self.options = replace(self.options, about={**self.options.about, **tables})
+        if self._writer is not None:
+            for name, table in tables.items():
+                self._writer.add_metadata(name, table)
 
     def on_event(self, event: str, fields: Mapping[str, Any]) -> None:
         """Record something that happened on the link."""

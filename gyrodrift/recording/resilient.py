@@ -1,7 +1,8 @@
 """Recording beside the filter: when it fails, the service goes on, and tries again later."""
 
 import time
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,12 @@ class ResilientRecorder:
         """Record something that happened on the link."""
         if self.recorder is not None:
             self.recorder.on_event(event, fields)
+
+    def keep(self, tables: Mapping[str, dict[str, str]]) -> None:
+        """Keep named tables in the metadata from here on."""
+        self.options = replace(self.options, about={**self.options.about, **tables})
+        if self.recorder is not None:
+            self.recorder.keep(tables)
 
     def tick(self, now_s: float) -> None:
         """Hand over what has come; after a failure, begin again when the time has come."""

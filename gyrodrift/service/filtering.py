@@ -14,6 +14,7 @@ from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
+from gyrodrift.service.calibrating import Calibrating
 from gyrodrift.service.reference import YawReference
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
@@ -41,6 +42,8 @@ class Filtering:
         Called with what is logged of filter and config.
     filter, params, state
         What runs.
+    calibrating
+        What puts rates right before the filter.
     last
         The last sample that the filter took.
     applied, refused, applied_s
@@ -58,6 +61,7 @@ class Filtering:
     state: FilterState = field(init=False)
     reference: YawReference = field(default_factory=YawReference)
     raw_yaw_deg: float = 0.0
+    calibrating: Calibrating = field(init=False)
     filter: Filter = field(init=False)
     params: Any = field(init=False)
     _coefficients: Any = field(init=False)
@@ -71,6 +75,8 @@ class Filtering:
     _is_gone: bool = False
 
     def __post_init__(self) -> None:
+        given = self.watch.config.calibration if self.watch is not None else None
+        self.calibrating = Calibrating(self.link, self.log, self._tell, given)
         if self.watch is None:
             self.filter, self.params = self.chosen, self.chosen.params()
             self.log.info("filter_chosen", name=self.filter.name, parameters="defaults")
@@ -82,7 +88,8 @@ class Filtering:
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
-        corrected = self._corrected(samples) if samples else []
+        calibrated = self.calibrating.take(samples, self.state.bias_dps)
+        corrected = self._corrected(calibrated) if samples else []
         for sink in tuple(self.sinks):
             try:
                 sink.take(corrected)
@@ -203,6 +210,7 @@ class Filtering:
     def _apply(self, watch: "ConfigWatch", old: "Config", new: "Config") -> list[str]:
         if new.chosen is not self.filter:
             self._begin_again(new.chosen)
+        self.calibrating.follow(new.calibration, self.state.bias_dps)
         self.params = new.params
         self._coefficients = self.filter.coefficients(new.params)
         self._is_rate_checked = False

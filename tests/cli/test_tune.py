@@ -114,6 +114,17 @@ def test_the_same_seed_gives_the_same_file(eight: Path, tmp_path: Path) -> None:
         first = content
 
 
+def test_the_calibration_of_a_config_that_is_replaced_stays(eight: Path, tmp_path: Path) -> None:
+    """The parameters are new, the device is the same."""
+    out = tmp_path / "c.yaml"
+    out.write_text("filter: restlevel\ncalibration:\n  date: 2026-05-01  # by hand\n  scale_ccw: 0.98\n")
+    assert main(["tune", str(eight), "--out", str(out), *QUICK]) == 0
+    assert out.read_text().endswith("calibration:\n  date: 2026-05-01  # by hand\n  scale_ccw: 0.98\n")
+    config = load_config(out)
+    assert config.calibration is not None
+    assert (config.filter, config.calibration.scale_ccw) == ("hdr", 0.98)
+
+
 def test_of_a_few_sessions_each_is_tested_with_parameters_of_the_others(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

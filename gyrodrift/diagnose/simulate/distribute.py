@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.progress import OnProgress
+from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.files import load_session
 
 REPLAYED = "sessions replayed"
@@ -49,14 +50,20 @@ class SessionTask(NamedTuple):
 
 
 def checked_recording(path: Path) -> CheckedRecording:
-    """A session as a recording that went through the checks.
+    """A session as a recording that went through the checks, its rates put right by the calibration that it keeps.
 
     Raises
     ------
     DataError
         Where it cannot be read, or has no encoder.
     """
-    return check_recording(recording_of(load_session(path)))
+    session = load_session(path)
+    calibration = calibration_of(session)
+    if calibration is None:
+        return check_recording(recording_of(session))
+    checked = check_recording(recording_of(with_calibration(session, calibration)))
+    remark = f"{session.name}: is compared with its calibration of {calibration.date} applied, as a filter takes it"
+    return replace(checked, remarks=(remark, *checked.remarks))
 
 
 def response_tables(

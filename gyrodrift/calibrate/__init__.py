@@ -1,0 +1,1 @@
+"""Calibrating a gyro by hand: rest, whole turns against a mark in both directions, warming; samples in, values out."""

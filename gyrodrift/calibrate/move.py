@@ -1,0 +1,161 @@
+"""One move from a stop at the mark to the next: when it is over, and by what angle the gyro says that it turned.
+
+The bias is taken from the rest before the move and from that after it, and runs straight from one to the other.
+"""
+
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.calibrate.rest import LEAST_PER_BLOCK, RestMeasurement
+from gyrodrift.errors import CalibrationError
+from gyrodrift.sample import Sample
+
+BLOCK_S = 0.25
+STOP_S = 1.5
+"""A stop is a rest of at least this; hands that change their grip are quicker."""
+
+WINDOW_S = 5.0
+"""Of a longer rest the part next to the move gives the bias."""
+
+STILL_DPS = 0.15
+STILL_ERRORS = 6.0
+"""A block is still whose mean is within the larger of both of the last bias: what a bias may walk between two stops,
+and standard errors of its noise."""
+
+TREMBLES_DPS = 0.3
+TREMBLES = 3.0
+"""And whose scatter is below the larger of both: a hand that holds the table still, and times the noise."""
+
+HOLE_PERIODS = 3.5
+"""Samples further apart than this were lost."""
+
+
+@dataclass(slots=True)
+class Move:
+    """Takes samples from a stop on; `bias_dps` is what the rate was then, deg/s.
+
+    angle_deg
+        By how much the gyro says that it has turned so far, degrees, without the bias.
+    still_s
+        For how long it has been still, s.
+    seconds
+        How long ago it was begun, s.
+    """
+
+    rest: RestMeasurement
+    bias_dps: float
+    angle_deg: float = 0.0
+    still_s: float = 0.0
+    seconds: float = 0.0
+    _samples: list[Sample] = field(default_factory=list)
+    _block: int = 0
+    _has_moved: bool = False
+    _clipped: int = 0
+
+    def take(self, samples: list[Sample], clipped: int = 0) -> None:
+        """Samples of the device, and how many of them it marked as out of its range."""
+        self._clipped += clipped
+        self._samples += samples
+        size = self._size
+        while self._block + size <= len(self._samples):
+            rates_dps = np.array([sample.rate_dps for sample in self._samples[self._block : self._block + size]])
+            self._block += size
+            block_s = size * self.rest.period_s
+            self.seconds += block_s
+            self.angle_deg += (float(rates_dps.mean()) - self.bias_dps) * block_s
+            if self._is_still(rates_dps):
+                self.still_s += block_s
+                self._forget()
+            else:
+                self.still_s, self._has_moved = 0.0, True
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it stands still for long enough to be a stop."""
+        return self.still_s >= STOP_S
+
+    def finished(self) -> "FinishedMove":
+        """The move up to the stop that it is at; samples behind the last whole block go to the next one.
+
+        Raises
+        ------
+        CalibrationError
+            Where samples are missing from it, the rate left the range of the device, or there was no rest before it.
+        """
+        t_s = np.array([sample.t_device_s for sample in self._samples[: self._block]])
+        rate_dps = self._rates_dps()
+        before, after = self._before(rate_dps), self._after(rate_dps)
+        self._check(t_s)
+        first, last = before // 2, len(t_s) - 1 - after // 2
+        start_dps, end_dps = float(rate_dps[:before].mean()), float(rate_dps[len(rate_dps) - after :].mean())
+        bias_dps = np.interp(t_s, [t_s[first], t_s[last]], [start_dps, end_dps])
+        moved_dps = (rate_dps - bias_dps)[first : last + 1]
+        angle_deg = float(np.sum(0.5 * (moved_dps[1:] + moved_dps[:-1]) * np.diff(t_s[first : last + 1])))
+        return FinishedMove(angle_deg, float(np.abs(moved_dps).max()), end_dps, self._samples[len(t_s) - after :])
+
+    def last_rest(self) -> tuple[float, list[Sample]]:
+        """Bias at the stop that it is at, deg/s, and all samples since."""
+        rate_dps = self._rates_dps()
+        after = self._after(rate_dps)
+        return float(rate_dps[len(rate_dps) - after :].mean()), self._samples[self._block - after :]
+
+    def _rates_dps(self) -> Floats:
+        """Of all whole blocks."""
+        return np.array([sample.rate_dps for sample in self._samples[: self._block]])
+
+    @property
+    def _size(self) -> int:
+        return max(LEAST_PER_BLOCK, round(BLOCK_S / self.rest.period_s))
+
+    def _is_still(self, rate_dps: Floats) -> bool:
+        noise_dps = self.rest.noise_dps
+        is_level = abs(float(rate_dps.mean()) - self.bias_dps) <= max(
+            STILL_DPS, STILL_ERRORS * noise_dps / sqrt(len(rate_dps))
+        )
+        return is_level and float(rate_dps.std()) <= max(TREMBLES_DPS, TREMBLES * noise_dps)
+
+    def _forget(self) -> None:
+        """Of a rest that has no move yet, all but what gives the bias, which may have walked."""
+        surplus = self._block - round(WINDOW_S / self.rest.period_s)
+        if not self._has_moved and surplus > 0:
+            del self._samples[:surplus]
+            self._block -= surplus
+            self.angle_deg, self._clipped = 0.0, 0
+            self.bias_dps = sum(sample.rate_dps for sample in self._samples[: self._block]) / self._block
+
+    def _before(self, rate_dps: Floats) -> int:
+        """Samples at the beginning that were still."""
+        size, still = self._size, 0
+        while still + size <= len(rate_dps) and self._is_still(rate_dps[still : still + size]):
+            still += size
+        if not still:
+            raise CalibrationError("it was moving already when the turn began")
+        return still
+
+    def _after(self, rate_dps: Floats) -> int:
+        """Samples at the end that were still, up to the window."""
+        size, still, most = self._size, 0, round(WINDOW_S / self.rest.period_s)
+        end = len(rate_dps)
+        while still < most and still + size <= end and self._is_still(rate_dps[end - still - size : end - still]):
+            still += size
+        return max(size, still)
+
+    def _check(self, t_s: Floats) -> None:
+        holes_s = np.diff(t_s)
+        if holes_s.max() > HOLE_PERIODS * self.rest.period_s or holes_s.min() <= 0.0:
+            raise CalibrationError(f"samples were lost during the turn, {holes_s.max():.3g} s of them")
+        if self._clipped:
+            raise CalibrationError(f"{self._clipped} samples were out of the device's range: turn slower")
+
+
+@dataclass(frozen=True, slots=True)
+class FinishedMove:
+    """Angle as the gyro has it, deg, largest rate and the bias after it, deg/s, and all samples since the stop."""
+
+    angle_deg: float
+    fastest_dps: float
+    bias_dps: float
+    rest: list[Sample]

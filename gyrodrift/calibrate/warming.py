@@ -1,0 +1,131 @@
+"""Bias against temperature, from a rest during which the device warms: a robust line, and when it is believed.
+
+The line is that of Theil (1950) and Sen (1968): the median of the slopes between all pairs of blocks, which a few odd
+blocks do not move.
+"""
+
+from dataclasses import dataclass, field
+from math import isnan, sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.calibrate.rest import MOVED_DPS, RestMeasurement
+from gyrodrift.errors import CalibrationError
+from gyrodrift.sample import Sample
+
+BLOCK_S = 5.0
+LEAST_BLOCKS = 24
+"""Two minutes: fewer blocks do not show whether they lie on a line."""
+
+LEAST_SPAN_C = 3.0
+"""Over less, the wander of the bias in time looks like one over temperature."""
+
+SLOPE_ERRORS = 4.0
+"""The slope has to be so many standard errors from 0, or the bias does not depend on temperature as far as one sees."""
+
+SCATTER_SHARE = 0.5
+"""What is left around the line, over what was there without one; above that a line is not the law."""
+
+NORMAL_MAD = 1.4826
+
+
+@dataclass(frozen=True, slots=True)
+class BiasLine:
+    """bias_dps at temp_c, deg/s, and its slope with standard error, deg/s per °C; between low_c and high_c, °C."""
+
+    bias_dps: float
+    temp_c: float
+    slope_dps_per_c: float
+    slope_se_dps_per_c: float
+    low_c: float
+    high_c: float
+
+
+@dataclass(slots=True)
+class Warming:
+    """Takes samples of a rest; blocks in which the device moved, and those without a temperature, are left out.
+
+    last_dps
+        Bias of the last block, deg/s.
+    """
+
+    rest: RestMeasurement
+    last_dps: float
+    seconds: float = 0.0
+    left_out: int = 0
+    _temps_c: list[float] = field(default_factory=list)
+    _biases_dps: list[float] = field(default_factory=list)
+    _block: list[Sample] = field(default_factory=list)
+
+    def take(self, samples: list[Sample]) -> None:
+        """Samples of the device."""
+        for sample in samples:
+            self._block.append(sample)
+            if sample.t_device_s - self._block[0].t_device_s >= BLOCK_S:
+                self._end()
+
+    @property
+    def temp_c(self) -> float:
+        """Of the last block, °C; NaN without one."""
+        return self._temps_c[-1] if self._temps_c else float("nan")
+
+    def line(self) -> BiasLine:
+        """The line through all blocks.
+
+        Raises
+        ------
+        CalibrationError
+            Where there are too few, the temperature moved too little, or the bias does not lie on a line.
+        """
+        return line_of(np.array(self._temps_c), np.array(self._biases_dps))
+
+    def _end(self) -> None:
+        rates = np.array([sample.rate_dps for sample in self._block])
+        temp_c, bias_dps = float(np.mean([sample.temp_c for sample in self._block])), float(rates.mean())
+        self.seconds += self._block[-1].t_device_s - self._block[0].t_device_s
+        halves = rates[: len(rates) // 2].mean() - rates[len(rates) // 2 :].mean()
+        moved = abs(bias_dps - self.last_dps) > MOVED_DPS or abs(halves) > MOVED_DPS
+        self._block.clear()
+        if moved or isnan(temp_c):
+            self.left_out += 1
+            return
+        self._temps_c.append(temp_c)
+        self._biases_dps.append(bias_dps)
+        self.last_dps = bias_dps
+
+
+def line_of(temps_c: Floats, biases_dps: Floats) -> BiasLine:
+    """The robust line through blocks, shape (n,) each.
+
+    Raises
+    ------
+    CalibrationError
+        As `Warming.line`.
+    """
+    if len(temps_c) < LEAST_BLOCKS:
+        raise CalibrationError(
+            f"{len(temps_c)} blocks of {BLOCK_S:g} s at rest with a temperature came, {LEAST_BLOCKS} are needed"
+        )
+    low_c, high_c = float(temps_c.min()), float(temps_c.max())
+    if high_c - low_c < LEAST_SPAN_C:
+        raise CalibrationError(
+            f"the temperature moved by {high_c - low_c:.1f} °C only, from {low_c:.1f} to {high_c:.1f}; at least "
+            f"{LEAST_SPAN_C:g} are needed: begin with a cold device"
+        )
+    one, other = np.triu_indices(len(temps_c), 1)
+    is_apart = np.abs(temps_c[other] - temps_c[one]) > 0.1 * (high_c - low_c)
+    one, other = one[is_apart], other[is_apart]
+    slope = float(np.median((biases_dps[other] - biases_dps[one]) / (temps_c[other] - temps_c[one])))
+    left_dps = biases_dps - slope * temps_c
+    level_dps = float(np.median(left_dps))
+    scatter_dps = NORMAL_MAD * float(np.median(np.abs(left_dps - level_dps)))
+    slope_se = scatter_dps / (float(np.std(temps_c)) * sqrt(len(temps_c)))
+    before_dps = NORMAL_MAD * float(np.median(np.abs(biases_dps - np.median(biases_dps))))
+    if abs(slope) < SLOPE_ERRORS * slope_se or scatter_dps > SCATTER_SHARE * before_dps:
+        raise CalibrationError(
+            f"the bias does not follow the temperature along a line ({slope:+.5f} ± {slope_se:.5f} deg/s per °C, "
+            f"{scatter_dps:.4f} of {before_dps:.4f} deg/s left around it)"
+        )
+    temp_c = float(np.median(temps_c))
+    return BiasLine(level_dps + slope * temp_c, temp_c, slope, slope_se, low_c, high_c)

@@ -1,0 +1,98 @@
+"""What `serve` does with samples before the filter: their rates put right by the calibration of the config.
+
+Only by one of this device: which one it is may be known late, and change when another board is plugged in.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from math import nan
+from typing import Any
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, device_identity
+from gyrodrift.link.link import Link
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.sample import Sample
+
+
+@dataclass(slots=True)
+class Calibrating:
+    """Applies a calibration that may change while the filter runs; the filter's bias estimate stays right then.
+
+    given
+        That of the config; None without one.
+    applied
+        What is in force; None where rates stay as they are measured.
+    """
+
+    link: Link
+    log: FilteringBoundLogger
+    tell: Callable[[str, dict[str, Any]], Any]
+    given: Calibration | None = None
+    applied: Calibration | None = None
+    _device: DeviceDescription | None = None
+    _temp_c: float = nan
+    _has_begun: bool = False
+
+    def take(self, samples: list[Sample], bias_dps: float) -> list[Sample]:
+        """Samples with their true rates; `bias_dps` is what the filter has found so far."""
+        if not samples:
+            return samples
+        if self.link.device != self._device:  # a device says who it is once a second
+            self._decide(bias_dps)
+        if self.applied is None:
+            return samples
+        self._temp_c = samples[-1].temp_c
+        return [self.applied.sample(sample) for sample in samples]
+
+    def follow(self, given: Calibration | None, bias_dps: float) -> None:
+        """Take over what a new config says."""
+        if given != self.given:
+            self.given = given
+            if self._has_begun:
+                self._decide(bias_dps)
+
+    def _decide(self, bias_dps: float) -> None:
+        wanted, self._device = self._wanted(), self.link.device
+        if wanted is None and self.applied is None:
+            self._has_begun = True
+            return
+        if self._has_begun:
+            wanted = (wanted or NO_CALIBRATION).following(self.applied or NO_CALIBRATION, bias_dps, self._temp_c)
+        self.applied, self._has_begun = wanted, True
+
+    def _wanted(self) -> Calibration | None:
+        """The calibration of the config where it is one of this device; what is odd about it is told."""
+        if self.given is None:
+            return None
+        given, device_id = self.given, device_identity(self.link.device.device_id, self.link.name)
+        if not given.is_for(device_id):
+            self._warn(
+                "calibration_of_another_device",
+                calibrated=given.device_id,
+                device_id=device_id,
+                hint="it is not applied; calibrate this one with gyrodrift calibrate",
+            )
+            return None
+        age_days = given.age_days(datetime.now(UTC))
+        if age_days > OLD_DAYS:
+            self._warn(
+                "calibration_old", days=round(age_days), hint="it is applied; gyrodrift calibrate makes a new one"
+            )
+        fields = {
+            "date": given.date,
+            "sign": given.sign,
+            "scale_ccw": given.scale_ccw,
+            "scale_cw": given.scale_cw,
+            "bias_dps": given.bias_dps,
+            "device_id": device_id or "unknown",
+        }
+        self.log.info("calibration_applied", **fields)
+        self.tell("calibration_applied", fields)
+        return given
+
+    def _warn(self, event: str, **fields: Any) -> None:
+        self.log.warning(event, **fields)
+        self.tell(event, fields)

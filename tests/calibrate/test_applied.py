@@ -1,0 +1,214 @@
+"""A calibration where it is applied: the config, `serve`, sessions, and what filters and judges them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from calibrate_support import GAIN_CCW, GAIN_CW, Table, rest, to_and_fro, turn, turn_s
+from support import Command, near, speaking_on
+
+from gyrodrift.arrays import Floats
+from gyrodrift.calibration import Calibration
+from gyrodrift.cli import main
+from gyrodrift.config.calibration import block_text, with_block
+from gyrodrift.config.model import load_config
+from gyrodrift.diagnose.simulate.distribute import checked_recording
+from gyrodrift.errors import ConfigError, UsageError
+from gyrodrift.evaluation.dataset import Source, load_with_reference
+from gyrodrift.session.calibrated import KEPT, calibrated, true_rates_dps, with_calibration
+from gyrodrift.session.files import load_session, write_session
+from gyrodrift.session.session import Session
+
+RIGHT = Calibration(
+    date="2026-05-01T10:00:00+00:00",
+    device_id="firmware_sim",
+    scale_ccw=1.0 / GAIN_CCW,
+    scale_ccw_se=0.0004,
+    scale_cw=1.0 / GAIN_CW,
+    scale_cw_se=0.0004,
+    bias_dps=0.35,
+    temp_c=25.0,
+    turns=1,
+    repeats=3,
+)
+MOTION = [*rest(10.0), *turn(360.0), *rest(3.0)]
+MOTION_S = 10.0 + turn_s(360.0) + 3.0
+
+
+def config_of(folder: Path, found: Calibration | None, *, name: str = "my.yaml") -> Path:
+    path = folder / name
+    path.write_text("filter: restlevel\n" + ("" if found is None else block_text(found)))
+    return path
+
+
+def test_a_block_is_read_as_it_was_written(tmp_path: Path) -> None:
+    """Seven digits of each number."""
+    config = load_config(config_of(tmp_path, RIGHT))
+    assert config.calibration is not None
+    assert config.calibration == replace(
+        RIGHT, scale_ccw=near(RIGHT.scale_ccw, 1e-7), scale_cw=near(RIGHT.scale_cw, 1e-7)
+    )
+
+
+def test_a_new_block_takes_the_place_of_the_old_one() -> None:
+    """All other lines stay: a comment at the margin belongs to what follows, one inside goes with the block."""
+    head, tail = "# head\nfilter: hdr  # mine\n", "# of the outputs\noutputs: []\n\n# end"
+    old = "calibration:\n  date: 2020-01-01\n  # a note\n\n  sign: -1\n\n"
+    assert with_block(head + old + tail, "NEW\n") == f"{head}NEW\n\n{tail}"
+    assert with_block(head.rstrip(), "NEW\n") == f"{head}NEW\n"
+    with pytest.raises(UsageError, match="its keys do not stand on lines of their own"):
+        with_block("{filter: hdr}", "NEW\n")
+
+
+@pytest.mark.parametrize(
+    ("block", "problem"),
+    [
+        ("calibration: 3", "1:1 calibration: is 3; expected a block of keys"),
+        ("calibration: {}", "1:1 calibration.date: is missing"),
+        ("calibration: {date: yesterday}", "1:15 calibration.date: is 'yesterday' (text); expected a date such as"),
+        ("calibration: {date: 2026-01-01, sign: 2}", "1:33 calibration.sign: is 2; expected 1 or -1"),
+        (
+            "calibration: {date: 2026-01-01, scale_ccw: 9}",
+            "1:33 calibration.scale_ccw: is 9; expected a number",
+        ),
+        (
+            "calibration: {date: 2026-01-01, scale: 1}",
+            "1:33 calibration.scale: is not a key of calibration",
+        ),
+    ],
+)
+def test_a_mistake_in_the_block_is_named_with_its_place(block: str, problem: str, tmp_path: Path) -> None:
+    """And the config is refused whole."""
+    path = tmp_path / "c.yaml"
+    path.write_text(f"{block}\n")
+    with pytest.raises(ConfigError) as caught:
+        load_config(path)
+    assert str(caught.value).startswith(f"{path}:{problem}")
+
+
+def test_serve_records_the_rate_of_the_device_and_the_calibration_beside_it(tmp_path: Path) -> None:
+    """`filter` without a config then gives the yaw that serve gave; what it writes is not put right again."""
+    config, sessions = config_of(tmp_path, RIGHT), tmp_path / "sessions"
+    words = ("--config", config, "--record", sessions, "--log-level", "info")
+    with speaking_on(tmp_path / "gyro") as device, Command("serve", "--port", tmp_path / "gyro", *words) as serve:
+        table = Table(device, tmp_path, MOTION).play(MOTION_S)
+        serve.until(lambda c: len(c.out.split("\n")) > table.t_s * 100 - 3, "all samples")
+        assert serve.stop() == 0
+        lines = serve.all_lines()
+    (path,) = sessions.glob("*.mcap")
+    session = load_session(path)
+    assert np.max(session.rate_dps) == near(90.0 * GAIN_CCW + 0.35, 0.3)
+    assert session.metadata[KEPT]["date"] == RIGHT.date
+    right = calibrated(session)
+    sent_dps = [line["rate_dps"] for line in lines]
+    np.testing.assert_allclose(right.rate_dps[: len(lines)], sent_dps, rtol=0.0, atol=1e-5)
+    assert calibrated(right) is right
+    out = tmp_path / "yaw.csv"
+    assert main(["filter", str(path), "--out", str(out), "--quiet"]) == 0
+    yaw_deg = float(
+        out.read_text().splitlines()[len(lines)].split(",")[out.read_text().split("\n")[0].split(",").index("yaw_deg")]
+    )
+    assert yaw_deg == near(lines[-1]["yaw_deg"], 1e-3)
+    assert yaw_deg == near(360.0, 0.3)
+    np.testing.assert_array_equal(calibrated(load_session(out)).rate_dps, right.rate_dps)
+
+
+def test_a_calibration_of_another_device_is_warned_of_and_not_applied(tmp_path: Path) -> None:
+    """By serve, and by filter over what it recorded."""
+    config, sessions = config_of(tmp_path, replace(RIGHT, device_id="gyro-17")), tmp_path / "sessions"
+    words = ("--config", config, "--record", sessions)
+    with speaking_on(tmp_path / "gyro") as device, Command("serve", "--port", tmp_path / "gyro", *words) as serve:
+        Table(device, tmp_path, MOTION).play(3.0)
+        (line, *_) = serve.take_lines(200)
+        assert serve.stop() == 0
+        assert "event=calibration_of_another_device calibrated=gyro-17 device_id=firmware_sim" in serve.log
+    (path,) = sessions.glob("*.mcap")
+    session = load_session(path)
+    assert line["rate_dps"] == near(float(session.rate_dps[0]), 1e-5)
+    assert calibrated(session) is session
+    with Command("filter", path, "--config", config) as run:
+        assert run.end() == 0
+        assert "the calibration is one of gyro-17 and is not applied" in run.log
+
+
+def test_a_changed_calibration_is_followed_and_yaw_goes_on(tmp_path: Path) -> None:
+    """From uncalibrated to calibrated between two turns; the bias that was learnt is kept, and the session knows."""
+    config, sessions = config_of(tmp_path, None), tmp_path / "sessions"
+    words = ("--config", config, "--record", sessions)
+    with speaking_on(tmp_path / "gyro") as device, Command("serve", "--port", tmp_path / "gyro", *words) as serve:
+        table = Table(device, tmp_path, to_and_fro([360.0, 360.0], 10.0)).play(10.0 + turn_s(360.0) + 3.0)
+        first = serve.take_lines(round(table.t_s * 100) - 3)
+        config_of(tmp_path, RIGHT, name="new.yaml").replace(config)
+        serve.until_log("event=config_applied")
+        table.play(1.0 + turn_s(360.0) + 4.0)
+        second = serve.take_lines(round((1.0 + turn_s(360.0) + 4.0) * 100) - 3)
+        assert serve.stop() == 0
+    assert first[-1]["yaw_deg"] == near(360.0 * GAIN_CCW, 0.3)
+    assert second[0]["yaw_deg"] == near(first[-1]["yaw_deg"], 0.05)
+    assert second[0]["bias_dps"] == near(first[-1]["bias_dps"], 0.01)
+    assert second[-1]["yaw_deg"] - first[-1]["yaw_deg"] == near(360.0, 0.3)
+    (path,) = sessions.glob("*.mcap")
+    assert load_session(path).metadata[KEPT]["date"] == RIGHT.date
+
+
+def test_an_old_calibration_is_applied_and_warned_of(tmp_path: Path) -> None:
+    """An old scale and the right sign are better than none."""
+    config = config_of(tmp_path, replace(RIGHT, date="2020-01-01T00:00:00+00:00"))
+    with (
+        speaking_on(tmp_path / "gyro") as device,
+        Command("serve", "--port", tmp_path / "gyro", "--config", config) as serve,
+    ):
+        Table(device, tmp_path, MOTION).play(2.0)
+        assert serve.take_lines(100)[0]["rate_dps"] == near(0.0, 0.2)
+        assert serve.stop() == 0
+        assert "event=calibration_old" in serve.log
+        assert "event=calibration_applied" in serve.log
+
+
+def test_a_temperature_that_leaves_the_run_does_not_move_the_bias_any_further() -> None:
+    """Sample by sample and as arrays alike; without a temperature it is that of the reference."""
+    warm = replace(RIGHT, bias_dps_per_c=0.1, temp_c=25.0, temp_low_c=20.0, temp_high_c=30.0, sign=-1)
+    temps_c, measured_dps = np.array([np.nan, 10.0, 20.0, 25.0, 32.0]), np.array([5.0, -5.0, 5.0, -5.0, 5.0])
+    biases_dps = [0.35, -0.15, -0.15, 0.35, 0.85]
+    np.testing.assert_allclose([warm.bias_at_dps(temp_c) for temp_c in temps_c.tolist()], biases_dps)
+    single = [warm.rate_dps(*each) for each in zip(measured_dps.tolist(), temps_c.tolist(), strict=True)]
+    assert true_rates_dps(measured_dps, temps_c, warm).tolist() == single
+
+
+@pytest.fixture(scope="module")
+def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated session of a device that reads too much, with the calibration that says so."""
+    folder = tmp_path_factory.mktemp("scaled")
+    effects = ["--effect", "scale_factor:error_percent=1.5", "--effect", "scale_asymmetry:error_percent=0.4"]
+    words = ["--sessions", "1", "--minutes", "1.5", "--seed", "3", "--profile", "identify", "--quiet"]
+    assert main(["simulate", "--out", str(folder / "raw"), *words, *effects]) == 0
+    (path,) = (folder / "raw").glob("*.mcap")
+    session = load_session(path)
+    metadata = {name: dict(table) for name, table in session.metadata.items()}
+    write_session(folder / "kept.mcap", [session], {**metadata, KEPT: replace(RIGHT, device_id="").table()})
+    return folder / "kept.mcap"
+
+
+def gain_of(rate_dps: Floats, session: Session) -> float:
+    """Of the rate over that of the encoder, in turns counter-clockwise."""
+    assert session.encoder_deg is not None
+    true_dps = np.gradient(session.encoder_deg, session.t_device_s)
+    is_turning = true_dps > 25.0
+    return float(np.sum(rate_dps[is_turning]) / np.sum(true_dps[is_turning]))
+
+
+def test_a_diagnosis_sees_the_calibrated_rate_and_says_so(scaled: Path) -> None:
+    """A scale error that the calibration takes out is no gap; it is taken out once."""
+    session, checked = load_session(scaled), checked_recording(scaled)
+    assert checked.recording is not None
+    assert gain_of(session.rate_dps - 0.35, session) == near(GAIN_CCW, 0.002)
+    assert gain_of(checked.recording.rate_dps, session) == near(1.0, 0.002)
+    assert "is compared with its calibration of 2026-05-01T10:00:00+00:00 applied" in checked.remarks[0]
+
+
+def test_tuning_and_comparing_run_on_the_calibrated_rate(scaled: Path) -> None:
+    """What serve will filter."""
+    session = load_session(scaled)
+    reference = load_with_reference(Source(scaled)).reference
+    np.testing.assert_array_equal(reference.rate_dps, with_calibration(session, RIGHT).rate_dps)
