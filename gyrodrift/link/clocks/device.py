@@ -136,12 +136,15 @@ class DeviceClock:
             samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
 
     def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
-        """A step that nothing speaks against: it needs no second reading to be believed."""
+        """A step that nothing speaks against, and the counter bears out: no second reading is needed."""
         if self._has_reconnected:
             return False
         counted_us = self._counted_us(last, reading)
         if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
-            return _agree(counted_us, step_us)
+            is_borne_out = (
+                counted_us < COUNTER_WRAP // 2 * self.period_s * 1e6
+            )  # by the counter, not by a guess of wraps
+            return is_borne_out and _agree(counted_us, step_us)
         if not self.period_s:
             return 0 <= step_us <= STEP_US
         return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
