@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
@@ -263,7 +263,7 @@ class Link:
             return
         try:
             self.port = Port(self.name, self.baud)
-        except LinkError as error:
+        except (LinkError, UsageError) as error:  # an adapter that is half there refuses its own line rate
             self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
             self._retry_s = now_s + self._backoff_s
             if not isinstance(error, PortMissingError):
