@@ -15,10 +15,10 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
-    from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.config.model import Config
     from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
 
 
@@ -105,9 +105,8 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
         filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
-        listeners: list[SampleListener] = [filtering]
-        if arguments.record is not None:
-            listeners.insert(0, _recording(arguments, link, events, log, watch))
+        recording = [] if arguments.record is None else [_recording(arguments, filtering, events, log)]
+        listeners: list[SampleListener] = [*recording, filtering]
         control = None
         if asked or watch is not None or arguments.control is not None:
             from gyrodrift.service.link_meter import LinkMeter
@@ -117,7 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
             meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
             reporting = Reporting(meter, filtering, feed)
             filtering.sinks.append(feed)
-            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+            filtering.event_listeners.append(feed.hear)
+            filtering.config_listeners.append(lambda new: feed.want([*asked, *new.outputs]))
             feed.state = reporting.status
             events.listeners.append(feed.hear)
             listeners.insert(0, meter)
@@ -136,21 +136,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recording(
-    arguments: argparse.Namespace,
-    link: "Link",
-    events: "LinkEvents",
-    log: "FilteringBoundLogger",
-    watch: "ConfigWatch | None",
+    arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
 ) -> "SampleListener":
-    """The recorder of `--record`, which hears the link's events too."""
+    """The recorder of `--record`, which hears what happens to link, filter and config too."""
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-    recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
+    about = {} if filtering.watch is None else _about(arguments.config, filtering.watch.config)
+    recording = ResilientRecorder(RecordOptions(*what, about), filtering.link, log)
     repair_interrupted(arguments.record, log)
     events.listeners.append(recording.on_event)
+    filtering.event_listeners.append(recording.on_event)
+    filtering.config_listeners.append(lambda new: recording.set_about(_about(arguments.config, new)))
     return recording
 
 
@@ -163,6 +162,6 @@ def _outputs(asked: list[str]) -> "list[OutputSpec]":
     return [output_of(each) for each in asked]
 
 
-def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
-    """What a recording keeps of the config."""
-    return {} if watch is None else {"config": {"file": str(watch.path), "text": watch.path.read_text()}}
+def _about(path: Path, config: "Config") -> dict[str, dict[str, str]]:
+    """What a recording keeps of the config in force."""
+    return {"config": {"file": str(path), "text": config.text}}

@@ -36,6 +36,8 @@ class Config:
     completed
         One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
         block says which filter is meant.
+    text
+        The file as it was read.
     """
 
     filter: str = DEFAULT.name
@@ -43,6 +45,7 @@ class Config:
     sample_rate_hz: float | None = None
     completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
+    text: str = field(default="", compare=False, repr=False)
 
     @property
     def chosen(self) -> Filter:
@@ -115,11 +118,11 @@ def load_config(path: Path) -> Config:
     outputs = outputs_in(read.value.get("outputs"), _in_outputs(read)) if isinstance(read.value, dict) else ()
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return _config(file, read.value, outputs)
+    return _config(file, read, outputs)
 
 
-def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, ...]) -> Config:
-    content = file.model_dump()
+def _config(file: Strict, read: YamlFile, outputs: tuple[OutputSpec, ...]) -> Config:
+    content, given = file.model_dump(), read.value
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
     completed = [] if "filter" in given or begun else [f"filter: {chosen}"]
@@ -131,7 +134,7 @@ def _config(file: Strict, given: Mapping[str, Any], outputs: tuple[OutputSpec, .
         if name in begun or name == chosen:
             left = [key for key in known.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
-    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs)
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), outputs, read.text)
 
 
 def _in_outputs(read: YamlFile) -> Callable[[Key, str], None]:

@@ -10,7 +10,16 @@ from typing import Any
 from structlog.typing import FilteringBoundLogger
 
 WARNINGS = frozenset(
-    {"gap", "link_lost", "link_refused", "device_reset", "link_silent", "rate_unit_differs", "not_understood"}
+    {
+        "gap",
+        "link_lost",
+        "link_refused",
+        "device_reset",
+        "host_clock_set",
+        "link_silent",
+        "rate_unit_differs",
+        "not_understood",
+    }
 )
 OFTEN = frozenset({"gap", "device", "device_reset"})
 """What a bad link or a device that boots over and over may bring with every sample."""

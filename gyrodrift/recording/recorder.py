@@ -7,6 +7,7 @@ import os
 import platform
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.files import check_writable
+from gyrodrift.link.host_clock import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import DiskFile, RecordingError
@@ -25,6 +27,9 @@ from gyrodrift.session.mcap.write import McapWriter
 
 NAMELESS_S = 2.0
 """How long raw bytes wait for samples, and with them for the name of the device, before a file is begun without."""
+
+MOST_EVENTS = 1000
+"""That are kept, the last of them, while no file has begun."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +41,7 @@ class RecordOptions:
     keeps_raw
         Whether the bytes of the link are kept beside the samples.
     about
-        More named tables for the metadata of each file: the config of a service.
+        More named tables for the metadata of each file: the config of a service, as it is at first.
     """
 
     folder: Path
@@ -65,6 +70,7 @@ class Recorder:
         self.options = options
         self.samples = 0
         self.paths: list[Path] = []
+        self._about_tables = options.about
         self._finished_bytes = 0
         self._link = link
         self._monotonic = monotonic
@@ -74,7 +80,8 @@ class Recorder:
         self._device: DeviceDescription | None = None
         self._begun_s = 0.0
         self._waiting: list[tuple[bytes, float]] = []
-        self._events: list[tuple[str, float, dict[str, Any]]] = []
+        self._waiting_s = 0.0
+        self._events: deque[tuple[str, float, dict[str, Any]]] = deque(maxlen=MOST_EVENTS)
         check_writable(options.folder)
         if options.keeps_raw:
             link.tap = self.take_raw
@@ -93,22 +100,33 @@ class Recorder:
     def take_raw(self, content: bytes, t_host_s: float) -> None:
         """Record the bytes of one read."""
         if self._writer is None:
+            self._waiting_s = self._waiting_s if self._waiting else self._monotonic()
             self._waiting.append((content, t_host_s))
         else:
             self._writer.add_read(content, t_host_s)
 
     def on_event(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Record something that happened on the link."""
+        """Record something that happened; where the host's clock was set, the next sample begins another file."""
+        t_host_s = self._link.unix_s()
         if self._writer is None:
-            self._events.append((event, time.time(), dict(fields)))
-        else:
-            self._writer.add_event(event, time.time(), dict(fields))
+            self._events.append((event, t_host_s, dict(fields)))
+            return
+        self._writer.add_event(event, t_host_s, dict(fields))
+        if event == CLOCK_SET:
+            self._end()
+
+    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
+        """Other tables for this file and those that follow: the config has changed."""
+        self._about_tables = about
+        if self._writer is not None:
+            for name, table in about.items():
+                self._writer.add_metadata(name, table)
 
     def tick(self, _now_s: float) -> None:
         """What is due a few times a second: hand over what has come, begin a new file."""
         self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
         if self._writer is None:
-            if self._waiting and time.time() - self._waiting[0][1] >= NAMELESS_S:
+            if self._waiting and self._monotonic() - self._waiting_s >= NAMELESS_S:
                 self._begun()
             return
         if self._disk is not None:
@@ -152,7 +170,7 @@ class Recorder:
         self._disk = self._new_file(device.device_id or "")
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
-            self._disk, {"recording": self._about(), **self.options.about, **_device_tables(device)}
+            self._disk, {"recording": self._about(), **self._about_tables, **_device_tables(device)}
         )
         self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:

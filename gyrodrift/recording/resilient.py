@@ -1,7 +1,8 @@
 """Recording beside the filter: when it fails, the service goes on, and tries again later."""
 
 import time
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,19 @@ class ResilientRecorder:
     def on_event(self, event: str, fields: dict[str, Any]) -> None:
         """Record something that happened on the link."""
         if self.recorder is not None:
-            self.recorder.on_event(event, fields)
+            try:
+                self.recorder.on_event(event, fields)
+            except RecordingError as error:
+                self._fail(self.recorder, error)
+
+    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
+        """Other tables for the metadata from now on: the config has changed."""
+        self.options = replace(self.options, about=about)
+        if self.recorder is not None:
+            try:
+                self.recorder.set_about(about)
+            except RecordingError as error:
+                self._fail(self.recorder, error)
 
     def tick(self, now_s: float) -> None:
         """Hand over what has come; after a failure, begin again when the time has come."""

@@ -37,8 +37,12 @@ ClockEvent = SampleGap | ClockRestart
 
 
 class Clock(Protocol):
-    """Gives readings their time; what it noticed waits in `events` until the link takes it."""
+    """Gives readings their time; what it noticed waits in `events` until the link takes it.
 
+    `epoch_s` is the Unix time of the zero of the host's monotonic clock, s.
+    """
+
+    epoch_s: float
     events: list[ClockEvent]
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:

@@ -54,7 +54,7 @@ class DeviceClock:
         self.events: list[ClockEvent] = []
         self.glitches = 0
         self.period_s = 0.0
-        self._epoch_s = epoch_s
+        self.epoch_s = epoch_s
         self._fit = ArrivalFit()
         self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
         self._last: Reading | None = None
@@ -222,7 +222,7 @@ class DeviceClock:
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
         _, _, rate_dps, encoder_deg, temp_c = reading
-        return Sample(seq, time_us / 1e6, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+        return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
 
 
 def _agree(counted_us: float, step_us: int) -> bool:
