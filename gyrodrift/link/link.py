@@ -12,11 +12,11 @@ from itertools import cycle
 from typing import Any
 
 from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
+from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
-from gyrodrift.link.host_clock import CLOCK_SET, HostClock
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
@@ -96,7 +96,7 @@ class Link:
         self.tap: Callable[[bytes, float], Any] | None = None
         self._on_event = on_event
         self._monotonic = monotonic
-        self._host_clock = HostClock(monotonic)
+        self._calendar = Calendar(monotonic)
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
         self._detector = Detector(list(self._protocols.values()))
         if len(self._protocols) == 1 and options.baud is not None:
@@ -143,7 +143,7 @@ class Link:
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
         if self.tap is not None:
-            self.tap(chunk, self._host_clock.epoch_s + arrival_s)
+            self.tap(chunk, self._calendar.epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
         if not self._spoke or (self._check is not None and self._check.is_hearing):
             self._heard.add(chunk, arrival_s)
@@ -179,16 +179,16 @@ class Link:
 
     def unix_s(self) -> float:
         """Now, as the arrivals of samples are stamped."""
-        return self._host_clock.unix_s()
+        return self._calendar.unix_s()
 
     def follow_host_clock(self) -> None:
         """Where the host's clock was set, tell it, and stamp by the new calendar from here on."""
-        step_s = self._host_clock.step_s()
+        step_s = self._calendar.step_s()
         if step_s:
             self._on_event(CLOCK_SET, seconds=round(step_s, 3))
-            self._host_clock.follow()
+            self._calendar.follow()
             if self.clock is not None:
-                self.clock.epoch_s = self._host_clock.epoch_s
+                self.clock.epoch_s = self._calendar.epoch_s
 
     def silent_s(self) -> float:
         """How long no sample has come, s."""
@@ -234,9 +234,9 @@ class Link:
             has_clock = self._protocols[decoder.name].has_clock
             self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
             if has_clock:
-                self.clock = DeviceClock(self._host_clock.epoch_s)
+                self.clock = DeviceClock(self._calendar.epoch_s)
             else:
-                self.clock = ArrivalClock(self._host_clock.epoch_s)
+                self.clock = ArrivalClock(self._calendar.epoch_s)
                 self._on_event("no_device_clock", timing="regression of arrival times")
         samples = self.clock.stamp(readings, arrival_s)
         if self.clock.events:

@@ -17,7 +17,7 @@ from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.files import check_writable
-from gyrodrift.link.host_clock import CLOCK_SET
+from gyrodrift.link.calendar import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import DiskFile, RecordingError

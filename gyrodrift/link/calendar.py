@@ -14,7 +14,7 @@ LEAST_STEP_S = 0.5
 """Less than that is not worth another file; slewing moves both clocks alike, and is no step."""
 
 
-class HostClock:
+class Calendar:
     """Unix time that no setting of the system's clock bends; `epoch_s` is that of the monotonic clock's zero."""
 
     def __init__(self, monotonic: Callable[[], float]) -> None:
