@@ -19,6 +19,8 @@ def main(argv: list[str] | None = None) -> int:
     soak.add_argument("--hours", type=float, default=24.0, help="of device time (default 24)")
     soak.add_argument("--minutes", type=float, default=float("inf"), help="of real time at most (default: no end)")
     soak.set_defaults(act=_soak)
+    overload = commands.add_parser("overload", help="too many samples, busy processors, stops, a clock that is set")
+    overload.set_defaults(act=_overload)
     arguments = parser.parse_args(argv)
     broken: int = arguments.act(arguments)
     return 1 if broken else 0
@@ -51,3 +53,14 @@ def _soak(arguments: argparse.Namespace) -> int:
     broken = list(result.broken_promises())
     print("\n".join([result.text(), *(f"broken: {each}" for each in broken)]))
     return len(broken)
+
+
+def _overload(_: argparse.Namespace) -> int:
+    from robustness.overload import all_cases  # noqa: PLC0415 - likewise
+
+    broken = 0
+    for case in all_cases():
+        result = case()
+        print(result.text(), flush=True)
+        broken += len(result.broken)
+    return broken

@@ -122,6 +122,9 @@ class Soak:
             closing.callback(service.wait)
             closing.callback(service.kill)
             device.wait_for_reader(lambda: service.poll() is not None)
+            until_s = time.monotonic() + PATIENCE_S
+            while not self._unix.exists() and time.monotonic() < until_s:
+                time.sleep(0.05)
             begun_s = time.monotonic()
             for second in range(seconds):
                 if time.monotonic() - begun_s > most_s:
