@@ -3,7 +3,6 @@
 Everything here runs in the thread that reads the port and never waits; a `DiskFile` does the waiting.
 """
 
-import os
 import platform
 import sys
 import time
@@ -20,7 +19,7 @@ from gyrodrift.files import check_writable
 from gyrodrift.link.calendar import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.recording.disk import DiskFile, RecordingError, disk_left_bytes
 from gyrodrift.recording.names import recording_path
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
@@ -83,6 +82,7 @@ class Recorder:
         self._waiting_s = 0.0
         self._events: deque[tuple[str, float, dict[str, Any]]] = deque(maxlen=MOST_EVENTS)
         check_writable(options.folder)
+        self._left_bytes = disk_left_bytes(options.folder)
         if options.keeps_raw:
             link.tap = self.take_raw
 
@@ -90,6 +90,13 @@ class Recorder:
     def size_bytes(self) -> int:
         """How much has been written, all files together."""
         return self._finished_bytes + (self._writer.size if self._writer else 0)
+
+    @property
+    def left_bytes(self) -> int | None:
+        """What the disk has left, as of the last file's last look; None where the folder is gone."""
+        if self._disk is not None:
+            self._left_bytes = self._disk.left_bytes
+        return self._left_bytes
 
     def take(self, samples: list[Sample]) -> None:
         """Record samples."""
@@ -138,7 +145,7 @@ class Recorder:
 
     def stats(self) -> dict[str, Any]:
         """For the log."""
-        left = disk_left_bytes(self.options.folder)
+        left = self.left_bytes
         left_mb = None if left is None else round(left / 1e6)
         return {"recorded": self.samples, "recorded_bytes": self.size_bytes, "disk_left_mb": left_mb}
 
@@ -245,15 +252,6 @@ class Recorder:
         if drift_ppm is not None:
             table["clock_ppm"] = round(drift_ppm, 2)
         return {name: str(value) for name, value in table.items()}
-
-
-def disk_left_bytes(folder: Path) -> int | None:
-    """What the disk has left for this user; None where the folder is gone."""
-    try:
-        status = os.statvfs(folder)
-    except OSError:
-        return None
-    return status.f_bavail * status.f_frsize
 
 
 def _is_over(disk: DiskFile) -> bool:

@@ -79,8 +79,7 @@ def table(rows: Sequence[FaultRow]) -> str:
     for row in rows:
         each = row.tally
         back = "-" if each.back_s is None else f"{each.back_s:.2f}"
-        off = "refused" if row.refused else "-" if row.off_deg is None else f"{row.off_deg:.2f}"
-        numbers = (each.sent, each.lost_by_link, each.lost_by_us, each.wrong, each.received, back, off)
+        numbers = (each.sent, each.lost_by_link, each.lost_by_us, each.wrong, each.received, back, _off(row))
         lines.append(f"| {row.protocol} | {row.name} | {' | '.join(map(str, numbers))} |")
     return "\n".join(lines)
 
@@ -93,6 +92,30 @@ def summary(rows: Sequence[FaultRow]) -> str:
         if own:
             lines.append(f"| {protocol} | {len(own)} | {' | '.join(_sums(own))} |")
     return "\n".join(lines)
+
+
+def by_fault(rows: Sequence[FaultRow]) -> str:
+    """A line for each fault that acted alone, its three strengths side by side."""
+    columns = ("lost by the link", "wrong", "yaw off, deg")
+    lines = _head("fault", *(f"{protocol}: {each}" for protocol in PROTOCOLS for each in columns))
+    alone = {(row.protocol, *row.faults[0]): row for row in rows if len(row.faults) == 1}
+    for name in STRENGTHS:
+        cells = []
+        for protocol in PROTOCOLS:
+            three = [alone[protocol, name, strength] for strength in (1, 2, 3)]
+            cells.append([str(row.tally.lost_by_link) for row in three])
+            cells.append([str(row.tally.wrong) for row in three])
+            cells.append([_off(row) for row in three])
+        lines.append(f"| `{name}` | {' | '.join(_once(cell) for cell in cells)} |")
+    return "\n".join(lines)
+
+
+def _off(row: FaultRow) -> str:
+    return "refused" if row.refused else "-" if row.off_deg is None else f"{row.off_deg:.3g}"
+
+
+def _once(three: list[str]) -> str:
+    return three[0] if len(set(three)) == 1 else " / ".join(three)
 
 
 def _head(*columns: str) -> list[str]:

@@ -42,7 +42,8 @@ def _faults(arguments: argparse.Namespace) -> int:
     whole = campaign.table(rows)
     if arguments.out is not None:
         arguments.out.write_text(f"{whole}\n")
-    print(f"\n{whole}\n\n{campaign.summary(rows)}\n\n{len(rows)} runs, {broken} promises broken")
+    tables = (whole, campaign.by_fault(rows), campaign.summary(rows), f"{len(rows)} runs, {broken} promises broken")
+    print("\n" + "\n\n".join(tables))
     return broken
 
 
