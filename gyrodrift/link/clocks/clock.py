@@ -94,6 +94,10 @@ class ArrivalFit:
         self._scatter_s = 0.0
         self._refused = 0
 
+    def shift(self, seconds: float) -> None:
+        """All arrivals from here on are later by so much; the pace stays what it was."""
+        self._y += seconds
+
     @property
     def is_warm(self) -> bool:
         """Whether it covers enough host time to be believed."""

@@ -208,8 +208,13 @@ class DeviceClock:
 
     def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
         self.events.append(ClockRestart(_clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
-        self._fit.restart()
         period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
+        if (
+            self._host_can_cross_check()
+        ):  # it goes on being one: a clock that has begun anew once may do so at once again
+            self._fit.shift(arrival_s - self._fit.arrival_s((self._time_us + period_us) * 1e-6))
+        else:
+            self._fit.restart()
         self._move(first, period_us, 1, arrival_s, samples)
 
     def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:

@@ -134,6 +134,19 @@ def test_a_clock_step_forward_that_the_host_did_not_see_is_a_restart() -> None:
     assert isinstance(bench.events()[0], ClockRestart)
 
 
+@pytest.mark.parametrize("has_counter", [True, False])
+def test_right_after_a_restart_the_host_is_a_witness_still(has_counter: bool) -> None:  # noqa: FBT001
+    """A clock that leaps to and fro, as where digits are doubled, makes no hole out of time that never was."""
+    bench = Bench(has_counter=has_counter)
+    last = bench.read(300)[-1]
+    for leap_us in (60_000_000, -60_000_000, 65_000_000, -65_000_000, 70_000_000):
+        bench.ticks_us += leap_us
+        bench.read(4)
+    after = bench.read(5)[-1]
+    assert after.t_device_s - last.t_device_s == pytest.approx(0.25)
+    assert {type(event) for event in bench.events()} == {ClockRestart}
+
+
 def test_a_single_wild_time_is_a_glitch() -> None:
     """Dropped, and time goes on as if it had not been."""
     bench = Bench()
