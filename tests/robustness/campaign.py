@@ -111,7 +111,9 @@ def by_fault(rows: Sequence[FaultRow]) -> str:
 
 
 def _off(row: FaultRow) -> str:
-    return "refused" if row.refused else "-" if row.off_deg is None else f"{row.off_deg:.3g}"
+    if row.refused or row.off_deg is None:
+        return "refused" if row.refused else "-"
+    return f"{row.off_deg:.2f}" if row.off_deg < 10.0 else f"{row.off_deg:.0f}"
 
 
 def _once(three: list[str]) -> str:

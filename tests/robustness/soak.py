@@ -75,7 +75,7 @@ class SoakResult:
         if abs(served["yaw_deg"] - self.yaw_deg) > 1e-9:
             yield f"yaw is {served['yaw_deg']}, that of the filter alone {self.yaw_deg}"
         if served["rejected"] or self.status["config"]["refused"]:
-            yield "samples or configs were refused"
+            yield f"{served['rejected']} samples and {self.status['config']['refused']} configs were refused"
         warm = self.footprints[min(WARM_S // LOOK_EVERY_S, len(self.footprints) - 1)]
         last = self.footprints[-1]
         if last.resident_bytes > warm.resident_bytes + SLACK_BYTES:
@@ -162,7 +162,9 @@ class Soak:
     def _trouble(self, second: int, device: PtyDevice, service: "subprocess.Popen[bytes]") -> None:
         if second % RELOAD_EVERY_S == 0:
             self.result.reloads += 1
-            self._config.write_text(CONFIGS[self.result.reloads % 2])
+            fresh = self._config.with_suffix(".fresh")  # a file that is seen half written is refused, and rightly
+            fresh.write_text(CONFIGS[self.result.reloads % 2])
+            fresh.replace(self._config)
         if second % UNPLUG_EVERY_S == 0:
             device.drain()
             device.close()
