@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench blind pictures clean
+.PHONY: demo test types tests bench blind faults soak overload pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -32,6 +32,16 @@ blind: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.blind score .blind/final
 	$(BIN)/python -m tests.blind run --set bench --out .blind/bench $(if $(BLIND_SEED),--seed $(BLIND_SEED))
 	$(BIN)/python -m tests.blind score .blind/bench
+
+# What it survives, counted: every fault of the simulated device; HOURS of device time at 1 kHz; too much of everything.
+faults: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.robustness faults $(if $(FAULT_SEED),--seed $(FAULT_SEED))
+
+soak: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.robustness soak --hours $(or $(HOURS),24) $(if $(MINUTES),--minutes $(MINUTES))
+
+overload: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.robustness overload
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg

@@ -49,6 +49,7 @@ def open_log(
         processors=[
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
+            *([] if style == "json" else [_printable]),
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
@@ -57,6 +58,14 @@ def open_log(
     )
     logger: structlog.typing.FilteringBoundLogger = structlog.get_logger()
     return logger
+
+
+def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
+    """A terminal obeys control characters, and what devices and clients call themselves may hold some."""
+    for key, value in entry.items():
+        if isinstance(value, str) and not value.isprintable():
+            entry[key] = "".join(each if each.isprintable() else repr(each)[1:-1] for each in value)
+    return entry
 
 
 def _has_colours() -> bool:

@@ -147,6 +147,17 @@ def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
             assert set(words) <= targets
 
 
+def test_each_promise_is_held_by_a_test_that_there_is() -> None:
+    """Every row of docs/promises.md names one, by file and function."""
+    page = (DOCS / "promises.md").read_text()
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", page)
+    assert [f"{path}::{name}" for path, name in named if f"def {name}(" not in (ROOT / path).read_text()] == []
+    rows = page.partition("## What was run")[0].splitlines()
+    promises = [line for line in rows if line.startswith("| ") and "| held by |" not in line]
+    assert promises
+    assert [line for line in promises if "::test_" not in line] == []
+
+
 def test_equations_that_the_code_cites_stand_in_the_docs() -> None:
     """docs/filters.md has an anchor for each equation, and the code names the page that they stand on."""
     assert {f"equation-{number}" for number in range(1, EQUATIONS + 1)} <= anchors(DOCS / "filters.md")

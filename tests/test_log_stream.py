@@ -101,6 +101,29 @@ def test_a_stopped_terminal_stops_nothing() -> None:
     os.close(controller)
 
 
+REFUSED = """
+import os, sys
+from gyrodrift.log_stream import UnwaitingStream
+os.setuid(65534)  # of a pipe of root, as in a container with a user of its own
+try:
+    os.open("/proc/self/fd/2", os.O_WRONLY)
+except PermissionError:
+    stream = UnwaitingStream(sys.stderr, "dropped {}\\n".format)
+    for number in range(5000):
+        stream.write(f"line {number:4} with the usual length of something that is logged\\n")
+    print("done", flush=True)
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody who may not")
+def test_a_log_that_may_not_be_opened_anew_is_written_all_the_same() -> None:
+    """Whole lines, in their order."""
+    done = subprocess.run([sys.executable, "-c", REFUSED], capture_output=True, text=True, check=True)
+    lines = done.stderr.splitlines()
+    assert done.stdout == "done\n"
+    assert lines[:100] == [f"line {i:4} with the usual length of something that is logged" for i in range(100)]
+
+
 @pytest.mark.parametrize("command", ["record", "serve"])
 def test_a_log_that_nobody_reads_costs_no_sample(command: str, tmp_path: Path, pipe: tuple[int, int]) -> None:
     """The pipe is full before it begins; a signal still ends it, and all samples are there."""

@@ -229,7 +229,7 @@ def chosen_config(arguments: argparse.Namespace) -> "Config":
 
 def config_tables(path: Path, config: "Config") -> dict[str, dict[str, str]]:
     """What a recording keeps of a config: its text, and the calibration by which its rates are to be put right."""
-    return {"config": {"file": str(path), "text": path.read_text()}, **calibration_tables(config)}
+    return {"config": {"file": str(path), "text": config.text}, **calibration_tables(config)}
 
 
 def calibration_tables(config: "Config") -> dict[str, dict[str, str]]:

@@ -5,7 +5,7 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 """
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,14 +15,12 @@ from gyrodrift.cli import options
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
-    from gyrodrift.config.model import Config
-    from gyrodrift.config.watch import ConfigWatch
     from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
-    from gyrodrift.recording.resilient import ResilientRecorder
+    from gyrodrift.service.commands import ServiceCommands
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
-    from gyrodrift.service.output_feed import OutputFeed
 
 
 class ListOutputs(argparse.Action):
@@ -109,10 +107,13 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
         filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
-        recording = None if arguments.record is None else _recording(arguments, link, events, log, watch)
-        listeners: list[SampleListener] = [filtering] if recording is None else [recording, filtering]
+        recording = [] if arguments.record is None else [_recording(arguments, filtering, events, log)]
+        listeners: list[SampleListener] = [*recording, filtering]
+        if options.reads_columns_of_config(arguments):
+            filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
         control = None
         if asked or watch is not None or arguments.control is not None:
+            from gyrodrift.service.commands import ServiceCommands
             from gyrodrift.service.link_meter import LinkMeter
             from gyrodrift.service.output_feed import OutputFeed
             from gyrodrift.service.reporting import Reporting
@@ -120,17 +121,13 @@ def run(arguments: argparse.Namespace) -> int:
             meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
             reporting = Reporting(meter, filtering, feed)
             filtering.sinks.append(feed)
-            filtering.on_event = feed.hear
-            filtering.on_config = _follow(link, feed, asked, recording, arguments)
+            filtering.event_listeners.append(feed.hear)
+            filtering.config_listeners.append(lambda new: feed.want([*asked, *new.outputs]))
             feed.state = reporting.status
             events.listeners.append(feed.hear)
             listeners.insert(0, meter)
             if arguments.control is not None:
-                from gyrodrift.service.commands import ServiceCommands
-                from gyrodrift.service.control import Control
-
-                commands = ServiceCommands(filtering, stdout, reporting, stop)
-                control = Control(arguments.control, commands.all(), log)
+                control = _control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop), log)
                 closing.callback(control.close)
             feed.want([*asked, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
@@ -139,41 +136,28 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _follow(
-    link: "Link",
-    feed: "OutputFeed",
-    asked: "list[OutputSpec]",
-    recording: "ResilientRecorder | None",
-    arguments: argparse.Namespace,
-) -> "Callable[[Config], None]":
-    """What is done with a config that has changed, besides its filter."""
+def _control(path: Path, commands: "ServiceCommands", log: "FilteringBoundLogger") -> "Control":
+    """The socket of `--control`."""
+    from gyrodrift.service.control import Control
 
-    def follow(new: "Config") -> None:
-        feed.want([*asked, *new.outputs])
-        if options.reads_columns_of_config(arguments):
-            link.follow_columns(new.columns)
-        if recording is not None:
-            recording.keep(options.calibration_tables(new))
-
-    return follow
+    return Control(path, commands.all(), log)
 
 
 def _recording(
-    arguments: argparse.Namespace,
-    link: "Link",
-    events: "LinkEvents",
-    log: "FilteringBoundLogger",
-    watch: "ConfigWatch | None",
-) -> "ResilientRecorder":
-    """The recorder of `--record`, which hears the link's events too."""
+    arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
+) -> "SampleListener":
+    """The recorder of `--record`, which hears what happens to link, filter and config too."""
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-    recording = ResilientRecorder(RecordOptions(*what, _about(watch)), link, log)
+    about = {} if filtering.watch is None else options.config_tables(arguments.config, filtering.watch.config)
+    recording = ResilientRecorder(RecordOptions(*what, about), filtering.link, log)
     repair_interrupted(arguments.record, log)
     events.listeners.append(recording.on_event)
+    filtering.event_listeners.append(recording.on_event)
+    filtering.config_listeners.append(lambda new: recording.set_about(options.config_tables(arguments.config, new)))
     return recording
 
 
@@ -184,10 +168,3 @@ def _outputs(asked: list[str]) -> "list[OutputSpec]":
     from gyrodrift.config.outputs import output_of
 
     return [output_of(each) for each in asked]
-
-
-def _about(watch: "ConfigWatch | None") -> dict[str, dict[str, str]]:
-    """What a recording keeps of the config."""
-    if watch is None:
-        return {}
-    return options.config_tables(watch.path, watch.config)

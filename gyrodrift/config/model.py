@@ -42,6 +42,8 @@ class Config:
     completed
         One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
         block says which filter is meant.
+    text
+        The file as it was read.
     """
 
     filter: str = DEFAULT.name
@@ -51,6 +53,7 @@ class Config:
     outputs: tuple[OutputSpec, ...] = ()
     columns: str | None = None
     calibration: Calibration | None = None
+    text: str = field(default="", compare=False, repr=False)
 
     @property
     def chosen(self) -> Filter:
@@ -132,7 +135,7 @@ def load_config(path: Path) -> Config:
     calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return replace(_config(file, given), outputs=outputs, columns=columns, calibration=calibration)
+    return replace(_config(file, given), outputs=outputs, columns=columns, calibration=calibration, text=read.text)
 
 
 def columns_in(given: Any, report: Callable[[str], None]) -> str | None:

@@ -36,12 +36,13 @@ Key = tuple[str | int, ...]
 
 @dataclass(slots=True)
 class YamlFile:
-    """A file as plain values, with the line and column of each key, and what is wrong with it.
+    """A file as text and as plain values, with the line and column of each key, and what is wrong with it.
 
     `nodes` are the blocks and lists read so far, by which aliases are told.
     """
 
     path: Path
+    text: str = ""
     value: Any = None
     places: dict[Key, tuple[int, int]] = field(default_factory=dict)
     nodes: set[int] = field(default_factory=set)
@@ -85,7 +86,7 @@ def read_yaml(path: Path) -> YamlFile:
         read.report((), f"is larger than {LONGEST_BYTES >> 10} KiB: this is no config file")
         return read
     try:
-        text = content.decode("utf-8-sig")
+        text = read.text = content.decode("utf-8-sig")
         too_deep = _too_deep(text)
         if too_deep is not None:
             read.report_at(*too_deep, f"is nested more than {DEEPEST} times")

@@ -15,45 +15,46 @@ WARNINGS = frozenset(
         "link_lost",
         "link_refused",
         "device_reset",
+        "host_clock_set",
         "link_silent",
         "rate_unit_differs",
         "not_understood",
         "columns_kept",
     }
 )
-GAP_EVERY_S = 1.0
+OFTEN = frozenset({"gap", "device", "device_reset"})
+"""What a bad link or a device that boots over and over may bring with every sample."""
+
+OFTEN_S = 1.0
 
 
 class LinkEvents:
-    """What a link calls with its events; gaps that follow each other closely are added up to one line."""
+    """What a link calls with its events; of those that may come OFTEN, one is told in OFTEN_S, with what followed it.
+
+    Gaps are added up. Of other events the last is told, with `times` where there were more.
+    """
 
     def __init__(self, log: FilteringBoundLogger, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.listeners: list[Callable[[str, dict[str, Any]], Any]] = []
         self._log = log
         self._monotonic = monotonic
-        self._holes = 0
-        self._missing = 0
-        self._longest_s = 0.0
-        self._next_s = float("-inf")
+        self._held: dict[str, dict[str, Any]] = {}
+        self._next_s: dict[str, float] = {}
 
     def __call__(self, event: str, **fields: Any) -> None:
-        """Log an event; a gap perhaps a little later."""
-        if event == "gap":
-            self._holes += 1
-            self._missing += int(fields["missing"])
-            self._longest_s = max(self._longest_s, float(fields["seconds"]))
-            self.report_gaps()
-        else:
+        """Log an event; one that comes often perhaps a little later."""
+        if event not in OFTEN:
             self._report(event, fields)
+            return
+        self._held[event] = _together(event, self._held.get(event), fields)
+        self.report_held()
 
-    def report_gaps(self) -> None:
-        """Log the gaps that have added up, if the last such line is old enough."""
+    def report_held(self) -> None:
+        """Log what has added up, of each kind whose last line is old enough."""
         now_s = self._monotonic()
-        if self._holes and now_s >= self._next_s:
-            self._report("gap", {"holes": self._holes, "missing": self._missing, "longest_s": self._longest_s})
-            self._holes = self._missing = 0
-            self._longest_s = 0.0
-            self._next_s = now_s + GAP_EVERY_S
+        for event in [each for each in self._held if now_s >= self._next_s.get(each, now_s)]:
+            self._next_s[event] = now_s + OFTEN_S
+            self._report(event, self._held.pop(event))
 
     def _report(self, event: str, fields: dict[str, Any]) -> None:
         if event in WARNINGS:
@@ -62,3 +63,11 @@ class LinkEvents:
             self._log.info(event, **fields)
         for listener in self.listeners:
             listener(event, fields)
+
+
+def _together(event: str, held: dict[str, Any] | None, fields: dict[str, Any]) -> dict[str, Any]:
+    if event == "gap":
+        holes, missing, longest_s = (held["holes"], held["missing"], held["longest_s"]) if held else (0, 0, 0.0)
+        longest_s = max(longest_s, float(fields["seconds"]))
+        return {"holes": holes + 1, "missing": missing + int(fields["missing"]), "longest_s": longest_s}
+    return fields if held is None else fields | {"times": held.get("times", 1) + 1}

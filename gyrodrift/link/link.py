@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
+from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
@@ -96,7 +97,7 @@ class Link:
         self.tap: Callable[[bytes, float], Any] | None = None
         self._on_event = on_event
         self._monotonic = monotonic
-        self._epoch_s = time.time() - monotonic()
+        self._calendar = Calendar(monotonic)
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
         self._columns = options.columns
         self._detector = Detector(list(self._protocols.values()))
@@ -144,7 +145,7 @@ class Link:
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
         if self.tap is not None:
-            self.tap(chunk, self._epoch_s + arrival_s)
+            self.tap(chunk, self._calendar.epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
         if not self._spoke or (self._check is not None and self._check.is_hearing):
             self._heard.add(chunk, arrival_s)
@@ -193,6 +194,19 @@ class Link:
         text.read_by(self.decoder, columns)
         self._protocols = {text.NAME: protocol}
 
+    def unix_s(self) -> float:
+        """Now, as the arrivals of samples are stamped."""
+        return self._calendar.unix_s()
+
+    def follow_host_clock(self) -> None:
+        """Where the host's clock was set, tell it, and stamp by the new calendar from here on."""
+        step_s = self._calendar.step_s()
+        if step_s:
+            self._on_event(CLOCK_SET, seconds=round(step_s, 3))
+            self._calendar.follow()
+            if self.clock is not None:
+                self.clock.epoch_s = self._calendar.epoch_s
+
     def silent_s(self) -> float:
         """How long no sample has come, s."""
         return self._monotonic() - self._heard_s
@@ -239,9 +253,9 @@ class Link:
             if not protocol.has_unit:
                 self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
             if has_clock:
-                self.clock = DeviceClock(self._epoch_s)
+                self.clock = DeviceClock(self._calendar.epoch_s)
             else:
-                self.clock = ArrivalClock(self._epoch_s)
+                self.clock = ArrivalClock(self._calendar.epoch_s)
                 self._on_event("no_device_clock", timing="regression of arrival times")
         samples = self.clock.stamp(readings, arrival_s)
         if self.clock.events:
@@ -282,7 +296,7 @@ class Link:
             return
         try:
             self.port = Port(self.name, self.baud)
-        except LinkError as error:
+        except (LinkError, UsageError) as error:  # an adapter that is half there refuses its own line rate
             self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
             self._retry_s = now_s + self._backoff_s
             if not isinstance(error, PortMissingError):

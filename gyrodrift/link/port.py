@@ -31,7 +31,8 @@ READS_PER_TURN = 16
 PTY_SLAVE_MAJORS = range(136, 144)
 BY_ID = Path("/dev/serial/by-id")
 
-GONE = frozenset({errno.EIO, errno.ENXIO, errno.EBADF, errno.ENODEV})
+HUNG_UP = frozenset({errno.EIO, errno.ENXIO, errno.EBADF, errno.ENODEV})
+"""A read may fail so for a moment while a pty has no other end; with any other error the port is of no use any more."""
 
 
 class PortGoneError(Exception):
@@ -68,8 +69,8 @@ class Port:
             except BlockingIOError:
                 break
             except OSError as error:
-                if error.errno not in GONE:
-                    raise
+                if error.errno not in HUNG_UP and not chunks:
+                    raise PortGoneError(self.path) from error
                 chunk = b""
             if not chunk:
                 if chunks or not self._hung_up():
@@ -105,10 +106,11 @@ class Port:
 def stable_name(path: str) -> str:
     """The name under which the same adapter comes back after it was unplugged, if it has one."""
     device = os.path.realpath(path)
-    if BY_ID.is_dir() and not Path(path).is_symlink():
-        for name in sorted(BY_ID.iterdir()):
-            if os.path.realpath(name) == device:
-                return str(name)
+    if not Path(path).is_symlink():
+        with suppress(OSError):  # it is there while an adapter is
+            for name in sorted(BY_ID.iterdir()):
+                if os.path.realpath(name) == device:
+                    return str(name)
     return path
 
 
@@ -137,6 +139,13 @@ def _open(path: str, baud: int) -> serial.Serial:
 
 
 def _explain(path: str, error: Exception) -> LinkError:
+    try:
+        return _looked_into(path, error)
+    except OSError:  # names come and go
+        return PortMissingError(f"{path}: the port went away while it was being opened: {error}")
+
+
+def _looked_into(path: str, error: Exception) -> LinkError:
     number = getattr(error, "errno", None)
     if not os.path.lexists(path):
         return PortMissingError(f"{path}: there is no such port; {_ports_there_are()}")

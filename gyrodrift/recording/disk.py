@@ -15,7 +15,7 @@ SYNC_S = 3.0
 """At least this often the file is on the disk itself and not only in the system's memory."""
 
 LOOK_S = 0.5
-"""How often the thread looks whether the file is still there, s."""
+"""How often the thread looks whether the file is still there, and how much the disk has left, s."""
 
 MOST_WAITING_BYTES = 64 << 20
 
@@ -26,6 +26,9 @@ class RecordingError(DataError):
 
 class DiskFile:
     """A new file; what is written to it is handed to the system at once and synced every few seconds.
+
+    `left_bytes` is what the disk has left for this user, as of the last look; None where the folder is gone. Nobody but
+    the thread asks a disk that may hang.
 
     A file into which not a byte could be written is taken away again: a full disk is tried again and again.
 
@@ -46,6 +49,8 @@ class DiskFile:
         self._handed_over = self._written = 0
         self._synced_s = time.monotonic()
         self._is_dirty = False
+        self.left_bytes = disk_left_bytes(path.parent)
+        self._looked_s = self._synced_s
         self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
         self._thread.start()
 
@@ -104,6 +109,8 @@ class DiskFile:
         if self._is_dirty and (content is None or now_s - self._synced_s >= SYNC_S):
             os.fsync(self._file.fileno())
             self._synced_s, self._is_dirty = now_s, False
+        if now_s - self._looked_s >= LOOK_S:
+            self.left_bytes, self._looked_s = disk_left_bytes(self.path.parent), now_s
         if os.fstat(self._file.fileno()).st_nlink == 0:
             self._save_again()
         return content is not None
@@ -137,6 +144,15 @@ class DiskFile:
             shutil.copyfileobj(self._file, copy)
             copy.flush()
             os.fsync(copy.fileno())
+
+
+def disk_left_bytes(folder: Path) -> int | None:
+    """What the disk has left for this user; None where the folder is gone."""
+    try:
+        status = os.statvfs(folder)
+    except OSError:
+        return None
+    return status.f_bavail * status.f_frsize
 
 
 def _sync_folder(folder: Path) -> None:

@@ -4,12 +4,11 @@ import io
 import os
 import sys
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, TextIO
 
 from gyrodrift.link.link import Link
 from gyrodrift.recording.live_yaw import LiveYaw
-from gyrodrift.recording.recorder import Recorder, disk_left_bytes
+from gyrodrift.recording.recorder import Recorder
 from gyrodrift.sample import Sample
 
 CLEAR = "\r\x1b[K"
@@ -52,7 +51,7 @@ class LiveLine:
             f"{counters.gaps} gaps",
             f"{decoder.counters.damaged if decoder else 0} damaged",
             f"{size_now / 1e6:.1f} MB",
-            _disk(self._recorder.options.folder, (size_now - size) / elapsed_s),
+            _disk(self._recorder.left_bytes, (size_now - size) / elapsed_s),
         ]
         return "   ".join(parts)
 
@@ -86,8 +85,7 @@ def _clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}"
 
 
-def _disk(folder: Path, bytes_per_s: float) -> str:
-    left = disk_left_bytes(folder)
+def _disk(left: int | None, bytes_per_s: float) -> str:
     if left is None:
         return "disk gone"
     text = f"{left / 1e9:.1f} GB left"

@@ -3,28 +3,32 @@
 Everything here runs in the thread that reads the port and never waits; a `DiskFile` does the waiting.
 """
 
-import os
 import platform
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.files import check_writable
+from gyrodrift.link.calendar import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.recording.disk import DiskFile, RecordingError, disk_left_bytes
 from gyrodrift.recording.names import recording_path
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
 
 NAMELESS_S = 2.0
 """How long raw bytes wait for samples, and with them for the name of the device, before a file is begun without."""
+
+MOST_EVENTS = 1000
+"""That are kept, the last of them, while no file has begun."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +40,7 @@ class RecordOptions:
     keeps_raw
         Whether the bytes of the link are kept beside the samples.
     about
-        More named tables for the metadata of each file: the config of a service.
+        More named tables for the metadata of each file: the config of a service, as it is at first.
     """
 
     folder: Path
@@ -65,6 +69,7 @@ class Recorder:
         self.options = options
         self.samples = 0
         self.paths: list[Path] = []
+        self._about_tables = options.about
         self._finished_bytes = 0
         self._link = link
         self._monotonic = monotonic
@@ -74,8 +79,10 @@ class Recorder:
         self._device: DeviceDescription | None = None
         self._begun_s = 0.0
         self._waiting: list[tuple[bytes, float]] = []
-        self._events: list[tuple[str, float, dict[str, Any]]] = []
+        self._waiting_s = 0.0
+        self._events: deque[tuple[str, float, dict[str, Any]]] = deque(maxlen=MOST_EVENTS)
         check_writable(options.folder)
+        self._left_bytes = disk_left_bytes(options.folder)
         if options.keeps_raw:
             link.tap = self.take_raw
 
@@ -83,6 +90,13 @@ class Recorder:
     def size_bytes(self) -> int:
         """How much has been written, all files together."""
         return self._finished_bytes + (self._writer.size if self._writer else 0)
+
+    @property
+    def left_bytes(self) -> int | None:
+        """What the disk has left, as of the last file's last look; None where the folder is gone."""
+        if self._disk is not None:
+            self._left_bytes = self._disk.left_bytes
+        return self._left_bytes
 
     def take(self, samples: list[Sample]) -> None:
         """Record samples."""
@@ -93,29 +107,33 @@ class Recorder:
     def take_raw(self, content: bytes, t_host_s: float) -> None:
         """Record the bytes of one read."""
         if self._writer is None:
+            self._waiting_s = self._waiting_s if self._waiting else self._monotonic()
             self._waiting.append((content, t_host_s))
         else:
             self._writer.add_read(content, t_host_s)
 
-    def keep(self, tables: Mapping[str, dict[str, str]]) -> None:
-        """Keep named tables in the metadata of this file, in the place of older ones, and of those that follow."""
-        self.options = replace(self.options, about={**self.options.about, **tables})
-        if self._writer is not None:
-            for name, table in tables.items():
-                self._writer.add_metadata(name, table)
-
     def on_event(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Record something that happened on the link."""
+        """Record something that happened; where the host's clock was set, the next sample begins another file."""
+        t_host_s = self._link.unix_s()
         if self._writer is None:
-            self._events.append((event, time.time(), dict(fields)))
-        else:
-            self._writer.add_event(event, time.time(), dict(fields))
+            self._events.append((event, t_host_s, dict(fields)))
+            return
+        self._writer.add_event(event, t_host_s, dict(fields))
+        if event == CLOCK_SET:
+            self._end()
+
+    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
+        """Other tables for this file and those that follow: the config has changed."""
+        self._about_tables = about
+        if self._writer is not None:
+            for name, table in about.items():
+                self._writer.add_metadata(name, table)
 
     def tick(self, _now_s: float) -> None:
         """What is due a few times a second: hand over what has come, begin a new file."""
         self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
         if self._writer is None:
-            if self._waiting and time.time() - self._waiting[0][1] >= NAMELESS_S:
+            if self._waiting and self._monotonic() - self._waiting_s >= NAMELESS_S:
                 self._begun()
             return
         if self._disk is not None:
@@ -127,7 +145,7 @@ class Recorder:
 
     def stats(self) -> dict[str, Any]:
         """For the log."""
-        left = disk_left_bytes(self.options.folder)
+        left = self.left_bytes
         left_mb = None if left is None else round(left / 1e6)
         return {"recorded": self.samples, "recorded_bytes": self.size_bytes, "disk_left_mb": left_mb}
 
@@ -159,7 +177,7 @@ class Recorder:
         self._disk = self._new_file(device.device_id or "")
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
-            self._disk, {"recording": self._about(), **self.options.about, **_device_tables(device)}
+            self._disk, {"recording": self._about(), **self._about_tables, **_device_tables(device)}
         )
         self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:
@@ -234,15 +252,6 @@ class Recorder:
         if drift_ppm is not None:
             table["clock_ppm"] = round(drift_ppm, 2)
         return {name: str(value) for name, value in table.items()}
-
-
-def disk_left_bytes(folder: Path) -> int | None:
-    """What the disk has left for this user; None where the folder is gone."""
-    try:
-        status = os.statvfs(folder)
-    except OSError:
-        return None
-    return status.f_bavail * status.f_frsize
 
 
 def _is_over(disk: DiskFile) -> bool:

@@ -48,13 +48,19 @@ class ResilientRecorder:
     def on_event(self, event: str, fields: dict[str, Any]) -> None:
         """Record something that happened on the link."""
         if self.recorder is not None:
-            self.recorder.on_event(event, fields)
+            try:
+                self.recorder.on_event(event, fields)
+            except RecordingError as error:
+                self._fail(self.recorder, error)
 
-    def keep(self, tables: Mapping[str, dict[str, str]]) -> None:
-        """Keep named tables in the metadata from here on."""
-        self.options = replace(self.options, about={**self.options.about, **tables})
+    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
+        """Other tables for the metadata from now on: the config has changed."""
+        self.options = replace(self.options, about=about)
         if self.recorder is not None:
-            self.recorder.keep(tables)
+            try:
+                self.recorder.set_about(about)
+            except RecordingError as error:
+                self._fail(self.recorder, error)
 
     def tick(self, now_s: float) -> None:
         """Hand over what has come; after a failure, begin again when the time has come."""

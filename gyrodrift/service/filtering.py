@@ -36,9 +36,9 @@ class Filtering:
         Who they are handed to; one whose reader is gone is taken out, as long as another one is wanted.
     chosen
         What runs at its defaults where there is no config.
-    on_config
+    config_listeners
         Called with each config that is taken while the service runs.
-    on_event
+    event_listeners
         Called with what is logged of filter and config.
     filter, params, state
         What runs.
@@ -55,8 +55,8 @@ class Filtering:
     sinks: list[Sink]
     log: FilteringBoundLogger
     watch: "ConfigWatch | None" = None
-    on_config: "Callable[[Config], None] | None" = None
-    on_event: Callable[[str, dict[str, Any]], Any] | None = None
+    config_listeners: "list[Callable[[Config], Any]]" = field(default_factory=list)
+    event_listeners: list[Callable[[str, dict[str, Any]], Any]] = field(default_factory=list)
     chosen: Filter = DEFAULT
     state: FilterState = field(init=False)
     reference: YawReference = field(default_factory=YawReference)
@@ -172,8 +172,8 @@ class Filtering:
         self.sinks.remove(sink)
 
     def _tell(self, event: str, fields: dict[str, Any]) -> None:
-        if self.on_event is not None:
-            self.on_event(event, fields)
+        for listener in self.event_listeners:
+            listener(event, fields)
 
     def reload(self, watch: "ConfigWatch") -> list[str]:
         """Read the config again, changed or not; what changed.
@@ -221,8 +221,8 @@ class Filtering:
         self._tell("config_applied", fields)
         if new.completed != old.completed:
             self._tell_completed(watch)
-        if self.on_config is not None:
-            self.on_config(new)
+        for listener in self.config_listeners:
+            listener(new)
         return changes
 
     def _tell_completed(self, watch: "ConfigWatch") -> None:

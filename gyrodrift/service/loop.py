@@ -141,7 +141,8 @@ class Service:
     def _tick(self, now_s: float) -> None:
         if self.notify is not None:
             self.notify.alive(now_s)
-        self.events.report_gaps()
+        self.events.report_held()
+        self.link.follow_host_clock()
         for listener in self.listeners:
             listener.tick(now_s)
         self._notice_silence()

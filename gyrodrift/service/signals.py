@@ -2,22 +2,28 @@
 
 import os
 import signal
+import time
 from types import TracebackType
 from typing import Self
 
 OUTPUTS = (1, 2)
 
+REPEAT_S = 1.0
+"""Terminals, shells and `timeout` ask twice within moments and mean it once."""
+
 
 class StopSignal:
     """From entering to leaving, the signals only set `is_set` and make `fd` readable.
 
-    With SIGHUP the terminal is gone, and what is still said to it goes nowhere. Where SIGHUP is ignored, as nohup asks
-    for, it stays so.
+    Who asks again after REPEAT_S, since a disk hangs or a reader takes nothing, ends the process at once. With SIGHUP
+    the terminal is gone, and what is still said to it goes nowhere. Where SIGHUP is ignored, as nohup asks for, it
+    stays so.
     """
 
     def __init__(self) -> None:
         self.is_set = False
         self.fd = -1
+        self._asked_s: float | None = None
 
     def __enter__(self) -> Self:
         self.fd, self._write_fd = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
@@ -45,3 +51,8 @@ class StopSignal:
                 os.dup2(nowhere, fd)
             os.close(nowhere)
         self.is_set = True
+        now_s = time.monotonic()
+        self._asked_s = self._asked_s or now_s
+        if now_s - self._asked_s >= REPEAT_S:
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)

@@ -1,8 +1,10 @@
 """The port: exclusive, honest about why it cannot be opened, and quick to notice that it is gone."""
 
+import errno
 import os
 import pty
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from support import Command, speaking_on
@@ -91,3 +93,42 @@ def test_only_ptys_count_as_ptys() -> None:
         assert not port_module._is_pty(null.fileno())
     os.close(master)
     os.close(slave)
+
+
+def test_a_name_that_flickers_is_explained_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As when udev makes it anew: whatever moment it goes in, that is the link's trouble and not the caller's."""
+    name = tmp_path / "gyro"
+    refusal = PermissionError(errno.EACCES, "refused")
+    for looks in range(8):
+        name.write_text("")
+        left = [looks]
+        real = os.stat
+
+        def look(path: Any, left: list[int] = left, real: Any = real, **how: Any) -> os.stat_result:
+            if str(path) == str(name):
+                left[0] -= 1
+                if left[0] < 0:
+                    name.unlink(missing_ok=True)
+            return cast("os.stat_result", real(path, **how))
+
+        monkeypatch.setattr(os, "stat", look)
+        assert isinstance(port_module._explain(str(name), refusal), LinkError)
+        monkeypatch.undo()
+    monkeypatch.setattr(port_module, "BY_ID", tmp_path / "by-id")
+    monkeypatch.setattr(Path, "is_dir", lambda _: True)
+    assert stable_name("/dev/ttyNONE") == "/dev/ttyNONE"
+
+
+def test_a_port_that_fails_in_a_way_of_its_own_is_gone_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drivers have many errors for an adapter that was pulled; none of them ends whoever reads."""
+
+    def fail(*_: object) -> bytes:
+        raise OSError(errno.EPROTO, "protocol error")
+
+    with speaking_on(tmp_path / "gyro"):
+        port = Port(str(tmp_path / "gyro"), 115200)
+        with monkeypatch.context() as patched:
+            patched.setattr(os, "read", fail)
+            with pytest.raises(PortGoneError):
+                port.read()
+        port.close()

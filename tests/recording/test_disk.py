@@ -100,6 +100,26 @@ def test_a_disk_that_hangs_keeps_nobody_waiting_up_to_a_bound(tmp_path: Path, mo
     assert (tmp_path / "f").read_bytes() == b"0123456789" * 12
 
 
+def test_who_asks_what_a_disk_has_left_does_not_wait_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thread looks, and what it saw last is told."""
+    go_on, asked = threading.Event(), []
+
+    def hang(folder: Path) -> int | None:
+        asked.append(threading.current_thread().name)
+        assert len(asked) == 1 or go_on.wait(PATIENCE_S)
+        return 1000 * len(asked)
+
+    monkeypatch.setattr(disk, "disk_left_bytes", hang)
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f")
+    until(lambda: len(asked) == 2)
+    assert file.left_bytes == 1000
+    go_on.set()
+    file.finish()
+    file.join()
+    assert set(asked[1:]) == {"disk"}
+
+
 def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) -> None:
     """With the reason of the system."""
     file = DiskFile(tmp_path / "f")

@@ -10,7 +10,6 @@ import termios
 import tty
 from collections.abc import Iterator
 from contextlib import suppress
-from pathlib import Path
 from random import Random
 from types import SimpleNamespace
 from typing import TextIO, cast
@@ -20,7 +19,6 @@ import pytest
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.link.link import Link
-from gyrodrift.recording import live_line
 from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
@@ -34,7 +32,7 @@ class Going:
 
     def __init__(self, stream: TextIO) -> None:
         self.link = SimpleNamespace(name="/dev/gyro", counters=SimpleNamespace(gaps=0), decoder=None)
-        self.recorder = SimpleNamespace(samples=0, size_bytes=0, options=SimpleNamespace(folder=Path("/")))
+        self.recorder = SimpleNamespace(samples=0, size_bytes=0, left_bytes=36_000_000_000)
         self.line = LiveLine(
             cast("Link", self.link), cast("Recorder", self.recorder), LiveYaw(RESTLEVEL, RestlevelParams()), stream
         )
@@ -43,14 +41,6 @@ class Going:
         self.recorder.samples, self.recorder.size_bytes = samples, size_bytes
         self.line.tick(now_s)
         return self.line.text(now_s)
-
-
-@pytest.fixture(autouse=True)
-def disk_left(monkeypatch: pytest.MonkeyPatch) -> dict[str, int | None]:
-    """A disk with 36 GB left, unless a test says otherwise."""
-    left: dict[str, int | None] = {"bytes": 36_000_000_000}
-    monkeypatch.setattr(live_line, "disk_left_bytes", lambda _folder: left["bytes"])
-    return left
 
 
 class Terminal:
@@ -123,12 +113,10 @@ def test_the_rate_is_that_of_the_last_moments() -> None:
         (0, 100_000, "0.0 GB left for 0 h"),
     ],
 )
-def test_the_disk_is_told_in_words_for_a_person(
-    disk_left: dict[str, int | None], left: int | None, size_bytes: int, said: str
-) -> None:
+def test_the_disk_is_told_in_words_for_a_person(left: int | None, size_bytes: int, said: str) -> None:
     """Hours up to three days; nothing where nothing is written."""
-    disk_left["bytes"] = left
     going = Going(io.StringIO())
+    going.recorder.left_bytes = left
     going.go_on(0.0, 1, 0)
     assert going.go_on(1.0, 101, size_bytes).endswith(f"   {said}")
 

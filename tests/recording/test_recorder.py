@@ -3,6 +3,7 @@
 import errno
 import json
 import threading
+import time
 from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
@@ -186,3 +187,41 @@ def test_a_folder_that_takes_no_files_is_told(out: Path, link: Link, monkeypatch
     with pytest.raises(RecordingError, match="recording stopped: Read-only file system"):
         recording.take(samples(0, 1))
     recording.abandon()
+
+
+def test_raw_bytes_that_nobody_understands_go_to_the_disk_whatever_the_calendar_says(
+    out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A clock that is set back must not keep them in memory."""
+    now = [100.0]
+    recording = Recorder(RecordOptions(out, keeps_raw=True), link, lambda: now[0])
+    monkeypatch.setattr(time, "time", lambda: 1.6e9)
+    for _ in range(5):
+        recording.take_raw(b"noise", 1.7e9)
+        recording.tick(now[0])
+        now[0] += 1.0
+    recording.close()
+    assert not recording._waiting
+    assert b"".join(read.content for read in read_raw(recording.paths[0])) == 5 * b"noise"
+
+
+def test_the_config_of_a_file_is_the_one_in_force(out: Path, link: Link) -> None:
+    """Of the file in which it changed, and of those that follow."""
+    recording = Recorder(RecordOptions(out, rotate_bytes=1, about={"config": {"text": "old"}}), link)
+    for number in range(4):
+        recording.take(samples(10 * number, 10))
+        if number == 1:
+            recording.set_about({"config": {"text": "new"}})
+        recording.tick(0.0)
+    recording.close()
+    assert [read_mcap(path).metadata["config"]["text"] for path in recording.paths] == ["old", "new", "new", "new"]
+
+
+def test_what_happens_before_the_first_sample_is_kept_within_bounds(out: Path, link: Link) -> None:
+    """The last of it, however long a device says nothing."""
+    recording = Recorder(RecordOptions(out), link)
+    for number in range(recorder.MOST_EVENTS + 500):
+        recording.on_event("gap", {"missing": number})
+    recording.take(samples(0, 1))
+    recording.close()
+    assert missing_in(recording.paths[0]) == [*range(500, recorder.MOST_EVENTS + 500)]

@@ -94,8 +94,27 @@ def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
         events("gap", missing=missing, seconds=0.01 * missing)
         now[0] += 0.05
     now[0] += 1.0
-    events.report_gaps()
+    events.report_held()
     gaps = [(event["holes"], event["missing"], event["longest_s"]) for event in logged]
     assert gaps == [(1, 1, 0.01), (9, 54, 0.1)]
-    events.report_gaps()
+    events.report_held()
     assert len(logged) == 2
+
+
+def test_a_device_that_boots_over_and_over_fills_no_log(logged: list[Any]) -> None:
+    """The first reset is told as it is, those that follow once a second with their number, and none is left out."""
+    now = [0.0]
+    events = LinkEvents(structlog.get_logger(), lambda: now[0])
+    heard: list[str] = []
+    events.listeners.append(lambda event, _: heard.append(event))
+    for number in range(300):
+        events("device_reset", clock_step_s=-float(number), gone_s=0.0)
+        now[0] += 0.01
+    now[0] += 1.0
+    events.report_held()
+    events.report_held()
+    told = [entry for entry in logged if entry["event"] == "device_reset"]
+    assert told[0] == {"event": "device_reset", "log_level": "warning", "clock_step_s": 0.0, "gone_s": 0.0}
+    assert sum(entry.get("times", 1) for entry in told) == 300
+    assert len(told) == len(heard) == 4
+    assert told[-1]["clock_step_s"] == -299.0

@@ -165,3 +165,26 @@ def test_a_name_taken_by_another_recording_is_no_failure(
     other.close()
     assert sorted(rates_in(path)[0] for path in out.iterdir()) == [0.0, 2.5]
     assert not [event for event in logged if event["event"] == "recording_failed"]
+
+
+def test_a_config_that_changes_while_it_is_recorded_is_in_the_recording(port: Path, out: Path, tmp_path: Path) -> None:
+    """As an event with what changed, and whole in the file that is begun after it."""
+    config = tmp_path / "c.yaml"
+    config.write_text("filter: hdr\nhdr: {theta_w_dps: 0.5}\n")
+    words = ("--port", port, "--config", config, "--record", out, "--rotate", "2kB")
+    with speaking_on(port) as device, Command("serve", *words) as serve:
+        device.wait_for_reader(never)
+        device.send_all(lines(0, 100), never)
+        serve.take_lines(100)
+        config.write_text("filter: hdr\nhdr: {theta_w_dps: 0.9}\n")
+        serve.until_log("config_applied")
+        for first in (100, 200):
+            device.send_all(lines(first, 100), never)
+            serve.take_lines(100)
+            time.sleep(0.3)  # a file ends with the turn of the loop after it is full
+        assert serve.stop() == 0
+    files = sorted(out.glob("*.mcap"), key=lambda path: float(read_mcap(path).t_device_s[0]))
+    texts = [read_mcap(path).metadata["config"]["text"] for path in files]
+    assert texts[0].endswith("{theta_w_dps: 0.5}\n")
+    assert texts[-1].endswith("{theta_w_dps: 0.9}\n")
+    assert any(b"theta_w_dps: 0.5 \\u2192 0.9" in path.read_bytes() for path in files)

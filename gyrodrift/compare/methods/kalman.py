@@ -1,11 +1,11 @@
 """The zero-rate update: a scalar Kalman filter that takes the rate for the bias while nothing turns."""
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import steps_s
+from gyrodrift.compile import compiled_once
 
 REST_TAU_S = 0.5
 """Low-pass that a rate at rest stays close to, s."""
@@ -25,7 +25,7 @@ def run_kalman(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     return found
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _walk(
     dt_s: Floats,
     rate_dps: Floats,

@@ -1,11 +1,11 @@
 """The sign integrator: the bias follows the sign of what is left of the rate, where that is small."""
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import steps_s
+from gyrodrift.compile import compiled_once
 
 
 def run_sign(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
@@ -14,7 +14,7 @@ def run_sign(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     return found
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _walk(dt_s: Floats, rate_dps: Floats, step_dps: float, theta_dps: float) -> Floats:
     yaw_deg = np.zeros(len(dt_s))
     bias_dps = 0.0

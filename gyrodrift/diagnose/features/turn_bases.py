@@ -1,9 +1,9 @@
 """Bases of what comes several times per turn: sines of multiples of the angle, and these times the rate."""
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.features.motion_terms import MotionTerms
 from gyrodrift.diagnose.features.orthogonal import orthonormal
 
@@ -19,7 +19,7 @@ def turn_bases(terms: MotionTerms, block: int) -> tuple[Floats, Floats]:
     return orthonormal(means[0], ones, 0).vectors, orthonormal(means[1], ones, 0).vectors
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})
+@compiled_once(fastmath={"reassoc", "nsz"})
 def _add_means(sine: Floats, cosine: Floats, rate: Floats, block: int, lowest: int, means: Floats) -> None:
     """Means over blocks of cosine and sine of each multiple from the lowest on, by itself and times the rate."""
     along, across = np.empty(block), np.empty(block)

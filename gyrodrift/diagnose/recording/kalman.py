@@ -5,11 +5,11 @@ Schnatter, Data augmentation and dynamic linear models (1994), which draws a pat
 no noise in it, the pass is the smoother of H. E. Rauch, F. Tung and C. T. Striebel (1965).
 """
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 
 STATES = 4
 """Angle, degrees; rate, deg/s; acceleration, deg/s²; bias, deg/s."""
@@ -27,7 +27,7 @@ LEAST_VARIANCE = 1e-14
 Array = npt.NDArray[np.float64]
 
 
-@numba.njit(cache=True, inline="always", error_model="numpy")
+@compiled_once(nogil=False, inline="always")
 def _measure(mean: Array, covariance: Array, weights: Array, value: float, variance: float, gain: Array) -> None:
     """Take a scalar measurement into a state, in place."""
     spread, away = variance, value
@@ -47,7 +47,7 @@ def _measure(mean: Array, covariance: Array, weights: Array, value: float, varia
         covariance[i, i] = max(covariance[i, i], LEAST_VARIANCE)
 
 
-@numba.njit(cache=True, inline="always", error_model="numpy")
+@compiled_once(nogil=False, inline="always")
 def _predict(mean: Array, covariance: Array, t: float, jerk: float, walk: float) -> None:
     """Take a state to the next sample, in place: first its rows and then its columns go through the same step."""
     half = 0.5 * t * t
@@ -74,7 +74,7 @@ def _predict(mean: Array, covariance: Array, t: float, jerk: float, walk: float)
             covariance[i, j] = covariance[j, i]
 
 
-@numba.njit(cache=True, inline="always", error_model="numpy")
+@compiled_once(nogil=False, inline="always")
 def _cholesky(matrix: Array, lower: Array) -> None:
     """Lower triangle of a matrix that may lack rank."""
     for i in range(4):
@@ -88,7 +88,7 @@ def _cholesky(matrix: Array, lower: Array) -> None:
                 lower[i, j] = rest / lower[j, j] if lower[j, j] > 0.0 else 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled_once(nogil=False)
 def filtered(
     period_s: float,
     angles: tuple[Floats, Floats],
@@ -134,7 +134,7 @@ def filtered(
     return means, covariances, predicted_means, predicted
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled_once(nogil=False)
 def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
     period_s: float,
     passed: tuple[Floats, Floats, Floats, Floats],

@@ -6,9 +6,9 @@ A diagnosis takes some ten thousand of them; numpy's own look for NaN, and parti
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 
 
 def median(values: Floats) -> float:
@@ -73,7 +73,7 @@ def running_median_9(values: Floats) -> Floats:
     return medians
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _medians_5(padded: Floats, medians: Floats) -> None:
     """Of four, the lowest and the highest are not the median of five."""
     for n in range(len(medians)):
@@ -83,7 +83,7 @@ def _medians_5(padded: Floats, medians: Floats) -> None:
         medians[n] = max(below, min(above, high))
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _medians_9(padded: Floats, medians: Floats) -> None:
     """Of three sorted triples it is the median of the highest low, the median middle and the lowest high."""
     count = len(padded) - 2

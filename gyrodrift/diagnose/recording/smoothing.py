@@ -6,9 +6,9 @@ A diagnosis smooths some thousand sessions of tens of thousands of samples.
 from functools import cache
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 
 SIXTH_ORDER = np.array([45.0, -9.0, 1.0]) / 60.0
 """Central difference over seven points, by the distance of a pair: a tone of a tenth of the sample rate comes out
@@ -51,7 +51,7 @@ def _weights(sigma: float) -> Floats:
     return weights
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _convolve(padded: Floats, weights: Floats, smooth: Floats) -> None:
     """Both sides at once, from the outer weights to the inner ones: the order of scipy's sum."""
     radius = len(weights) - 1

@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
 
@@ -93,7 +93,7 @@ def _read_only(values: Floats) -> Floats:
     return view
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
     """R(r)·i_c in deg/s, as in `gyrodrift.filters.hdr`."""
     steepness: float = run**c2
@@ -102,7 +102,7 @@ def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
     return (1.0 + c1) / (1.0 + c1 * steepness) * i_c_dps
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@compiled_once()
 def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Floats) -> None:
     """Work out the steps that are 0, and remember those within the table."""
     for k in range(len(wanted_dps)):
@@ -162,7 +162,7 @@ def _compiled(count: int) -> Any:
     # Symbols of compiled code are made of this name and a number that counts functions by process: one from the cache
     # and one compiled here may have the same number, and must not have the same name.
     walk.__qualname__ = f"walk_of_{count}"
-    return njit(nogil=True, cache=True, error_model="numpy")(walk)
+    return compiled_once()(walk)
 
 
 _walk_of_one = _compiled(1)

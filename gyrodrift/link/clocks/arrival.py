@@ -30,7 +30,7 @@ class ArrivalClock:
     def __init__(self, epoch_s: float) -> None:
         self.events: list[ClockEvent] = []
         self.period_s = 0.0
-        self._epoch_s = epoch_s
+        self.epoch_s = epoch_s
         self._fit = ArrivalFit()
         self._held: list[tuple[Reading, float]] = []
         self._number = 0
@@ -100,4 +100,4 @@ class ArrivalClock:
         lean_s = min(max(LEAN * (on_line_s - expected_s), -0.5 * self.period_s), 0.5 * self.period_s)
         self._time_s = expected_s + lean_s
         _, _, rate_dps, encoder_deg, temp_c = reading
-        return Sample(number, self._time_s, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+        return Sample(number, self._time_s, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)

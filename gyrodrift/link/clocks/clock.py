@@ -37,8 +37,12 @@ ClockEvent = SampleGap | ClockRestart
 
 
 class Clock(Protocol):
-    """Gives readings their time; what it noticed waits in `events` until the link takes it."""
+    """Gives readings their time; what it noticed waits in `events` until the link takes it.
 
+    `epoch_s` is the Unix time of the zero of the host's monotonic clock, s.
+    """
+
+    epoch_s: float
     events: list[ClockEvent]
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
@@ -89,6 +93,10 @@ class ArrivalFit:
         self._first_s = self._last_s = 0.0
         self._scatter_s = 0.0
         self._refused = 0
+
+    def shift(self, seconds: float) -> None:
+        """All arrivals from here on are later by so much; the pace stays what it was."""
+        self._y += seconds
 
     @property
     def is_warm(self) -> bool:

@@ -54,7 +54,7 @@ class DeviceClock:
         self.events: list[ClockEvent] = []
         self.glitches = 0
         self.period_s = 0.0
-        self._epoch_s = epoch_s
+        self.epoch_s = epoch_s
         self._fit = ArrivalFit()
         self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
         self._last: Reading | None = None
@@ -136,12 +136,15 @@ class DeviceClock:
             samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
 
     def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
-        """A step that nothing speaks against: it needs no second reading to be believed."""
+        """A step that nothing speaks against, and the counter bears out: no second reading is needed."""
         if self._has_reconnected:
             return False
         counted_us = self._counted_us(last, reading)
         if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
-            return _agree(counted_us, step_us)
+            is_borne_out = (
+                counted_us < COUNTER_WRAP // 2 * self.period_s * 1e6
+            )  # by the counter, not by a guess of wraps
+            return is_borne_out and _agree(counted_us, step_us)
         if not self.period_s:
             return 0 <= step_us <= STEP_US
         return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
@@ -205,8 +208,13 @@ class DeviceClock:
 
     def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
         self.events.append(ClockRestart(_clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
-        self._fit.restart()
         period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
+        if (
+            self._host_can_cross_check()
+        ):  # it goes on being one: a clock that has begun anew once may do so at once again
+            self._fit.shift(arrival_s - self._fit.arrival_s((self._time_us + period_us) * 1e-6))
+        else:
+            self._fit.restart()
         self._move(first, period_us, 1, arrival_s, samples)
 
     def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:
@@ -219,7 +227,7 @@ class DeviceClock:
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
         _, _, rate_dps, encoder_deg, temp_c = reading
-        return Sample(seq, time_us / 1e6, self._epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+        return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
 
 
 def _agree(counted_us: float, step_us: int) -> bool:

@@ -1,7 +1,7 @@
 """The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement."""
 
 from binascii import crc_hqx
-from math import isfinite, nan
+from math import nan
 from struct import Struct
 
 from cobs import cobs
@@ -22,6 +22,9 @@ VERSION = 1
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
 RATE_CLIPPED = 0x04
+
+LEAST_DPS_PER_LSB, MOST_DPS_PER_LSB = 1e-9, 10.0
+"""Far outside of what 16 bits are used for: a HELLO beyond is none, since every rate would be wrong by its scale."""
 
 MAX_FRAME_BYTES = HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
@@ -77,14 +80,18 @@ class NativeDecoder:
 
     def _hello(self, payload: bytes) -> None:
         _, version, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id = HELLO.unpack(payload)
-        self.counters.frames += 1
-        if version != VERSION or not (isfinite(dps_per_lsb) and dps_per_lsb > 0.0):
+        if version != VERSION:
+            self.counters.frames += 1
             self.counters.other += 1
             return
+        if not LEAST_DPS_PER_LSB <= dps_per_lsb <= MOST_DPS_PER_LSB:
+            self.counters.damaged += 1
+            return
+        self.counters.frames += 1
         self._dps_per_lsb = dps_per_lsb
         self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
         self.device = DeviceDescription(
-            device_id=device_id.rstrip(b"\0").decode("ascii", "replace"),
+            device_id=_printable(device_id.rstrip(b"\0")),
             sample_rate_hz=float(sample_rate_hz) or None,
             dps_per_lsb=dps_per_lsb,
             encoder_cpr=encoder_cpr or None,
@@ -107,6 +114,11 @@ class NativeDecoder:
                 temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
             )
         )
+
+
+def _printable(name: bytes) -> str:
+    """A name goes to terminals, files and pages: what is no printable ASCII in it is told from what is."""
+    return "".join(each if each.isprintable() else "\ufffd" for each in name.decode("ascii", "replace"))
 
 
 PROTOCOL = WireProtocol(

@@ -69,8 +69,32 @@ def test_a_hole_longer_than_the_counter_is_counted_by_the_clock() -> None:
     bench = Bench()
     bench.read(200)
     bench.skip(120_000)
-    bench.read()
+    bench.read(2)
     assert bench.events() == [SampleGap(120_000, near(1200.01))]
+
+
+@pytest.mark.parametrize("host_s", [None, 1e-5], ids=["in real time", "in a fast replay"])
+@pytest.mark.parametrize("off_us", [-3_000_000, 0, 3_000_000])
+@pytest.mark.parametrize("wraps", [1, 2, 3])
+def test_one_wild_time_near_a_wrap_of_the_counter_is_a_glitch(wraps: int, off_us: int, host_s: float | None) -> None:
+    """The counter cannot bear out what is as long as its wrap: the reading after it does, or does not."""
+    bench = Bench()
+    bench.read(300, host_s=host_s)
+    wild = Reading((bench.ticks_us + wraps * 65536 * PERIOD_US + off_us) % WRAP, 300, 5.0)
+    assert bench.clock.stamp([wild], bench.now_s) == []
+    bench.skip(1, host_s=host_s)
+    assert [s.t_device_s for s in bench.read(3, host_s=host_s)] == pytest.approx([3.01, 3.02, 3.03])
+    assert bench.clock.glitches == 1
+    assert bench.events() == [SampleGap(1, near(0.02))]
+
+
+def test_a_clock_that_steps_by_a_wrap_of_the_counter_is_a_restart_where_the_host_saw_no_such_time() -> None:
+    """A counter that goes on by one, and a clock that went on by minutes."""
+    bench = Bench()
+    last = bench.read(300)[-1]
+    bench.ticks_us += 65536 * PERIOD_US
+    assert bench.read(3)[-1].t_device_s == near(last.t_device_s + 0.03)
+    assert [type(event) for event in bench.events()] == [ClockRestart]
 
 
 def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
@@ -108,6 +132,19 @@ def test_a_clock_step_forward_that_the_host_did_not_see_is_a_restart() -> None:
     after = bench.read(3)
     assert after[-1].t_device_s - last.t_device_s == pytest.approx(0.03)
     assert isinstance(bench.events()[0], ClockRestart)
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+def test_right_after_a_restart_the_host_is_a_witness_still(has_counter: bool) -> None:  # noqa: FBT001
+    """A clock that leaps to and fro, as where digits are doubled, makes no hole out of time that never was."""
+    bench = Bench(has_counter=has_counter)
+    last = bench.read(300)[-1]
+    for leap_us in (60_000_000, -60_000_000, 65_000_000, -65_000_000, 70_000_000):
+        bench.ticks_us += leap_us
+        bench.read(4)
+    after = bench.read(5)[-1]
+    assert after.t_device_s - last.t_device_s == pytest.approx(0.25)
+    assert {type(event) for event in bench.events()} == {ClockRestart}
 
 
 def test_a_single_wild_time_is_a_glitch() -> None:

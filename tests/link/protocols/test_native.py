@@ -1,5 +1,6 @@
 """The native protocol, from frames worked out by hand."""
 
+import struct
 from math import isnan
 
 import golden_frames as golden
@@ -74,3 +75,23 @@ def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None
     decoder.push(native_frame(b"\x01\x02" + body[1:]) + native_frame(b"\x01\x01" + body[1:]))
     assert decoder.device == DeviceDescription()
     assert decoder.push(next(iter(golden.SAMPLES.values()))) == []
+
+
+def hello(scale: float, name: bytes = b"bench") -> bytes:
+    return native_frame(struct.pack("<BBHfI16s", 1, 1, 100, scale, 36000, name))
+
+
+@pytest.mark.parametrize("scale", [3e38, 11.0, 1e-12, 1e-45, -0.01, float("inf"), float("nan")])
+def test_a_scale_that_no_gyro_has_is_damage(scale: float) -> None:
+    """The checksum says that it came as it was sent, and not that it makes sense; the scale before it stays."""
+    decoder = NativeDecoder()
+    decoder.push(golden.HELLO + hello(scale))
+    assert (decoder.device.dps_per_lsb, decoder.counters.damaged) == (near(LSB), 1)
+    assert NativeDecoder().push(hello(scale) + next(iter(golden.SAMPLES.values()))) == []
+
+
+def test_a_name_that_would_command_a_terminal_is_only_shown() -> None:
+    """Whatever is no printable ASCII is told from what is."""
+    decoder = NativeDecoder()
+    decoder.push(hello(0.01, b"a\x1b[2J\x07\n\xff b"))
+    assert decoder.device.device_id == "a\ufffd[2J\ufffd\ufffd\ufffd b"

@@ -1,0 +1,25 @@
+"""Compiling numerical functions: once for all runs where there is a place to keep what was compiled."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TypeVar
+
+from numba import njit
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled_once(*, nogil: bool = True, **options: Any) -> Callable[[Function], Function]:
+    """Numba's `njit` with its cache; in each run anew where neither the package nor a home can be written to.
+
+    Division by zero gives what numpy gives. `options` are those of `njit`.
+    """
+
+    def compiled(function: Function) -> Function:
+        made: Any = njit(nogil=nogil, error_model="numpy", **options)(function)
+        with suppress(RuntimeError):  # numba finds no folder for its cache
+            made.enable_caching()
+        found: Function = made
+        return found
+
+    return compiled
