@@ -238,3 +238,9 @@ def test_changes_are_told_key_by_key() -> None:
     new = Config("hdr", {"hdr": HdrParams(tau_s=2.0)}, None)
     assert new.changes_from(old) == ["sample_rate_hz: 100.0 → None", "hdr.tau_s: 1.0 → 2.0"]
     assert new.changes_from(new) == []
+
+
+def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
+    """Each would be checked, and opened."""
+    (told,) = problems(tmp_path, "outputs:\n" + "- {name: tcp, prt: 1}\n" * 5000)
+    assert told == "c.yaml:1:1 outputs: are 5000; expected no more than 100"
