@@ -1,6 +1,7 @@
 """Sessions in MCAP: the same samples for us and for public readers, whole or torn at any byte."""
 
 import io
+import os
 from pathlib import Path
 
 import numpy as np
@@ -178,3 +179,13 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
     monkeypatch.setattr(walk, "_run_length", counted)
     assert len(read_mcap(written(tmp_path, stream.getvalue())).t_device_s) == 3000
     assert sum(looked_at) <= 3000 * walk.FIRST_LOOK_ROWS
+
+
+def test_a_note_that_is_not_utf_8_is_kept_as_far_as_it_goes(tmp_path: Path) -> None:
+    """As arguments and names of files may be; a recording does not end for it."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream, {"recording": {"note": os.fsdecode(b"good \xff\xfe bearing")}})
+    writer.add(steady(1)[0])
+    writer.finish()
+    note = read_mcap(written(tmp_path, stream.getvalue())).metadata["recording"]["note"]
+    assert note == r"good \udcff\udcfe bearing"
