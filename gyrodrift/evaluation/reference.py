@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.filters.limits import MOST_DPS, MOST_S
 from gyrodrift.session.session import Session
 
 FULL_TURN_DEG = 360.0
@@ -90,11 +91,11 @@ def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool)
 
 
 def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
-    """Which samples `filter.step` takes: finite, and later than all taken before; booleans of shape (n,)."""
-    finite = np.isfinite(t_s) & np.isfinite(rate_dps)
-    latest_s = np.maximum.accumulate(np.where(finite, t_s, -np.inf))
+    """Which samples `filter.step` takes: within its limits, and later than all taken before; booleans of shape (n,)."""
+    is_within = (np.abs(t_s) <= MOST_S) & (np.abs(rate_dps) <= MOST_DPS)
+    latest_s = np.maximum.accumulate(np.where(is_within, t_s, -np.inf))
     before_s = np.concatenate([[-np.inf], latest_s[:-1]])
-    kept: NDArray[np.bool_] = finite & (t_s > before_s)
+    kept: NDArray[np.bool_] = is_within & (t_s > before_s)
     return kept
 
 
