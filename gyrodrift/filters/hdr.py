@@ -24,7 +24,7 @@ from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Gt, Le
 
-from gyrodrift.filters.limits import MOST_DPS, MOST_S
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 
 ATTENUATOR_TABLE = 512
 """Runs of equal signs up to this length take their step from a table; longer ones are worked out."""
@@ -139,7 +139,7 @@ def step(c: HdrCoefficients, s: HdrState, t_s: float, rate_dps: float) -> bool:
     if s.samples == 0:
         return _first(s, t_s, rate_dps)
     dt_s = t_s - s.t_s
-    if not (dt_s > 0.0 and t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS):
+    if not (dt_s >= LEAST_STEP_S and t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS):
         s.rejected += 1
         return False
     p = c.params

@@ -5,3 +5,6 @@ MOST_S = 1e15
 
 MOST_DPS = 1e12
 """Of a rate, either way."""
+
+LEAST_STEP_S = 1e-12
+"""Between two samples; no clock of a device is finer."""

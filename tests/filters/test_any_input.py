@@ -100,6 +100,16 @@ def yaw_after(known: Filter, rates: Iterable[float]) -> float:
     return float(s.yaw_deg)
 
 
+@any_filter
+def test_steps_next_to_nothing_are_none(known: Filter) -> None:
+    """Their quotients would leave the floats."""
+    c, s = known.coefficients(known.params()), known.state()
+    for i, rate_dps in enumerate((1e9, -1e9, 1e9, -1e9)):
+        known.step(c, s, i * 1e-300, rate_dps)
+        check(known, s)
+    assert (s.samples, s.rejected) == (1, 3)
+
+
 STILL = 6000
 """A minute at rest."""
 

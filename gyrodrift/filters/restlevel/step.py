@@ -5,7 +5,7 @@ Batch versions are this very source, compiled, and held to its bits by a test.
 
 from math import sqrt
 
-from gyrodrift.filters.limits import MOST_DPS, MOST_S
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
@@ -63,7 +63,7 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
     """
     dt_s = t_s - s.t_s if s.samples > 0 else 0.0
     is_within = -MOST_S <= t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS
-    if not is_within or (s.samples > 0 and dt_s <= 0.0):
+    if not is_within or (s.samples > 0 and dt_s < LEAST_STEP_S):
         s.rejected += 1
         return False
     s.t_s = t_s
