@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench blind pictures clean
+.PHONY: demo test types tests bench blind fuzz pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -32,6 +32,12 @@ blind: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.blind score .blind/final
 	$(BIN)/python -m tests.blind run --set bench --out .blind/bench $(if $(BLIND_SEED),--seed $(BLIND_SEED))
 	$(BIN)/python -m tests.blind score .blind/bench
+
+# Whatever comes from outside, for FUZZ_S seconds: guided by coverage where atheris has a wheel, by chance elsewhere.
+FUZZ_S := 1800
+fuzz: $(VENV)/ready-to-test
+	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are made by chance" >&2
+	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_S)
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
