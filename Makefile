@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench blind fuzz pictures clean
+.PHONY: demo test types tests bench blind crash fuzz pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -38,6 +38,11 @@ FUZZ_S := 1800
 fuzz: $(VENV)/ready-to-test
 	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are made by chance" >&2
 	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_S)
+
+# Every writer killed at random moments, KILLS times each.
+KILLS := 20
+crash: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.crash --kills $(KILLS)
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg

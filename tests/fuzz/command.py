@@ -1,7 +1,7 @@
 """Fuzz each target for a while: guided by coverage where atheris is there, by chance where it is not.
 
-New inputs that reach something are kept in .fuzz/TARGET; what breaks something goes to .fuzz/found, and from there, once
-it is repaired, into tests/fuzz/corpus/TARGET, which every run of the tests goes through.
+New inputs that reach something are kept in .fuzz/TARGET; what breaks something goes to .fuzz/found, and from there,
+once it is repaired, into tests/fuzz/corpus/TARGET, which every run of the tests goes through.
 """
 
 import argparse
