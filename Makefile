@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench blind crash fuzz pictures clean
+.PHONY: demo test types tests bench audit blind crash fuzz pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -43,6 +43,11 @@ fuzz: $(VENV)/ready-to-test
 KILLS := 20
 crash: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.crash --kills $(KILLS)
+
+# The packages of .venv against the public list of known holes.
+audit: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet pip-audit
+	$(BIN)/python -m pip_audit --local --skip-editable
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
