@@ -15,8 +15,11 @@ from pydantic_core import ErrorDetails
 NUMBER = re.compile(r"[-+]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 
-LONGEST = 4 << 20
-"""Characters of a file."""
+LONGEST = 1 << 17
+"""Characters of a file; a profile of a thousand segments is half of it."""
+
+MOST_PROBLEMS, LONGEST_PROBLEM = 20, 600
+"""That are told, and characters of each."""
 
 WHOLE_DIGITS = 300
 """Of a whole number; what is longer is beyond all floats."""
@@ -104,9 +107,19 @@ def load(path: Path, model: type[Model]) -> Model:
             if problem["type"] != "too_short" or not problem["input"]:  # a list of which nothing could be read
                 reader.note(problem["loc"], _phrase(problem))
     if reader.problems:
-        lines = [f"{path}:{line}:{column} {text}" for (line, column), text in sorted(reader.problems)]
-        raise FileError("\n".join(lines))
+        raise FileError("\n".join(_told(path, sorted(reader.problems))))
     return checked
+
+
+def _told(path: Path, problems: list[tuple[Place, str]]) -> list[str]:
+    """One line each, of the first ones."""
+    lines = [f"{path}:{line}:{column} {_shortened(text)}" for (line, column), text in problems[:MOST_PROBLEMS]]
+    more = len(problems) - len(lines)
+    return [*lines, f"{path}: {more} mistakes more"] if more else lines
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_PROBLEM else f"{text[: LONGEST_PROBLEM // 2]} … {text[-LONGEST_PROBLEM // 4 :]}"
 
 
 def problems_of(error: ValidationError) -> list[str]:
@@ -121,7 +134,7 @@ def _compose(path: Path) -> yaml.Node | None:
         with path.open(encoding="utf-8") as file:
             text = file.read(LONGEST + 1)
         if len(text) > LONGEST:
-            raise FileError(f"{path}: is longer than {LONGEST >> 20} million characters: this is no rig or profile")
+            raise FileError(f"{path}: is longer than {LONGEST >> 10} thousand characters: this is no rig or profile")
         node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
     except RecursionError as error:
         raise FileError(f"{path}: has too many blocks within blocks") from error

@@ -15,14 +15,39 @@
 An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
 """
 
+import re
 from collections.abc import Sequence
 from typing import ClassVar
 
+MOST_LINES, LONGEST_LINE = 40, 1000
+"""Of a message: what it quotes may come from a file or a device, and may be of any length."""
+
+CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+"""All but tab and line feed: a terminal may take them for orders."""
+
 
 class GyrodriftError(Exception):
-    """Root of the tree; `exit_status` is what a command ends with."""
+    """Root of the tree; `exit_status` is what a command ends with.
+
+    A message is of bounded length and has no control characters.
+    """
 
     exit_status: ClassVar[int] = 1
+
+    def __init__(self, message: str) -> None:
+        lines = [shortened(visible(line), LONGEST_LINE) for line in message.split("\n")]
+        more = len(lines) - MOST_LINES
+        super().__init__("\n".join([*lines[:MOST_LINES], f"and {more} lines more"] if more > 0 else lines))
+
+
+def shortened(text: str, most: int) -> str:
+    """A text in no more than so many characters."""
+    return text if len(text) <= most else f"{text[: most // 2]} … {text[-most // 4 :]}"
+
+
+def visible(text: str) -> str:
+    r"""A text that came from elsewhere, as a terminal may have it: control characters are written as `\x1b`."""
+    return CONTROLS.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 class UsageError(GyrodriftError):

@@ -1,9 +1,12 @@
 """Writing a file so that it is there whole or not at all."""
 
 import os
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
+from tempfile import TemporaryFile
 from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
@@ -14,6 +17,9 @@ COMMENT, LONGEST_LINE = b"#", 4096
 
 FILTERED_COLUMN = b"yaw_deg"
 """Of tables that a filter has written: they can be worked out again, other tables cannot."""
+
+LONGEST_PREFIX = 60
+"""Characters of a name that the file which is being written begins with."""
 
 NAMED = 3
 """Of many files that a message is about."""
@@ -28,13 +34,16 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     UsageError
         Where the place cannot be written to; nothing is left behind then.
     """
-    if path.exists() and not path.is_file():  # a device or a pipe is written to, not replaced
+    mode = _mode_of(path)
+    if mode is not None and not stat.S_ISREG(mode):  # a device or a pipe is written to, not replaced
         with path.open("wb") as file:
             yield file
         return
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    fresh = path.with_name(f".{path.name[:LONGEST_PREFIX]}.{token_hex(8)}")  # nobody can lay a link there before
     try:
-        with fresh.open("wb") as file:
+        with fresh.open("xb") as file:
+            if mode is not None:
+                os.fchmod(file.fileno(), stat.S_IMODE(mode))
             yield file
             file.flush()
             os.fsync(file.fileno())
@@ -44,6 +53,14 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     finally:
         with suppress(OSError):
             fresh.unlink()
+
+
+def _mode_of(path: Path) -> int | None:
+    """What a file is and who may read and write it; None where there is none."""
+    try:
+        return path.stat().st_mode
+    except OSError:
+        return None
 
 
 def write_whole(path: Path, pieces: Iterable[str]) -> None:
@@ -122,9 +139,8 @@ def check_writable(folder: Path) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        trial = folder / f".gyrodrift.{os.getpid()}"
-        trial.touch()
-        trial.unlink()
+        with TemporaryFile(prefix=".gyrodrift.", dir=folder):
+            pass
     except OSError as error:
         raise UsageError(f"{folder}: cannot be written to: {error.strerror}") from error
 

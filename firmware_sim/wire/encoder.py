@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from firmware_sim.measure import Block
+from firmware_sim.measure import COUNTS_MOST, Block
 from firmware_sim.rig import Base
 
 
@@ -42,6 +42,11 @@ class Measurement(NamedTuple):
     rate_dps: float
     encoder_deg: float | None
     temp_c: float | None
+
+
+def in_16_bits(value: float) -> int:
+    """The nearest that a signed register of 16 bits can say, which is the same in both directions."""
+    return round(max(-COUNTS_MOST, min(COUNTS_MOST, value)))
 
 
 def no_hello(_base: Base) -> bytes:

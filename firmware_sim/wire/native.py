@@ -2,11 +2,11 @@
 
 import struct
 from collections.abc import Iterable, Iterator
-from math import isfinite, isnan
+from math import isfinite
 
 from firmware_sim.measure import COUNTS_MOST, Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
 
 HELLO_TYPE, SAMPLE_TYPE, VERSION = 0x01, 0x02, 0x01
 ENCODER_VALID, TEMPERATURE_VALID, RATE_CLIPPED = 0x01, 0x02, 0x04
@@ -95,16 +95,16 @@ def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]
 
 
 def _recorded_sample(m: Measurement, base: Base) -> bytes:
-    raw = round(m.rate_dps / base.dps_per_lsb)
-    flags = RATE_CLIPPED if abs(raw) > COUNTS_MOST else 0
+    raw = m.rate_dps / base.dps_per_lsb
+    flags = RATE_CLIPPED if abs(raw) >= COUNTS_MOST + 0.5 else 0
     counts = temp_centi_c = 0
-    if m.encoder_deg is not None and not isnan(m.encoder_deg):
+    if m.encoder_deg is not None and isfinite(m.encoder_deg):
         flags |= ENCODER_VALID
         counts = round(m.encoder_deg / 360.0 * base.encoder_cpr)
-    if m.temp_c is not None and not isnan(m.temp_c):
+    if m.temp_c is not None and isfinite(m.temp_c):
         flags |= TEMPERATURE_VALID
-        temp_centi_c = round(m.temp_c * 100.0)
-    return sample_frame(flags, m.seq, m.t_us, max(-COUNTS_MOST, min(COUNTS_MOST, raw)), temp_centi_c, counts)
+        temp_centi_c = in_16_bits(m.temp_c * 100.0)
+    return sample_frame(flags, m.seq, m.t_us, in_16_bits(raw), temp_centi_c, counts)
 
 
 ENCODER = WireEncoder("native", frames, recorded, hello_frame)

@@ -2,11 +2,11 @@
 
 import struct
 from collections.abc import Iterable, Iterator
-from math import isfinite, isnan
+from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
 
 DPS_PER_LSB = 2000.0 / 32768.0
 GRAVITY_RAW = 2048
@@ -21,7 +21,7 @@ def wt901_frame(kind: int, *values: int) -> bytes:
 
 def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
     """Acceleration, rates and angles of one measurement, as a WT901 sends them."""
-    raw = max(-32768, min(32767, round(rate_dps / DPS_PER_LSB)))
+    raw = in_16_bits(rate_dps / DPS_PER_LSB)
     return (
         wt901_frame(0x51, 0, 0, GRAVITY_RAW, temp_centi_c)
         + wt901_frame(0x52, 0, 0, raw, temp_centi_c)
@@ -40,8 +40,8 @@ def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame
     """The same for each sample; rates that are not finite cannot be said and are left out."""
     for m in measurements:
         if isfinite(m.rate_dps):
-            temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0
-            yield Frame(m.due_s, wt901_sample(m.rate_dps, round(temp_c * 100.0)), 1)
+            temp_c = m.temp_c if m.temp_c is not None and isfinite(m.temp_c) else 0.0
+            yield Frame(m.due_s, wt901_sample(m.rate_dps, in_16_bits(temp_c * 100.0)), 1)
 
 
 ENCODER = WireEncoder("witmotion", frames, recorded)

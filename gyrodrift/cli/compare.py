@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
+from gyrodrift.errors import visible
 from gyrodrift.files import check_inputs_kept, check_writable
 
 if TYPE_CHECKING:
@@ -113,4 +114,4 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
     for note in comparison.notes:
         print(f"gyrodrift: note: {note}", file=sys.stderr)
     for line in summary(comparison):
-        print(line)
+        print(visible(line))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable, write_whole
 
 EXAMPLES = """\
@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)
     for line in summary(diagnosis):
-        print(line)
+        print(visible(line))
     return 0
 
 

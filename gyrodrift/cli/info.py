@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_writable, whole_file, write_whole
 
 if TYPE_CHECKING:
@@ -92,7 +92,8 @@ def _tell(
             about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:
-            print(*[""] * (not is_first), path, *lines_of(groups), sep="\n")
+            lines = [*[""] * (not is_first), str(path), *lines_of(groups)]
+            print(*map(visible, lines), sep="\n")  # names of files, notes and devices may hold anything
     if drawing is not None:
         drawing.take(session, description, groups)
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from gyrodrift.errors import DataError
+from gyrodrift.errors import DataError, visible
 
 EXAMPLES = """\
 gyrodrift repair sessions
@@ -35,10 +35,11 @@ def run(arguments: argparse.Namespace) -> int:
             status = DataError.exit_status
             continue
         if repaired is None:
-            print(f"{path}: is whole")
+            print(visible(f"{path}: is whole"))
         else:
             saved = f", kept in {repaired.tail}" if repaired.tail else ""
-            print(f"{path}: closed, {repaired.samples} samples; {repaired.cut_bytes} torn bytes cut off{saved}")
+            cut = f"{repaired.cut_bytes} torn bytes cut off{saved}"
+            print(visible(f"{path}: closed, {repaired.samples} samples; {cut}"))
     return status
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, options
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
 
@@ -157,7 +157,7 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
     for line in summary(tuning):
-        print(line)
+        print(visible(line))
 
 
 def _calibration_in(out: Path) -> str:

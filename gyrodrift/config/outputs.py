@@ -12,6 +12,9 @@ from gyrodrift.errors import UsageError
 from gyrodrift.outputs.options import OutputSpec, about
 from gyrodrift.outputs.registry import OUTPUTS
 
+MOST_OUTPUTS = 100
+"""Of a config; each has a thread or a socket of its own."""
+
 Report = Callable[[Key, str], None]
 """Called with the key of what is wrong, within an output, and what is wrong with it."""
 
@@ -22,6 +25,9 @@ def outputs_in(given: Any, report: Report) -> tuple[OutputSpec, ...]:
         return ()
     if not isinstance(given, list):
         report((), f"is {said(given)}; expected a list of blocks such as - {{name: tcp}}")
+        return ()
+    if len(given) > MOST_OUTPUTS:
+        report((), f"are {len(given)}; expected no more than {MOST_OUTPUTS}")
         return ()
     found = [output_in(each, _within(number, report)) for number, each in enumerate(given)]
     return tuple(dict.fromkeys(spec for spec in found if spec is not None))

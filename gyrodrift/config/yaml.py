@@ -11,6 +11,8 @@ from typing import Any
 
 import yaml
 
+from gyrodrift.errors import shortened, visible
+
 LONGEST_BYTES = 128 << 10
 """A config of a few hundred training sessions is a tenth of it."""
 
@@ -19,6 +21,9 @@ DEEPEST = 32
 
 MOST_PROBLEMS = 20
 """That are told one by one; finding the key that was meant takes a while for each."""
+
+LONGEST_PROBLEM = 400
+"""Characters of a problem."""
 
 WHOLE_DIGITS = 18
 """Of a whole number; longer ones are no exact counts of anything."""
@@ -55,7 +60,9 @@ class YamlFile:
         The first MOST_PROBLEMS, and how many more there are.
         """
         told = sorted(self._problems)[:MOST_PROBLEMS]
-        lines = [f"{self.path}:{line}:{column} {shortened(text)}" for line, column, text in told]
+        lines = [
+            f"{self.path}:{line}:{column} {shortened(visible(text), LONGEST_PROBLEM)}" for line, column, text in told
+        ]
         more = len(self._problems) - len(told)
         return [*lines, f"{self.path}: {more} mistakes more"] if more else lines
 
@@ -105,11 +112,6 @@ def read_yaml(path: Path) -> YamlFile:
         if node is not None:
             read.value = _value(read, (), node)
     return read
-
-
-def shortened(text: str, most: int = 400) -> str:
-    """A message in no more than so many characters."""
-    return text if len(text) <= most else f"{text[: most // 2]} … {text[-most // 4 :]}"
 
 
 def _too_deep(text: str) -> tuple[int, int] | None:

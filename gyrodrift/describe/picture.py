@@ -22,7 +22,8 @@ def draw(seen: Seen, file: BinaryIO, ending: str) -> None:
     with styled():
         rows = max(1, -(-len(panels) // COLUMNS))
         figure = Figure(figsize=(WIDE_IN, 0.5 + HIGH_IN * rows), layout="constrained", facecolor="white")
-        figure.suptitle(_title(seen) + ("" if panels else ": nothing in it can be drawn"), fontsize=12)
+        title = _title(seen) + ("" if panels else ": nothing in it can be drawn")
+        figure.suptitle(title, fontsize=12, parse_math=False)  # names of files may hold a $
         grid = figure.add_gridspec(rows, COLUMNS)
         for at, panel in enumerate(panels):
             is_alone = at == len(panels) - 1 and at % COLUMNS == 0

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.session.session import Session
 
 FULL_TURN_DEG = 360.0
@@ -90,11 +91,16 @@ def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool)
 
 
 def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
-    """Which samples `filter.step` takes: finite, and later than all taken before; booleans of shape (n,)."""
-    finite = np.isfinite(t_s) & np.isfinite(rate_dps)
-    latest_s = np.maximum.accumulate(np.where(finite, t_s, -np.inf))
+    """Which samples `filter.step` takes: within its limits, and later than all taken before; booleans of shape (n,)."""
+    is_within = (np.abs(t_s) <= MOST_S) & (np.abs(rate_dps) <= MOST_DPS)
+    latest_s = np.maximum.accumulate(np.where(is_within, t_s, -np.inf))
     before_s = np.concatenate([[-np.inf], latest_s[:-1]])
-    kept: NDArray[np.bool_] = finite & (t_s > before_s)
+    kept: NDArray[np.bool_] = is_within & (t_s > before_s)
+    if np.diff(t_s[kept]).min(initial=1.0) < LEAST_STEP_S:  # each that is passed by moves what the next is held against
+        before = -np.inf
+        for at in np.flatnonzero(kept).tolist():
+            kept[at] = t_s[at] - before >= LEAST_STEP_S
+            before = t_s[at] if kept[at] else before
     return kept
 
 

@@ -19,10 +19,12 @@ and T s after the sample before:
 """
 
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import nan
 from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Gt, Le
+
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 
 ATTENUATOR_TABLE = 512
 """Runs of equal signs up to this length take their step from a table; longer ones are worked out."""
@@ -74,7 +76,7 @@ class HdrState:
     run
         r, the number of equal signs in a row.
     samples, rejected
-        Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
+        Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite, or beyond all limits.
     yaw_sigma_deg, bias_sigma_dps, rest_probability, confidence
         NaN: this filter does not know how certain it is.
     """
@@ -131,13 +133,13 @@ def step(c: HdrCoefficients, s: HdrState, t_s: float, rate_dps: float) -> bool:
     Returns
     -------
     bool
-        False where the sample was passed by (T ≤ 0, or a value that is not finite); it is counted in
-        `s.rejected` and leaves the recursion untouched.
+        False where the sample was passed by (T ≤ 0, or a value that is not finite or beyond all limits); it is counted
+        in `s.rejected` and leaves the recursion untouched.
     """
     if s.samples == 0:
         return _first(s, t_s, rate_dps)
     dt_s = t_s - s.t_s
-    if not (dt_s > 0.0 and isfinite(dt_s) and isfinite(rate_dps)):
+    if not (dt_s >= LEAST_STEP_S and t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS):
         s.rejected += 1
         return False
     p = c.params
@@ -158,7 +160,7 @@ def step(c: HdrCoefficients, s: HdrState, t_s: float, rate_dps: float) -> bool:
 
 
 def _first(s: HdrState, t_s: float, rate_dps: float) -> bool:
-    if not (isfinite(t_s) and isfinite(rate_dps)):
+    if not (-MOST_S <= t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS):
         s.rejected += 1
         return False
     s.t_s = t_s

@@ -5,6 +5,9 @@ import re
 from datetime import datetime
 from pathlib import Path
 
+LONGEST_WORD = 80
+"""Characters of a word; file systems take names of 255 bytes."""
+
 
 def recording_path(folder: Path, begun: datetime, device: str, profile: str) -> Path:
     """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC."""
@@ -18,5 +21,5 @@ def recording_path(folder: Path, begun: datetime, device: str, profile: str) -> 
 
 
 def _plain(text: str) -> str:
-    """What any file system takes."""
-    return re.sub(r"[^A-Za-z0-9.-]+", "-", text).strip("-.")
+    """What any file system takes, the beginning of what is longer."""
+    return re.sub(r"[^A-Za-z0-9.-]+", "-", text)[:LONGEST_WORD].strip("-.")

@@ -122,7 +122,8 @@ def _number(path: Path, line: int, name: str, text: str) -> float:
 
 
 def _counter(column: Floats) -> NDArray[np.int64]:
-    return np.where(np.isfinite(column), column, -1).astype(np.int64)
+    """A counter beyond all that is counted is none."""
+    return np.where(np.abs(column) < WHOLE, column, -1).astype(np.int64)
 
 
 def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
@@ -144,6 +145,10 @@ def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
 
 REMEMBERED = 100_000
 """Texts of numbers that are kept: most columns of a session hold few different values."""
+
+
+WHOLE = 2.0**53
+"""Below it floats are exact whole numbers."""
 
 
 class _Texts(dict[float, str]):
@@ -172,7 +177,7 @@ def _cells(name: str, values: NDArray[np.float64] | NDArray[np.int64], texts: _T
     if not name.startswith("t_"):
         return list(map(texts.__getitem__, values.tolist()))
     micros = np.rint(values * 1e6)
-    if not np.array_equal(micros / 1e6, values) or not (micros >= 0.0).all():
+    if not np.array_equal(micros / 1e6, values) or not ((micros >= 0.0) & (micros < WHOLE)).all():
         return list(map(repr, values.tolist()))
     # Whole microseconds: the seconds repeat, and so do their fractions at any steady rate.
     seconds, fractions = np.divmod(micros.astype(np.int64), 1_000_000)

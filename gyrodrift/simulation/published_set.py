@@ -9,6 +9,7 @@ import csv
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,10 @@ CLOSE_ENOUGH_DEG = 5e-4
 MOST_TRIES = 20
 
 TABLE = "twin.csv"
+
+LONGEST_MINUTES = 1440.0
+LONGEST_WORD = 60
+"""Of a name of a file, in characters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,16 +71,23 @@ def read_rows(path: Path) -> list[Row]:
     try:
         with path.open(encoding="utf-8") as file:
             lines = csv.DictReader(line for line in file if not line.startswith("#"))
-            return [
+            rows = [
                 Row(line["split"], line["session"], float(line["minutes"]), float(line["e_euler_deg"]))
                 for line in lines
             ]
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: cannot be read: {error}") from error
-    except (KeyError, TypeError, ValueError) as error:
+    except (csv.Error, KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path}: expected columns split, session, minutes, e_euler_deg with numbers: {error}"
         ) from error
+    for row in rows:
+        if not (0.0 < row.minutes <= LONGEST_MINUTES and 0.0 <= row.e_euler_deg < inf):
+            raise DataError(
+                f"{path}: {row.name}: {row.minutes:g} minutes with {row.e_euler_deg:g} deg; expected up to "
+                f"{LONGEST_MINUTES:g} minutes and an error that is no less than 0"
+            )
+    return rows
 
 
 def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str = "mcap") -> Iterator[Twin]:
@@ -104,8 +116,12 @@ def twin_paths(rows: list[Row], folder: Path, ending: str = "mcap") -> list[Path
 
 
 def _path(folder: Path, number: int, row: Row, ending: str) -> Path:
-    name = re.sub(r"[^0-9A-Za-z]+", "-", row.name).strip("-")
-    return folder / row.split / f"{number + 1:02d}-{name}.{ending}"
+    return folder / _plain(row.split) / f"{number + 1:02d}-{_plain(row.name)}.{ending}"
+
+
+def _plain(text: str) -> str:
+    """A word of a table as a name of a file or folder, which leads nowhere else."""
+    return re.sub(r"[^0-9A-Za-z]+", "-", text)[:LONGEST_WORD].strip("-")
 
 
 def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session]:

@@ -4,33 +4,41 @@ The simulator's encoders turn its samples into frames.
 """
 
 from collections.abc import Iterable, Iterator
-from math import isfinite
+from dataclasses import replace
 
 import numpy as np
 
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement
+from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.raw import Read
 from gyrodrift.session.session import Session
 
 ENCODER_CPR = 3_600_000
 """Counts per turn that stand for the angles of a recording: a ten-thousandth of a degree, as recordings have."""
 
+LATEST_S = 1e12
+"""Thirty thousand years: no clock of a device shows more."""
+
+LONGEST_HOLE = 1e9
+"""Samples that a hole may stand for; counters of devices begin again long before."""
+
 
 class PlayedSession:
     """The samples of a session, once or for ever; a second pass goes on in time where the first one ended."""
 
     def __init__(self, session: Session, *, is_looping: bool) -> None:
-        self.session = session
+        self.session = session = _said(session)
         self._is_looping = is_looping
         steps_s = np.diff(session.t_device_s)
         self.period_s = float(np.median(steps_s[steps_s > 0])) if np.any(steps_s > 0) else 0.01
         # A device whose samples were lost would have counted them: holes in time are holes in the counter.
-        moved = np.maximum(1.0, np.rint(np.nan_to_num(steps_s) / self.period_s))
+        with np.errstate(over="ignore"):  # a step of years among steps of nothing
+            moved = np.clip(np.rint(steps_s / self.period_s), 1.0, LONGEST_HOLE)
         self._counter = np.concatenate([[0], np.cumsum(moved)]).astype(np.int64).tolist()
 
     def __iter__(self) -> Iterator[Measurement]:
-        once_s = float(np.nanmax(self.session.t_device_s) - self.session.t_device_s[0]) + self.period_s
+        once_s = float(np.max(self.session.t_device_s) - self.session.t_device_s[0]) + self.period_s
         later_s, later_seq = 0.0, 0
         while True:
             yield from self._once(later_s, later_seq)
@@ -49,11 +57,27 @@ class PlayedSession:
         first_s, due_s = float(session.t_device_s[0]), 0.0
         columns = (session.t_device_s.tolist(), session.rate_dps.tolist(), seqs, angles, temps)
         for t_s, rate_dps, seq, angle_deg, temp_c in zip(*columns, strict=True):
-            if not isfinite(t_s):
-                continue  # a device cannot say that it does not know the time
             due_s = max(due_s, t_s - first_s)
             t_us = round((t_s + later_s) * 1e6)
             yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c)
+
+
+def _said(session: Session) -> Session:
+    """The samples with a time that a clock shows: a device cannot say that it does not know it.
+
+    Raises
+    ------
+    DataError
+        Where there is none.
+    """
+    is_said = np.abs(session.t_device_s) < LATEST_S
+    if is_said.all():
+        return session
+    if not is_said.any():
+        raise DataError(f"{session.name}: no sample has a time that a device could say")
+    columns = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c")
+    found = {name: getattr(session, name) for name in columns}
+    return replace(session, **{name: each[is_said] for name, each in found.items() if each is not None})
 
 
 def base_of(recording: PlayedSession, dps_per_lsb: float) -> Base:

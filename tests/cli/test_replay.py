@@ -116,6 +116,14 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
     writer.finish()
     session, link = tmp_path / "raw.mcap", tmp_path / "gyro"
     session.write_bytes(stream.getvalue())
+    broken = session.with_name("broken.mcap")
+    at = stream.getvalue().index(b"/raw") - 4
+    broken.write_bytes(stream.getvalue()[:at] + b"\xff\xff\0\0" + stream.getvalue()[at + 4 :])
+    with Command("replay", broken, "--raw", "--link", link) as replay:
+        assert replay.end() == 4
+    assert (
+        replay.log == f"gyrodrift: {broken}: a record Channel is damaged; the file was changed since it was written\n"
+    )
     with Command("replay", session, "--raw", "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
         with Command("serve", "--port", link, "--log-format", "json") as serve:

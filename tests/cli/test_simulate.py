@@ -137,3 +137,26 @@ def test_a_rig_with_mistakes_is_told_line_by_line(tmp_path: Path, capsys: pytest
     assert f"{rig}:4:5 effects.1.delay_ms: is missing" in told
     assert f"{rig}:5:21 effects.2.delay_ms: is -3; " in told
     assert not (tmp_path / "s").exists()
+
+
+def test_a_table_of_twins_leads_nowhere_else(tmp_path: Path) -> None:
+    """Whatever stands in it: words become names inside the folder."""
+    table = tmp_path / "table.csv"
+    table.write_text("split,session,minutes,e_euler_deg\n../../away,../x,0.5,1.0\n")
+    out = tmp_path / "a" / "b" / "twin"
+    assert main(["simulate", "--twin", str(table), "--out", str(out), "--format", "csv", "--quiet"]) == 0
+    written = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
+    assert written == {"table.csv", *(f"a/b/twin/{n}" for n in ("away/01-x.csv", "away/01-x.rig.yaml", "twin.csv"))}
+
+
+@pytest.mark.parametrize("values", ["inf,1", "nan,1", "-1,1", "1e9,1", "1,nan", "1,inf", '"' + "x" * 200_000 + '",1'])
+def test_a_table_of_twins_that_makes_no_sense_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], values: str
+) -> None:
+    """Before anything is simulated."""
+    table = tmp_path / "table.csv"
+    table.write_text(f"split,session,minutes,e_euler_deg\ntest,s,{values}\n")
+    assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t")]) == 4
+    told = capsys.readouterr().err
+    assert told.startswith(f"gyrodrift: {table}: ")
+    assert len(told) < 1200

@@ -269,3 +269,9 @@ def test_columns_that_are_wrong_are_told_with_their_place(tmp_path: Path, value:
     """Like any other mistake."""
     (problem,) = problems(tmp_path, f"filter: hdr\ncolumns: {value}\n")
     assert problem.startswith(f"c.yaml:2:1 columns: {what}")
+
+
+def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
+    """Each would be checked, and opened."""
+    (told,) = problems(tmp_path, "outputs:\n" + "- {name: tcp, prt: 1}\n" * 5000)
+    assert told == "c.yaml:1:1 outputs: are 5000; expected no more than 100"

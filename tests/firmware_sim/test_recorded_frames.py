@@ -74,3 +74,23 @@ def test_text_is_what_a_sketch_prints_for_a_serial_plotter() -> None:
         b"t_ms:500,gx:0,gy:0,gz:196\r\n",
         b"t_ms:1000.250,gx:0,gy:0,gz:-32767\r\n",
     ]
+
+
+@pytest.mark.parametrize("protocol", ["native", "witmotion"])
+@pytest.mark.parametrize(("temp_c", "said"), [(400.0, 32767), (-1e300, -32767), (1e308, 32767), (inf, 0), (-inf, 0)])
+def test_a_temperature_beyond_its_register_is_the_nearest_that_can_be_said(
+    protocol: str, temp_c: float, said: int
+) -> None:
+    """One without end is none."""
+    frame = encoded(protocol, Measurement(0.0, 7, 1, 1.0, None, temp_c))[-1]
+    found = native_sample(frame)[4] if protocol == "native" else struct.unpack_from("<h", frame.content, 19)[0]
+    assert found == said
+
+
+@pytest.mark.parametrize("protocol", ["native", "witmotion"])
+@pytest.mark.parametrize("rate_dps", [1e308, -1e308])
+def test_a_rate_beyond_everything_is_clipped(protocol: str, rate_dps: float) -> None:
+    """As any other that is too large."""
+    frame = encoded(protocol, Measurement(0.0, 7, 1, rate_dps, inf, 25.0))[-1]
+    raw = native_sample(frame)[3] if protocol == "native" else struct.unpack_from("<h", frame.content, 17)[0]
+    assert raw == (32767 if rate_dps > 0 else -32767)

@@ -249,7 +249,7 @@ def test_a_witmotion_sample_holds_the_nearest_count(rate_dps: float, temp_centi_
     assert abs(raw * 2000.0 / 32768.0 - rate_dps) <= 1000.0 / 32768.0 * (1 + 1e-9)
 
 
-@pytest.mark.parametrize(("rate_dps", "raw"), [(2000.0, 32767), (1e9, 32767), (-2000.0, -32768), (-1e9, -32768)])
+@pytest.mark.parametrize(("rate_dps", "raw"), [(2000.0, 32767), (1e9, 32767), (-2000.0, -32767), (-1e9, -32767)])
 def test_a_witmotion_rate_saturates(rate_dps: float, raw: int) -> None:
     """Beyond ±2000 deg/s it stays at the end of its range and does not wrap."""
     assert struct.unpack("<h", witmotion.wt901_sample(rate_dps, 2500)[17:19]) == (raw,)

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import Field
 
+from firmware_sim.rig import Rig
 from firmware_sim.yaml_file import Checked, FileError, load
 
 
@@ -204,3 +205,13 @@ def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(FileError, match="is no ordinary file"):
         load(tmp_path / "pipe", Desk)
+
+
+def test_what_is_said_of_a_file_is_short(tmp_path: Path) -> None:
+    """However many mistakes it has, and however long what they quote."""
+    path = tmp_path / "rig.yaml"
+    for text in ("".join(f"k{i}: 1\n" for i in range(9000)), "x" * 100_000, "x" * 200_000):
+        path.write_text(text)
+        with pytest.raises(FileError) as caught:
+            load(path, Rig)
+        assert len(str(caught.value)) < 20 * 700

@@ -16,6 +16,7 @@ BEGUN = datetime(2026, 5, 1, 12, 30, tzinfo=UTC)
         ("bench-7", "turntable", "2026-05-01T12-30-00Z_bench-7_turntable.mcap"),
         ("", "", "2026-05-01T12-30-00Z.mcap"),
         ("", "slow turns/left", "2026-05-01T12-30-00Z_slow-turns-left.mcap"),
+        ("x" * 5000, "y" * 5000, f"2026-05-01T12-30-00Z_{'x' * 80}_{'y' * 80}.mcap"),
         ("../..", "\0\n", "2026-05-01T12-30-00Z.mcap"),
         ("Gyro №5", "", "2026-05-01T12-30-00Z_Gyro-5.mcap"),
     ],

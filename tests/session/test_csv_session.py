@@ -98,3 +98,20 @@ def test_any_bytes_are_a_session_or_a_data_error(tmp_path_factory: pytest.TempPa
     """Never another exception."""
     with pytest.raises(DataError):
         load_session(written(tmp_path_factory.mktemp("any"), b"t_device_s,rate_dps\nx" + content))
+
+
+@pytest.mark.parametrize("seq", ["1e300", "-1e300", "1e19", "inf", "nan"])
+def test_a_counter_beyond_all_that_is_counted_is_none(tmp_path: Path, seq: str) -> None:
+    """As one that is missing."""
+    session = load_session(written(tmp_path, f"t_device_s,rate_dps,seq\n0,1,{seq}\n1,1,5\n"))
+    assert session.seq is not None
+    assert session.seq.tolist() == [-1, 5]
+
+
+def test_what_is_quoted_of_a_file_is_short_and_no_order_to_a_terminal(tmp_path: Path) -> None:
+    """Cells and names of columns may hold anything."""
+    for text in ("t_device_s,rate_dps\n0,1\n1," + "x" * 100_000, "\x1b]0;title\x07" * 9000 + "\n0,1\n"):
+        with pytest.raises(DataError) as caught:
+            load_session(written(tmp_path, text))
+        assert len(str(caught.value)) < 1200
+        assert "\x1b" not in str(caught.value)

@@ -41,3 +41,10 @@ def test_what_is_written_is_read_again_with_the_same_bits(
     assert np.array_equal(read.encoder_deg, column(values, 2), equal_nan=True)
     assert read.seq.tolist() == [row[3] for row in values]
     assert read.temp_c is None
+
+
+@pytest.mark.parametrize("t_s", [9.2e12, 1e13, 1e19, 1e300])
+def test_times_beyond_all_clocks_stay_what_they_are(t_s: float) -> None:
+    """More microseconds than a whole number of 64 bits holds."""
+    chunk = Session("s", np.array([t_s, 2.0 * t_s]), np.array([0.1, 0.2]))
+    assert list(csv_pieces([chunk])) == ["t_device_s,rate_dps\n", f"{t_s!r},0.1\n{2.0 * t_s!r},0.2\n"]

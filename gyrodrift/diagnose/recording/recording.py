@@ -24,6 +24,12 @@ MOVES_DEG = 5.0
 SPARSE = 3
 """A counter that speaks of more than this many times the samples there are is not one."""
 
+MOST_DPS, MOST_DEG, MOST_S = 1e6, 1e9, 1e12
+"""Rates in any unit that a gyro was ever read in, a reference that turned for years, clocks in any unit."""
+
+SHORTEST_S, LONGEST_S = 1e-5, 1.0
+"""Between two samples: what a rig may be asked to play, and a little more."""
+
 
 @dataclass(frozen=True, slots=True)
 class Recording:
@@ -75,10 +81,11 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     Raises
     ------
     DataError
-        Where it has no encoder, too few samples, or a counter that makes no sense.
+        Where it has no encoder, too few samples, or a counter, times or values that make no sense.
     """
     if session.encoder_deg is None:
         raise DataError(f"{session.name}: has no encoder, so nothing says how it really moved")
+    _check_values(session)
     number, keep, repeated, disordered = _numbered(session)
     count = int(number[-1]) + 1
     if count > SPARSE * len(number):
@@ -99,6 +106,8 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     if device_s is None or rate_dps is None or encoder_deg is None:
         raise DataError(f"{session.name}: holds no numbers in its times, rates or angles")
     clock_s = device_s if host_s is None else host_s
+    for values in (device_s, clock_s):
+        _check_period(session.name, line(values)[0], values)
     return Recording(
         name=session.name,
         period_s=line(clock_s)[0],
@@ -113,6 +122,41 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         has_counter=session.seq is not None,
         host_ahead_s=_host_ahead_s(session),
     )
+
+
+def _check_values(session: Session) -> None:
+    """See that nothing in it is beyond what a sensor says and a calculation holds.
+
+    Raises
+    ------
+    DataError
+        With what is.
+    """
+    for values, most, what in (
+        (session.rate_dps, MOST_DPS, "a rate of {:g} deg/s"),
+        (session.encoder_deg, MOST_DEG, "an angle of {:g} degrees"),
+        (session.t_device_s, MOST_S, "a device time of {:g} s"),
+        (session.t_host_s, MOST_S, "a host time of {:g} s"),
+    ):
+        if values is None:
+            continue
+        known = np.abs(values[np.isfinite(values)])
+        if len(known) and known.max() > most:
+            raise DataError(f"{session.name}: holds {what.format(known.max())}; no more than {most:g} is believed")
+
+
+def _check_period(name: str, period_s: float, clock_s: Floats) -> None:
+    """See that a clock goes forward, at a pace that a gyro has, and in steps that are finer than its samples.
+
+    Raises
+    ------
+    DataError
+        Where it does not.
+    """
+    if not SHORTEST_S <= period_s <= LONGEST_S:
+        raise DataError(f"{name}: its samples are {period_s:.3g} s apart; expected {SHORTEST_S:g} to {LONGEST_S:g} s")
+    if np.spacing(np.nanmax(np.abs(clock_s))) > period_s / 2.0:
+        raise DataError(f"{name}: its clock stands at {np.nanmax(np.abs(clock_s)):g} s, with no digits for its samples")
 
 
 def _host_ahead_s(session: Session) -> float | None:

@@ -289,11 +289,23 @@ class CandidateKind:
         return replace(one, touches=touches, in_rig=in_rig)
 
     def _effect(self, size: float, fixed: Mapping[str, float]) -> Effect:
-        values = {"name": self.name, self.parameter: self.of_size(size), **fixed}
-        return CATALOGUE[self.name].model_validate(values)
+        kind = CATALOGUE[self.name]
+        values = {"name": self.name, self.parameter: _allowed(kind, self.parameter, self.of_size(size)), **fixed}
+        return kind.model_validate(values)
+
+
+def _allowed(kind: type[Effect], parameter: str, value: float) -> float:
+    """The nearest value that a parameter may take: recordings may hint at one that it may not."""
+    least, most = _bound(kind, parameter, "ge", -np.inf), _bound(kind, parameter, "le", np.inf)
+    return value if least <= value <= most else type(value)(min(max(value, least), most))
 
 
 def _least(effect: Effect, parameter: str) -> float:
     """The least value that a parameter may take."""
-    bounds = [getattr(one, "ge", None) for one in type(effect).model_fields[parameter].metadata]
-    return max((float(one) for one in bounds if one is not None), default=-np.inf)
+    return _bound(type(effect), parameter, "ge", -np.inf)
+
+
+def _bound(kind: type[Effect], parameter: str, which: str, otherwise: float) -> float:
+    """The bound that an annotation gives."""
+    bounds = [getattr(one, which, None) for one in kind.model_fields[parameter].metadata]
+    return next((float(one) for one in bounds if one is not None), otherwise)

@@ -3,8 +3,9 @@
 Batch versions are this very source, compiled, and held to its bits by a test.
 """
 
-from math import isfinite, sqrt
+from math import sqrt
 
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
@@ -18,6 +19,9 @@ from gyrodrift.filters.restlevel.mixture import collapse
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, track_segment, update_mean
 
+LEAST_VAR = 1e-24
+"""(deg/s)²: no gyro comes closer to its bias at a turn-on, and it can still be divided by."""
+
 MIN_BLOCK_SAMPLES = 6
 """A variance of fewer samples says little."""
 
@@ -30,7 +34,7 @@ def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
     return RestlevelCoefficients(
         window_s=params.window_s,
         stationarity_sigmas=params.quiet,
-        turn_on_var=params.turn_on_dps * params.turn_on_dps,
+        turn_on_var=max(LEAST_VAR, params.turn_on_dps * params.turn_on_dps),
         rate_walk_var=params.walk_dps_rts * params.walk_dps_rts,
         rate_ramp_dps_s=params.drift_dps_s,
         start_odds=params.still_start / (1.0 - params.still_start),
@@ -54,11 +58,12 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
     Returns
     -------
     bool
-        False where the sample was passed by (T ≤ 0, or a value that is not finite); it is counted in
-        `s.rejected` and leaves all else untouched.
+        False where the sample was passed by (T ≤ 0, or a value that is not finite or beyond all limits); it is counted
+        in `s.rejected` and leaves all else untouched.
     """
     dt_s = t_s - s.t_s if s.samples > 0 else 0.0
-    if not (isfinite(t_s) and isfinite(dt_s) and isfinite(rate_dps)) or (s.samples > 0 and dt_s <= 0.0):
+    is_within = -MOST_S <= t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS
+    if not is_within or (s.samples > 0 and dt_s < LEAST_STEP_S):
         s.rejected += 1
         return False
     s.t_s = t_s

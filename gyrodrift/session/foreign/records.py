@@ -21,7 +21,10 @@ from mcap.records import Chunk
 from gyrodrift.session.mcap.layout import HEAD, MAGIC
 
 RECORD_LIMIT_BYTES = 1 << 30
-"""The largest record and the largest opened chunk that is believed; recorders write chunks of some megabytes."""
+"""The largest record that is believed."""
+
+OPENED_BYTES, OPENED_TIMES = 1 << 24, 100
+"""Chunks of a file may open to so many bytes, or to so many times its size: samples have noise and shrink tenfold."""
 
 MESSAGE_HEAD = struct.Struct("<HIQQ")
 """What a message begins with: channel, sequence, log and publish time in ns."""
@@ -46,9 +49,11 @@ def records(file: BinaryIO) -> Iterator[ForeignRecord]:
     is_torn = file.read(len(MAGIC)) != MAGIC
     file.seek(len(MAGIC))
     crc = zlib.crc32(MAGIC)
+    left = max(OPENED_BYTES, OPENED_TIMES * size)
     for record in _framed(file, size, is_torn=is_torn):
         if record.opcode == Opcode.CHUNK:
-            content = _opened(record)
+            content = _opened(record, left)
+            left -= len(content)
             yield from filter(_is_whole, _framed(BytesIO(content), len(content), is_torn=not record.is_whole))
         elif record.opcode in (Opcode.DATA_END, Opcode.FOOTER):
             _check_end(record, crc)
@@ -85,11 +90,11 @@ def _check_end(record: ForeignRecord, crc: int) -> None:
         raise DamageError("the checksum of its data is wrong")
 
 
-def _opened(record: ForeignRecord) -> bytes:
-    """What is in a chunk; of one that was cut off, as much as can be had."""
+def _opened(record: ForeignRecord, most: int) -> bytes:
+    """What is in a chunk, up to `most` bytes; of one that was cut off, as much as can be had."""
     try:
         chunk: Chunk = Chunk.read(ReadDataStream(BytesIO(record.body)))
-        content = _inflated(chunk)
+        content = _inflated(chunk, most)
     except (McapError, ValueError, OverflowError, MemoryError, struct.error) as error:
         if not record.is_whole:
             return b""
@@ -103,10 +108,10 @@ def _opened(record: ForeignRecord) -> bytes:
     return content
 
 
-def _inflated(chunk: Chunk) -> bytes:
+def _inflated(chunk: Chunk, most: int) -> bytes:
     """The content of a chunk, never more than a byte beyond what it claims: a few bytes can inflate to anything."""
-    if chunk.uncompressed_size > RECORD_LIMIT_BYTES:
-        raise DamageError(f"a chunk claims to have {chunk.uncompressed_size} bytes")
+    if chunk.uncompressed_size > most:
+        raise DamageError(f"a chunk claims to have {chunk.uncompressed_size} bytes, more than is believed of this file")
     most = chunk.uncompressed_size + 1
     match chunk.compression:
         case "":

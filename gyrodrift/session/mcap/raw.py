@@ -9,7 +9,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
-from gyrodrift.session.mcap.walk import PlacedRecord, Walk, channel_of
+from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, Walk, channel_of
 
 READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
 """A read behind its record head, up to its bytes."""
@@ -56,7 +56,7 @@ def read_raw(path: Path) -> Iterator[Read]:
     Raises
     ------
     DataError
-        Where it is no MCAP file, or no raw bytes were kept in it.
+        Where it is no MCAP file or damaged, or no raw bytes were kept in it.
     """
     found = False
     try:
@@ -76,6 +76,8 @@ def read_raw(path: Path) -> Iterator[Read]:
                         break
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    except BrokenRecordError as error:
+        raise DataError(f"{path}: {error}; the file was changed since it was written") from error
     if not found:
         raise _NoRawBytesError(f"{path}: no raw bytes were kept in it; record with --raw")
 

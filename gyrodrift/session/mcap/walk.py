@@ -17,6 +17,7 @@ from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_O
 
 BLOCK_BYTES = 1 << 22
 ZEROS_BLOCK_BYTES = 1 << 16
+FIRST_LOOK_ROWS = 16
 
 ROW = np.dtype(
     [
@@ -96,7 +97,7 @@ class Walk:
         place = self.end
         if block.startswith(ROW_START, at):
             rows = np.frombuffer(block, ROW, (len(block) - at) // ROW.itemsize, at)
-            run = _run_length(rows)
+            run = _run(rows)
             if run and not self._is_whole(place + run * ROW.itemsize):
                 run -= 1
             if not run:
@@ -123,6 +124,22 @@ def _zeros_at(file: IO[bytes], size: int) -> int:
             return start + len(rest)
         end = start
     return 0
+
+
+def _run(rows: Rows) -> int:
+    """How many rows there are before something else; what is looked at grows with what was found.
+
+    Samples and reads of the link may take turns: a look at all that is left, for each of them, would never end.
+    """
+    run, looked_at = 0, FIRST_LOOK_ROWS
+    while run < len(rows):
+        part = rows[run : run + looked_at]
+        found = _run_length(part)
+        run += found
+        if found < len(part):
+            break
+        looked_at *= 2
+    return run
 
 
 def _run_length(rows: Rows) -> int:

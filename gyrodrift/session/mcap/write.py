@@ -197,7 +197,7 @@ class McapWriter:
     def add_metadata(self, name: str, table: dict[str, str]) -> None:
         """A named table of texts."""
         self.flush()
-        record = encoded(Metadata(name, table))
+        record = encoded(Metadata(name, {key: _in_utf_8(text) for key, text in table.items()}))
         self._contents.metadata.append(MetadataIndex(self._contents.size, len(record), name))
         self._write(record)
 
@@ -234,6 +234,11 @@ class McapWriter:
     def _write(self, content: bytes) -> None:
         self._stream.write(content)
         self._contents.add_bytes(content)
+
+
+def _in_utf_8(text: str) -> str:
+    r"""A text as MCAP takes it: bytes of an argument that are not UTF-8, which Python keeps, become `\udcff`."""
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def encoded(record: McapRecord) -> bytes:

@@ -2,9 +2,11 @@
 
 import time
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
@@ -12,6 +14,9 @@ from gyrodrift.files import whole_file
 from gyrodrift.tune.search.objective import Objective
 
 SAVE_S = 5.0
+
+LARGEST_BYTES = 1 << 28
+"""Millions of evaluations of a dozen searches."""
 
 
 class Journal:
@@ -60,15 +65,28 @@ class Journal:
 
     def _load(self) -> None:
         try:
-            # np.load leaves a damaged file open when it opens it itself.
-            with self.path.open("rb") as file, np.load(file) as stored:
-                arrays = {name: stored[name] for name in stored.files}
-        except (OSError, ValueError, EOFError, BadZipFile) as error:
-            raise DataError(f"{self.path}: cannot be resumed from: {error}; remove it to begin anew") from error
+            arrays = _arrays(self.path)
+        except Exception as error:  # numpy, zip and zlib name their troubles in many ways
+            why = str(error) or type(error).__name__
+            raise DataError(f"{self.path}: cannot be resumed from: {why}; remove it to begin anew") from error
         if str(arrays.pop("identity", "")) != self._identity:
             raise DataError(
                 f"{self.path}: belongs to other sessions, ranges or another method; "
                 "remove it or leave --resume away to begin anew"
             )
         for name in {key.rpartition("/")[0] for key in arrays}:
-            self._searches[name] = (arrays[f"{name}/cube"], arrays[f"{name}/costs"])
+            cube, costs = (arrays.get(f"{name}/{part}", np.empty(0)) for part in ("cube", "costs"))
+            if cube.ndim != 2 or costs.shape != cube.shape[:1] or {cube.dtype, costs.dtype} != {np.dtype(np.float64)}:
+                raise DataError(f"{self.path}: cannot be resumed from: it was damaged; remove it to begin anew")
+            self._searches[name] = (cube, costs)
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """All that stands in a file; what claims to be larger than any search is not opened."""
+    with path.open("rb") as file, ZipFile(file) as parts:
+        claimed = sum(part.file_size for part in parts.infolist())
+        if claimed > LARGEST_BYTES:
+            raise DataError(f"it claims to hold {claimed} bytes")
+        file.seek(0)
+        with np.load(file) as stored:
+            return {name: stored[name] for name in stored.files}

@@ -1,6 +1,7 @@
 """A session on its grid."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,3 +97,24 @@ def test_a_line_is_found_through_holes() -> None:
     values = 3.0 + 0.25 * np.arange(100.0)
     values[[5, 50]] = np.nan
     assert line(values) == pytest.approx((0.25, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "message"),
+    [
+        ("t_device_s", T_S[::-1], r"turn: its samples are -0\.01 s apart; expected 1e-05 to 1 s"),
+        ("t_device_s", T_S * 0.0, r"turn: its samples are 0 s apart"),
+        ("t_device_s", T_S * 1e-15, r"turn: its samples are 1e-17 s apart"),
+        ("t_device_s", T_S * 1e9, r"turn: its samples are 1e\+07 s apart"),
+        ("t_device_s", T_S * 1e15, r"turn: holds a device time of 9\.99e\+15 s; no more than 1e\+12 is believed"),
+        ("t_host_s", T_S * 0.0 + 5.0, r"turn: its samples are 0 s apart"),
+        ("encoder_deg", T_S * 1e300, r"turn: holds an angle of 9\.99e\+300 degrees"),
+        ("rate_dps", T_S * 1e300, r"turn: holds a rate of 9\.99e\+300 deg/s"),
+    ],
+)
+def test_times_and_values_that_make_no_sense_are_told(column: str, values: Floats, message: str) -> None:
+    """Before anything is worked out of them."""
+    changed: dict[str, Any] = {"seq": None, column: values}
+    told = replace(session(), **changed)
+    with pytest.raises(DataError, match=message):
+        recording_of(told)

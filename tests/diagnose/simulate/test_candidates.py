@@ -178,3 +178,13 @@ def test_a_phase_is_free_unless_the_encoder_is_absolute() -> None:
     assert free == {"g_sensitivity", "encoder_eccentricity"}
     fixed = Rig(base=BASE.model_copy(update={"encoder_absolute": True}))
     assert not any(one.is_phase_free for one in candidates(HINTS, fixed))
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1e9])
+def test_a_hint_beyond_what_the_simulator_takes_is_cut_to_it(factor: float) -> None:
+    """Recordings may hold numbers with all their digits, or of another unit."""
+    hints = replace(HINTS, rate_step_dps=HINTS.rate_step_dps * factor, angle_step_deg=HINTS.angle_step_deg * factor)
+    for name in ("quantization", "encoder_quantization"):
+        for candidate in of(name, hints):
+            for size in (*candidate.grid_points, candidate.sizes[0], candidate.sizes[-1]):
+                assert candidate.make(float(size)).name == name

@@ -1,6 +1,7 @@
 """Plain stepping beside the compiled kernels: the same yaw and the same sums."""
 
 from dataclasses import astuple, replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from gyrodrift.arrays import Floats
 pytest.importorskip("numba", reason="kernels need the workstation extra")
 from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
 from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.hdr import HdrCoefficients, HdrState
 from gyrodrift.filters.registry import FILTERS
 
 
@@ -44,8 +46,13 @@ def test_stepping_is_what_the_kernel_does(chosen: Filter) -> None:
 
 def test_a_yaw_that_leaves_the_floats_costs_the_infinite() -> None:
     """Without a warning."""
-    stepped = kernel_of(replace(FILTERS["hdr"], kernel=""))
-    dt_s, rate_dps = np.array([0.0, 1e300, 1e300]), np.array([0.0, 1e300, -1e300])
+
+    def endless(_c: HdrCoefficients, state: HdrState, _t_s: float, _rate_dps: float) -> bool:
+        state.yaw_deg = inf
+        return True
+
+    stepped = kernel_of(replace(FILTERS["hdr"], kernel="", step=endless))
+    dt_s, rate_dps = np.array([0.0, 0.01, 0.01]), np.zeros(3)
     both = candidates(FILTERS["hdr"])
     assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None)).all()
 

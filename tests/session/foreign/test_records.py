@@ -1,5 +1,6 @@
 """The records of files that others wrote: torn, damaged, and lying ones."""
 
+import json
 import struct
 from pathlib import Path
 
@@ -146,3 +147,13 @@ def test_any_damage_gives_a_session_or_a_data_error(
         assert str(error).startswith(f"{path}: ")  # noqa: PT017 - both outcomes are right
     else:
         assert len(session.rate_dps) == len(session.t_device_s) > 0
+
+
+def test_a_few_bytes_that_would_open_to_a_great_many_are_not_opened(tmp_path: Path) -> None:
+    """In one chunk or in many: what a recorder compresses does not shrink a thousandfold."""
+    payload = json.dumps({"t_device_s": 1.0, "rate_dps": 0.0, "note": "x" * 250_000}).encode()
+    one = in_json([payload] * 80, chunk_size=1 << 30, compression=CompressionType.ZSTD)
+    many = in_json([payload] * 80, chunk_size=1 << 20, compression=CompressionType.ZSTD)
+    for content in (one, many):
+        assert len(content) < 50_000
+        assert "more than is believed of this file" in refused(tmp_path, content)

@@ -1,6 +1,7 @@
 """Sessions in MCAP: the same samples for us and for public readers, whole or torn at any byte."""
 
 import io
+import os
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
+from gyrodrift.session.mcap import walk
 from gyrodrift.session.mcap.layout import MESSAGE
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
 from gyrodrift.session.mcap.walk import ROW
@@ -155,3 +157,35 @@ def test_an_unknown_ending_is_wrong_usage(tmp_path: Path) -> None:
     first = written(tmp_path, recorded(steady(3)))
     assert main(["convert", str(first), str(tmp_path / "b.bag")]) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["s.mcap"]
+
+
+def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However they alternate: what is looked at for a run of samples grows with the run."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream)
+    for sample in steady(3000):
+        writer.add(sample)
+        writer.flush()
+        writer.add_read(b"x", 1.0)
+        writer.flush()
+    writer.finish()
+    looked_at: list[int] = []
+    run_length = walk._run_length
+
+    def counted(rows: walk.Rows) -> int:
+        looked_at.append(len(rows))
+        return run_length(rows)
+
+    monkeypatch.setattr(walk, "_run_length", counted)
+    assert len(read_mcap(written(tmp_path, stream.getvalue())).t_device_s) == 3000
+    assert sum(looked_at) <= 3000 * walk.FIRST_LOOK_ROWS
+
+
+def test_a_note_that_is_not_utf_8_is_kept_as_far_as_it_goes(tmp_path: Path) -> None:
+    """As arguments and names of files may be; a recording does not end for it."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream, {"recording": {"note": os.fsdecode(b"good \xff\xfe bearing")}})
+    writer.add(steady(1)[0])
+    writer.finish()
+    note = read_mcap(written(tmp_path, stream.getvalue())).metadata["recording"]["note"]
+    assert note == r"good \udcff\udcfe bearing"

@@ -1,6 +1,8 @@
 """The journal of an interrupted tuning."""
 
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,3 +76,22 @@ def test_it_is_saved_every_few_seconds(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr("gyrodrift.tune.search.journal.SAVE_S", 0.0)
     journal.note("seed 0", asked(3))
     assert path.exists()
+
+
+def test_a_file_that_is_no_journal_is_told(tmp_path: Path) -> None:
+    """Whatever was put in its place: damaged, empty, without its arrays, of other shapes, endless."""
+    path = tmp_path / "c.progress.npz"
+    good: dict[str, Any] = {"identity": np.array("a"), "x/cube": np.zeros((3, 5)), "x/costs": np.zeros(3)}
+    for name, value in {"x/cube": np.zeros(3), "x/costs": np.zeros(4), "y/cube": np.zeros((1, 5))}.items():
+        np.savez(path, **good | {name: value})
+        with pytest.raises(DataError, match=r"cannot be resumed from: it was damaged; remove it"):
+            Journal(path, "a", is_resumed=True)
+    np.savez_compressed(path, **good | {"x/cube": np.zeros((1 << 23, 5))})
+    with pytest.raises(DataError, match="cannot be resumed from: it claims to hold"):
+        Journal(path, "a", is_resumed=True)
+    np.savez(path, **good)
+    whole = path.read_bytes()
+    for at in range(0, len(whole), 7):
+        path.write_bytes(whole[:at] + bytes((whole[at] ^ 0xFF,)) + whole[at + 1 :])
+        with suppress(DataError):  # some bytes mean nothing
+            Journal(path, "a", is_resumed=True)

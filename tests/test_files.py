@@ -1,0 +1,57 @@
+"""Files that are there whole or not at all, for those who could read them before, and for nobody else."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable, whole_file, write_whole
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o664])
+def test_who_may_read_a_file_stays(tmp_path: Path, mode: int) -> None:
+    """A config that is private is private after it was tuned anew."""
+    path = tmp_path / "c.yaml"
+    path.touch()
+    path.chmod(mode)
+    write_whole(path, ["filter: hdr\n"])
+    assert path.stat().st_mode & 0o777 == mode
+    assert path.read_text() == "filter: hdr\n"
+
+
+def test_a_new_file_is_as_any_other(tmp_path: Path) -> None:
+    """By the umask."""
+    write_whole(tmp_path / "ours", ["x"])
+    (tmp_path / "others").touch()
+    assert (tmp_path / "ours").stat().st_mode == (tmp_path / "others").stat().st_mode
+
+
+def test_no_name_can_be_taken_before(tmp_path: Path) -> None:
+    """Somebody who may write to the folder too cannot lay a link where the file will be written."""
+    names = set()
+    for _ in range(2):
+        with whole_file(tmp_path / "c.yaml") as file:
+            (fresh,) = set(tmp_path.glob(".c.yaml.*"))
+            assert fresh.stat().st_ino == os.fstat(file.fileno()).st_ino
+            names.add(fresh.name)
+    assert len(names) == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["c.yaml"]
+
+
+def test_a_long_name_is_written_too(tmp_path: Path) -> None:
+    """As long as the disk takes."""
+    write_whole(tmp_path / ("x" * 255), ["y"])
+    assert (tmp_path / ("x" * 255)).read_text() == "y"
+
+
+def test_what_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
+    """Nor does what fails half way."""
+    with pytest.raises(UsageError, match="cannot be written: File name too long"):
+        write_whole(tmp_path / ("x" * 256), ["y"])
+    with pytest.raises(UsageError, match="cannot be written: No such file"):
+        write_whole(tmp_path / "nowhere" / "c.yaml", ["y"])
+    with pytest.raises(ZeroDivisionError):
+        write_whole(tmp_path / "c.yaml", (str(1 // number) for number in (1, 0)))
+    check_writable(tmp_path)
+    assert not list(tmp_path.iterdir())
