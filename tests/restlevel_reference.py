@@ -169,6 +169,9 @@ class ReferenceFilter:
         if max(variance, self.before) < self.noise_var * np.exp(-4.5 * error):
             self.noise_var = max(variance, self.before)
             self.wander, self.wander_dps, self.breaks = 0.0, 10.0, 0
+            for h in self.hypotheses:
+                h.weight *= 0.1 if h.knows_bias else 1.0
+            self.normalise()
         elif variance < self.noise_var * limit:
             self.stationary_blocks = min(self.stationary_blocks + 1, 20)
             if self.stationary_blocks == 20:
@@ -365,7 +368,9 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
                 weight = a.weight + b.weight
                 shares = np.array([a.weight, b.weight]) / weight
                 mean, cov = moment_matched(shares, [a.mean, b.mean], [a.cov, b.cov])
-                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moving_s=min(a.moving_s, b.moving_s))
+                held_back = float(shares @ [a.held_back, b.held_back])
+                moving_s = min(a.moving_s, b.moving_s)
+                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moving_s=moving_s, held_back=held_back)
             else:
                 j += 1
         k += 1
@@ -377,10 +382,10 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
 
 
 def collapsed(hypotheses: list[ReferenceHypothesis]) -> tuple[float, float, float, float]:
-    """Yaw and bias as means by squared weight; their variances about that by weight."""
+    """Yaw and bias as means by cubed weight; their variances about that by weight."""
     weights = np.array([h.weight for h in hypotheses])
     means = np.array([h.mean for h in hypotheses])
-    mean = weights**2 @ means / (weights**2).sum()
+    mean = weights**3 @ means / (weights**3).sum()
     kept = np.maximum(weights - 0.045, 0.0)
     kept /= kept.sum()
     cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(kept, hypotheses, strict=True))

@@ -24,6 +24,10 @@ CALIBRATED = 0.01
 """Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
 is left at each of these."""
 
+LOUD_REST = 0.1
+"""What is left of the probability of all rests so far where the noise drops: they were motion, but for one in ten with
+a motor or a fan that ran on."""
+
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
 
@@ -60,6 +64,14 @@ def leave_segment(s: RestlevelState) -> None:
             h.weight *= CURVE_PENALTY
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
+    normalise(s)
+
+
+def doubt_loud_rests(s: RestlevelState) -> None:
+    """The noise has turned out smaller: what was taken for a rest so far was louder than this sensor at rest."""
+    for h in s.hypotheses:
+        if h.knows_bias:
+            h.weight *= LOUD_REST
     normalise(s)
 
 

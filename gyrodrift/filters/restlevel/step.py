@@ -8,6 +8,7 @@ from math import isfinite, sqrt
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
+    doubt_loud_rests,
     enter_segment,
     leave_segment,
     predict,
@@ -105,6 +106,8 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     mean_dps = block.turned_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
     track_segment(c, s, mean_dps, step_dps, seconds)
+    if s.noise.has_dropped:
+        doubt_loud_rests(s)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
     if segment.blocks == 1:
