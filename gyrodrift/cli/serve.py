@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.reporting import Reporting
 
 
 class ListOutputs(argparse.Action):
@@ -95,6 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.loop import Service
     from gyrodrift.service.notify import SystemdNotify
+    from gyrodrift.service.rest_word import RestWord
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
@@ -108,31 +111,44 @@ def run(arguments: argparse.Namespace) -> int:
         listeners: list[SampleListener] = [filtering]
         if arguments.record is not None:
             listeners.insert(0, _recording(arguments, link, events, log, watch))
-        control = None
+        word, control = RestWord(), None
         if asked or watch is not None or arguments.control is not None:
-            from gyrodrift.service.link_meter import LinkMeter
-            from gyrodrift.service.output_feed import OutputFeed
-            from gyrodrift.service.reporting import Reporting
-
-            meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
-            reporting = Reporting(meter, filtering, feed)
-            filtering.sinks.append(feed)
-            filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
-            feed.state = reporting.status
-            events.listeners.append(feed.hear)
-            listeners.insert(0, meter)
+            reporting = _reporting(arguments, asked, filtering, listeners, events)
             if arguments.control is not None:
                 from gyrodrift.service.commands import ServiceCommands
                 from gyrodrift.service.control import Control
 
-                commands = ServiceCommands(filtering, stdout, reporting, stop)
+                commands = ServiceCommands(filtering, stdout, reporting, stop, word)
                 control = Control(arguments.control, commands.all(), log)
                 closing.callback(control.close)
-            feed.want([*asked, *(watch.config.outputs if watch else ())])
+            reporting.feed.want([*asked, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word).run()
     return 0
+
+
+def _reporting(
+    arguments: argparse.Namespace,
+    asked: "list[OutputSpec]",
+    filtering: "Filtering",
+    listeners: "list[SampleListener]",
+    events: "LinkEvents",
+) -> "Reporting":
+    """What tells of the service, and the way to the outputs: both hear the samples and what happens."""
+    from gyrodrift.service.link_meter import LinkMeter
+    from gyrodrift.service.output_feed import OutputFeed
+    from gyrodrift.service.reporting import Reporting
+
+    meter = LinkMeter(filtering.link)
+    feed = OutputFeed(filtering.log, options.log_level(arguments), arguments.log_format)
+    reporting = Reporting(meter, filtering, feed)
+    filtering.sinks.append(feed)
+    filtering.on_event, filtering.on_config = feed.hear, lambda new: feed.want([*asked, *new.outputs])
+    feed.state = reporting.status
+    events.listeners.append(feed.hear)
+    listeners.insert(0, meter)
+    return reporting
 
 
 def _recording(

@@ -68,6 +68,8 @@ class FilterStatus:
         Compass heading, clockwise from north, 0 to 360; None until a reference was given.
     rejected
         Samples that it passed by.
+    still, is_witness_believed
+        What was said last of rest beside the rate, 1 stands still and 0 moves, and whether that is believed.
     """
 
     name: str = ""
@@ -80,6 +82,8 @@ class FilterStatus:
     heading_deg: float | None = None
     temp_c: float | None = None
     rejected: int = 0
+    still: float | None = None
+    is_witness_believed: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,6 +72,8 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         heading_deg=_known(filtering.reference.heading_deg(state.yaw_deg)),
         temp_c=_known(filtering.last.temp_c) if filtering.last else None,
         rejected=state.rejected,
+        still=_known(filtering.last.still) if filtering.last else None,
+        is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
     )
 
 

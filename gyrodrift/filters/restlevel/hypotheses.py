@@ -30,6 +30,11 @@ SHORT_REST_S = 8.0
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """Before anything is known: a part has taken its own bias out well, or so, or not at all."""
+    if c.turn_on_var == 0.0:  # it has taken its bias out, and begins as one whose bias is known
+        _begin_one(s, s.hypotheses[0], 1.0, 0.0)
+        s.hypotheses[0].knows_bias = True
+        collapse(s)
+        return
     _begin_one(s, s.hypotheses[0], WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
     _begin_one(s, s.hypotheses[1], CALIBRATED_SO_SO, c.turn_on_var * CALIBRATED)
     _begin_one(s, s.hypotheses[2], 1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO, c.turn_on_var)

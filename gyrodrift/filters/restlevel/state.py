@@ -195,3 +195,40 @@ class MixtureMoments:
     bias_var: float = 0.0
     covariance: float = 0.0
     yaw_var: float = 0.0
+
+
+@dataclass(slots=True)
+class Witness:
+    """What something else than the rate says of rest, and whether it is believed; see `restlevel.witness`.
+
+    still, moving
+        Samples of the present block that are said to stand still, and to move.
+    is_claiming
+        The block before was said to stand still.
+    was_certain
+        It was one, and that was believed.
+    is_believed
+        Until it is found out, and again once it has said something else.
+    refuted
+        How often it was found out.
+    doubt
+        Blocks that have contradicted it, less what was forgiven.
+    alike, level_dps
+        The last of them that agree with each other, and their mean.
+    before_dps
+        Bias estimate when it began to say so.
+    since_s
+        Time since the last rest, s.
+    """
+
+    still: int = 0
+    moving: int = 0
+    is_claiming: bool = False
+    was_certain: bool = False
+    is_believed: bool = True
+    refuted: int = 0
+    doubt: float = 0.0
+    alike: int = 0
+    level_dps: float = 0.0
+    before_dps: float = 0.0
+    since_s: float = 0.0
