@@ -4,6 +4,7 @@ Written from the equations of docs/restlevel.md, not from the filter's source: v
 by two, and a list of hypotheses that is made anew at each constant-rate segment.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -407,16 +408,25 @@ class ReferenceFilter:
         return float(0.03 + 4.0 * wanders * near + (1.0 - self.quietness()) * loud)
 
 
-def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams, still: Floats | None = None) -> dict[str, Floats]:
+def reference(
+    t_s: Floats,
+    rate_dps: Floats,
+    p: RestlevelParams,
+    still: Floats | None = None,
+    remembered: Sequence[tuple[float, float, float]] = (),
+) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
     kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
-    one = ReferenceFilter(
-        p,
-        [
-            ReferenceHypothesis(k, weight, np.zeros(2), np.diag([0.0, share * p.turn_on_dps**2]), p.turn_on_dps == 0.0)
-            for k, (weight, share) in enumerate(kinds)
-        ],
-    )
+    known = len(remembered)
+    unknown = 1.0 - sum(weight for weight, _, _ in remembered)
+    begun = [
+        ReferenceHypothesis(k, weight, np.array([0.0, bias]), np.diag([0.0, var + p.walk_dps_rts**2]), knows_bias=True)
+        for k, (weight, bias, var) in enumerate(remembered)
+    ]
+    for k, (weight, share) in enumerate(kinds):
+        cov = np.diag([0.0, share * p.turn_on_dps**2])
+        begun.append(ReferenceHypothesis(known + k, unknown * weight, np.zeros(2), cov, p.turn_on_dps == 0.0))
+    one = ReferenceFilter(p, begun)
     rows = []
     for b in blocks_of(t_s, rate_dps, p.window_s, still):
         mean_dps = b.turned_deg / b.seconds

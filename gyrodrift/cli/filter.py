@@ -45,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
+        from gyrodrift.filters.beginning import beginning_of
         from gyrodrift.session.files import load_session
 
         if arguments.out is not None:
@@ -53,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
         chosen, params = options.chosen_filter(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = load_session(arguments.session)
-        state: FilterState = chosen.state()
+        state: FilterState = beginning_of(chosen, session.metadata, session.name) or chosen.state()
         _write(arguments.out, session, csv_lines(session, chosen, params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)

@@ -110,6 +110,24 @@ def as_they_are(params: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
+class FilterMemory:
+    """How a filter remembers its sensor from one run to the next, as a frozen dataclass of its own.
+
+    learned
+        From the state, what was remembered before and how old that is now, s, to what is known; None for nothing yet.
+    begun
+        From parameters, what is remembered, its age in s and the temperature of the sensor in °C, None where that is
+        not known, to a new state.
+    read
+        What is remembered, from a table of a file; ValueError where it is none.
+    """
+
+    learned: Callable[[Any, Any, float], Any]
+    begun: Callable[[Any, Any, float, float | None], Any]
+    read: Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
 class Filter:
     """A filter: three records, a step, and what config, `serve`, `filter`, `tune` and `compare` ask about it.
 
@@ -123,6 +141,8 @@ class Filter:
         Whether its step takes two more numbers, what is known beside the rate: 1 where something else says that the
         device stands still and 0 where it moves, and the temperature of the sensor in °C; NaN where nobody says. Its
         state then has a `witness`, a `WitnessState`.
+    memory
+        How it remembers its sensor; None for one that begins anew.
     columns
         Attributes of the state that `gyrodrift filter` writes beside time and rate.
 
@@ -163,6 +183,7 @@ class Filter:
     colour: str = "ink"
     dash: str = "--"
     sees_beside: bool = False
+    memory: FilterMemory | None = None
 
     @property
     def step_beside(self) -> Callable[[Any, Any, float, float, float, float], bool]:

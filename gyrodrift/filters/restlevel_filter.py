@@ -1,6 +1,7 @@
 """Restlevel as everything else knows it: records and step, what its parameters mean, and where they are searched."""
 
-from gyrodrift.filters.filter import Filter, FilterParameter, ReducedModel, SearchRange
+from gyrodrift.filters.filter import Filter, FilterMemory, FilterParameter, ReducedModel, SearchRange
+from gyrodrift.filters.restlevel import memory
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 
@@ -86,4 +87,5 @@ RESTLEVEL = Filter(
     colour="tuned",
     dash="-",
     sees_beside=True,
+    memory=FilterMemory(memory.learned, memory.begun, memory.knowledge),
 )

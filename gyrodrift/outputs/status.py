@@ -161,6 +161,8 @@ class ServiceStatus:
         Resident memory of the service and of the outputs' process.
     dropped
         Samples that the outputs' process was too slow for.
+    memory
+        Of what the filter remembers: `file`, `state` (none, new, used or refused), `reason`, `device`; None without.
     """
 
     version: str = ""
@@ -174,6 +176,7 @@ class ServiceStatus:
     filter: FilterStatus = field(default_factory=FilterStatus)
     config: ConfigStatus = field(default_factory=ConfigStatus)
     outputs: tuple[OutputStatus, ...] = ()
+    memory: dict[str, str] | None = None
 
     def to_json(self) -> str:
         """One line."""

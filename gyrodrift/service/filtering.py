@@ -127,6 +127,10 @@ class Filtering:
         """What the filter tells of its witness of rest; None for one that hears none."""
         return getattr(self.state, "witness", None) if self.filter.sees_beside else None
 
+    def begin_with(self, state: FilterState) -> None:
+        """Let the filter begin with this instead of anew; before its first sample."""
+        self.state = state
+
     def zero(self) -> None:
         """Yaw is 0 from here."""
         self.reference.zero(self.state.yaw_deg, self.raw_yaw_deg)

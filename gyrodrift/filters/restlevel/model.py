@@ -13,12 +13,18 @@ from gyrodrift.filters.restlevel.state import (
     NoiseModel,
     RateSegment,
     RateWander,
+    RecalledNoise,
+    RememberedBias,
+    SureRest,
     Witness,
 )
 
 UNKNOWN_C = -1000.0
 COLDEST_C, WARMEST_C = -100.0, 200.0
 """Temperature before one was said; what a sensor says outside of these two is none."""
+
+MAX_REMEMBERED = 2
+"""Biases that may be remembered: of the last rest, and of a start like this one."""
 
 MAX_HYPOTHESES = 6
 """Hypotheses that are kept from one segment to the next; each can branch into two at a segment."""
@@ -94,6 +100,10 @@ class RestlevelCoefficients:
     scale_sigma: float
 
 
+def _remembered_places() -> list[RememberedBias]:
+    return [RememberedBias() for _ in range(MAX_REMEMBERED)]
+
+
 def _free_places() -> list[Hypothesis]:
     return [Hypothesis() for _ in range(2 * MAX_HYPOTHESES)]
 
@@ -125,6 +135,8 @@ class RestlevelState:
         Blocks that have ended so far.
     witness
         What something else than the rate says of rest.
+    remembered, recalled, sure
+        Biases and noise that it begins with; the rests that it is sure of.
     block, noise, wander, segment, ended, hypotheses, moments
         The block that is being filled; the sensor's noise; how levels wander; the present constant-rate segment and
         the last one that has ended; the Gaussian sum, and its moments as the block began.
@@ -148,6 +160,9 @@ class RestlevelState:
     noise: NoiseModel = field(default_factory=NoiseModel)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)
+    remembered: list[RememberedBias] = field(default_factory=_remembered_places)
+    recalled: RecalledNoise = field(default_factory=RecalledNoise)
+    sure: SureRest = field(default_factory=SureRest)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)

@@ -232,3 +232,55 @@ class Witness:
     level_dps: float = 0.0
     before_dps: float = 0.0
     since_s: float = 0.0
+
+
+@dataclass(slots=True)
+class RememberedBias:
+    """A bias that the filter begins with, beside those of any sensor: its probability, mean and variance."""
+
+    weight: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+
+
+@dataclass(slots=True)
+class RecalledNoise:
+    """Noise at rest that is remembered, as in `NoiseModel`, and the time between two samples, s; 0 where none is."""
+
+    period_s: float = 0.0
+    sample_var: float = 0.0
+    angle_walk_var: float = 0.0
+    flicker_var: float = 0.0
+    resolution_dps: float = -1.0
+
+
+@dataclass(slots=True)
+class SureRest:
+    """The last rest that the filter is sure of, and the first one.
+
+    seconds
+        How long the present one has lasted, s; 0 where there is none.
+    rests
+        How many there were.
+    begin_dps, begin_c
+        Bias and temperature when the present one began.
+    bias_dps, bias_var, temp_c, t_s, period_s
+        Bias of the last one as it is known now and its variance, temperature, time, and the time between two samples.
+    has_first, first_dps, first_dps_sigma, first_c, first_s
+        Of the first one: bias where it began and its sigma, temperature there, and when it was sure.
+    """
+
+    seconds: float = 0.0
+    rests: int = 0
+    begin_dps: float = 0.0
+    begin_c: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+    temp_c: float = 0.0
+    t_s: float = 0.0
+    period_s: float = 0.0
+    has_first: bool = False
+    first_dps: float = 0.0
+    first_dps_sigma: float = 0.0
+    first_c: float = 0.0
+    first_s: float = 0.0

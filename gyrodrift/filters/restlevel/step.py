@@ -22,6 +22,7 @@ from gyrodrift.filters.restlevel.model import (
     RestlevelParams,
     RestlevelState,
 )
+from gyrodrift.filters.restlevel.recall import note_sure_rest, recall_noise
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, track_segment, update_mean
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
@@ -127,6 +128,8 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     block, segment = s.block, s.segment
     mean_dps = block.turned_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
+    if s.blocks == 0:
+        recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
@@ -148,6 +151,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         else:
             branch(c, s, seconds)
     collapse(s)
+    note_sure_rest(s, seconds, is_certain)
     s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
     s.witness.was_certain = is_certain
     s.witness.still = s.witness.moving = 0
