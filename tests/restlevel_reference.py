@@ -173,6 +173,16 @@ class ReferenceFilter:
     before_dps: float = 0.0
     since_s: float = 0.0
     was_certain: bool = False
+    temp_c: float = np.nan
+    sure_s: float = 0.0
+    sure_rests: int = 0
+    is_sure: bool = False
+    judged: int = 0
+    refused: int = 0
+    is_refusing: bool = False
+    points: dict[int, list[float]] = field(default_factory=dict)
+    line: tuple[float, float, float] | None = None
+    coefficients: Floats = field(default_factory=lambda: np.zeros(2))
 
     def is_stationary(self, b: ReferenceBlock) -> bool:
         """Whether the block shows no more than the noise, which is followed."""
@@ -312,6 +322,78 @@ class ReferenceFilter:
         self.refuted += 1
         return False
 
+    def warm(self, b: ReferenceBlock, temp_c: Floats | None) -> None:
+        """Temperature is averaged, and moves the bias along the line."""
+        if temp_c is None:
+            return
+        before = temp_c[b.end] if np.isnan(self.temp_c) else self.temp_c
+        self.temp_c = before + (temp_c[b.end] - before) * min(1.0, b.seconds / 3.0)
+        if self.line is None:
+            return
+        moved = self.line[0] * (self.temp_c - before)
+        self.hypotheses = [
+            replace(h, mean=h.mean + np.array([0.0, moved]), cov=h.cov + np.diag([0.0, 0.09 * moved**2]))
+            if h.knows_bias and not h.is_at_rest
+            else h
+            for h in self.hypotheses
+        ]
+
+    def learn_temperature(self, b: ReferenceBlock, t_s: float, *, is_certain: bool) -> None:
+        """Ten seconds of a sure rest give a point; a line goes through all of them."""
+        _, bias_dps, _, sigma_dps = collapsed(self.hypotheses)
+        if sum(h.weight for h in self.hypotheses if h.is_at_rest) < 0.95:
+            self.sure_s, self.is_sure = 0.0, False
+            return
+        was_s, self.sure_s = self.sure_s, self.sure_s + b.seconds
+        if self.sure_s < (1.5 if is_certain else 10.0):
+            return
+        if not self.is_sure:
+            self.sure_rests, self.is_sure = self.sure_rests + 1, True
+        place = int(np.floor((self.temp_c + 40.0) / 2.0)) if np.isfinite(self.temp_c) else -1
+        if not 0 <= place < 64 or self.sure_s // 10.0 == was_s // 10.0:
+            return
+        if self.judged != self.sure_rests:
+            self.judged, self.is_refusing = self.sure_rests, False
+            if self.line is not None:
+                slope, level, fit_var = self.line
+                spread = np.sqrt(fit_var + sigma_dps**2 + 0.005**2 + (0.1 * self.p.turn_on_dps) ** 2)
+                if abs(bias_dps - level - slope * self.temp_c) < 4.0 * spread:
+                    self.refused = 0
+                elif self.refused < 3:
+                    self.refused, self.is_refusing = self.refused + 1, True
+                else:
+                    self.refused, self.points, self.line = 0, {}, None
+        if self.is_refusing:
+            return
+        count, mean_c, mean_dps, var, _ = self.points.get(place, [0.0, 0.0, 0.0, 0.0, 0.0])
+        share = max(0.2, 1.0 / (count + 1.0))
+        var = (
+            (1.0 - share) * var + share * (sigma_dps**2 + 0.005**2) + share * (1.0 - share) * (bias_dps - mean_dps) ** 2
+        )
+        mean_c, mean_dps = mean_c + share * (self.temp_c - mean_c), mean_dps + share * (bias_dps - mean_dps)
+        self.points[place] = [count + 1.0, mean_c, mean_dps, var, t_s]
+        self.fit(t_s)
+
+    def fit(self, t_s: float) -> None:
+        """Least squares, five times, in which far points count less."""
+        table = np.array([self.points[place] for place in sorted(self.points)])
+        _, c, dps, var, then_s = table.T
+        self.line = None
+        if len(c) < 5 or np.ptp(c) < 5.0:
+            return
+        slope, level = self.coefficients
+        clip = 1e9
+        for _ in range(5):
+            off = np.abs(dps - level - slope * c)
+            weight = np.minimum(1.0, clip / (off + 1e-12)) / (var + self.p.walk_dps_rts**2 * (t_s - then_s))
+            design = np.stack([c, np.ones(len(c))], axis=1) * np.sqrt(weight)[:, np.newaxis]
+            slope, level = np.linalg.lstsq(design, dps * np.sqrt(weight), rcond=None)[0]
+            fit_var = float(np.mean((dps - level - slope * c) ** 2))
+            clip = 1.5 * np.sqrt(fit_var) + 1e-9
+        self.coefficients = np.array([slope, level])
+        if abs(slope) < 0.1 and fit_var < 0.05**2:
+            self.line = (slope, level, fit_var)
+
     def loud_var(self, b: ReferenceBlock) -> float:
         """Of the mean of a block that may be louder than the sensor."""
         louder = self.before / self.noise_var
@@ -414,6 +496,7 @@ def reference(
     p: RestlevelParams,
     still: Floats | None = None,
     remembered: Sequence[tuple[float, float, float]] = (),
+    temp_c: Floats | None = None,
 ) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
     kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
@@ -433,6 +516,7 @@ def reference(
         one.follow(b, mean_dps)
         if len(one.segment) == 1:
             one.enter()
+        one.warm(b, temp_c)
         is_certain = one.believes(b, mean_dps)
         if is_certain:
             one.stand_still(b, mean_dps)
@@ -447,6 +531,7 @@ def reference(
             one.confirm(b)
         one.was_certain = is_certain
         one.last = mean_dps
+        one.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
         rows.append((b.end, *collapsed(one.hypotheses)))
     columns = zip(*rows, strict=True)
     return {

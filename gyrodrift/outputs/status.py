@@ -70,6 +70,8 @@ class FilterStatus:
         Samples that it passed by.
     still, is_witness_believed
         What was said last of rest beside the rate, 1 stands still and 0 moves, and whether that is believed.
+    temp_curve
+        Bias against temperature: `is_accepted`, `slope_dps_c`, `fit_dps`, `points`, `least_c`, `most_c`, `refused`.
     """
 
     name: str = ""
@@ -84,6 +86,7 @@ class FilterStatus:
     rejected: int = 0
     still: float | None = None
     is_witness_believed: bool | None = None
+    temp_curve: dict[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,6 +79,7 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         temp_c=_known(filtering.last.temp_c) if filtering.last else None,
         rejected=state.rejected,
         still=_known(filtering.last.still) if filtering.last else None,
+        temp_curve=getattr(state, "temp_curve", None),
         is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
     )
 

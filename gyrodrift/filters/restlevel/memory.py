@@ -7,12 +7,15 @@ start, against what was expected, is the sensor's own drift: it is learned, and 
 than nine times what was expected.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from annotated_types import Ge, Le
+from annotated_types import Ge, Le, Lt
 
 from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.state import TEMP_POINTS, TempCurve
+from gyrodrift.filters.restlevel.temperature import SLOPE_DOUBT, fit_line
 
 REMEMBERED_WEIGHT = 0.95
 """Probability that the sensor is the one that is remembered, not one to which something has happened."""
@@ -50,6 +53,18 @@ class RememberedStart:
 
 
 @dataclass(frozen=True, slots=True)
+class RememberedPoint:
+    """The bias around a temperature, as in `TempPoint`: its place, and s before the memory was made."""
+
+    place: Annotated[int, Ge(0), Lt(TEMP_POINTS)]
+    count: Annotated[int, Ge(1)]
+    temp_c: Celsius
+    bias_dps: Dps
+    bias_var: Size
+    age_s: Annotated[float, Ge(0.0)]
+
+
+@dataclass(frozen=True, slots=True)
 class RestlevelMemory:
     """What is known of a sensor.
 
@@ -61,8 +76,8 @@ class RestlevelMemory:
         Noise at rest, as in `NoiseModel`, and the time between two samples, s.
     drift_factor, starts
         By how much its variance from run to run is larger than expected of any sensor, and from how many runs.
-    first
-        Its starts, the last one first.
+    first, curve
+        Its starts, the last one first, and its bias against temperature.
     """
 
     bias_dps: Dps
@@ -77,6 +92,7 @@ class RestlevelMemory:
     drift_factor: Annotated[float, Ge(LEAST_FACTOR), Le(MOST_FACTOR)] = 1.0
     starts: Annotated[int, Ge(0)] = 0
     first: tuple[RememberedStart, ...] = field(default=())
+    curve: tuple[RememberedPoint, ...] = field(default=())
 
 
 def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
@@ -92,7 +108,7 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
     sure, noise = state.sure, state.noise
     if sure.rests == 0:
         return None
-    start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _said(sure.first_c), state.t_s - sure.first_s)
+    start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _said(sure.first_c), state.lived_s - sure.first_s)
     kept = () if before is None else before.first[: STARTS_KEPT - 1]
     older = [RememberedStart(one.bias_dps, one.bias_sigma_dps, one.temp_c, one.age_s + age_s) for one in kept]
     factor, starts = _drift_factor(state, before)
@@ -100,7 +116,7 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
         bias_dps=sure.bias_dps,
         bias_sigma_dps=max(0.0, sure.bias_var) ** 0.5,
         temp_c=_said(sure.temp_c),
-        age_s=max(0.0, state.t_s - sure.t_s),
+        age_s=max(0.0, state.lived_s - sure.t_s),
         sample_var=noise.sample_var,
         angle_walk_var=noise.angle_walk_var,
         flicker_var=noise.flicker_var,
@@ -109,13 +125,26 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
         drift_factor=factor,
         starts=starts,
         first=(start, *older),
+        curve=tuple(_points(state)),
     )
+
+
+def _points(state: RestlevelState) -> Iterator[RememberedPoint]:
+    for place, one in enumerate(state.curve.points):
+        if one.count > 0:
+            age_s = max(0.0, state.lived_s - one.t_s)
+            yield RememberedPoint(place, one.count, one.temp_c, one.bias_dps, one.bias_var, age_s)
 
 
 def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None) -> RestlevelState:
     """A new state that remembers; the memory was made `age_s` ago, and the sensor has this temperature in °C now."""
     state = RestlevelState()
-    found = list(_expected(params, memory, age_s, temp_c))
+    for one in memory.curve:
+        point = state.curve.points[one.place]
+        point.count, point.temp_c, point.t_s = one.count, one.temp_c, -one.age_s - age_s
+        point.bias_dps, point.bias_var = one.bias_dps, one.bias_var
+    fit_line(state.curve, params.walk_dps_rts**2, 0.0)
+    found = _expected(params, memory, age_s, temp_c, state.curve)
     precision = sum(1.0 / variance for _, variance in found)
     for place, (bias_dps, variance) in zip(state.remembered, found, strict=False):
         place.weight = REMEMBERED_WEIGHT / variance / precision
@@ -128,20 +157,22 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
 
 
 def _expected(
-    params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None
+    params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None, curve: TempCurve
 ) -> list[tuple[float, float]]:
     """Biases to begin with and their variances: of the last sure rest, and of the start most like this one."""
     last_s = age_s + memory.age_s
     is_new_start = min(1.0, last_s / START_AGE_S)
     last_var = memory.bias_sigma_dps**2 + _drift_var(params, memory, last_s, is_new_start)
-    found = [(memory.bias_dps, last_var + _tempco_var(memory.temp_c, temp_c))]
+    moved_dps, moved_var = _moved(memory.temp_c, temp_c, curve)
+    found = [(memory.bias_dps + moved_dps, last_var + moved_var)]
     alike = [one for one in memory.first if _is_alike(one.temp_c, temp_c)]
     if alike and is_new_start < 1.0 and not _is_alike(memory.temp_c, temp_c):
         is_new_start = 1.0
     if alike and is_new_start == 1.0:
         one = min(alike, key=lambda each: abs((each.temp_c or 0.0) - (temp_c or 0.0)))
         start_var = one.bias_sigma_dps**2 + _drift_var(params, memory, age_s + one.age_s, 1.0)
-        found.append((one.bias_dps, start_var + _tempco_var(one.temp_c, temp_c)))
+        moved_dps, moved_var = _moved(one.temp_c, temp_c, curve)
+        found.append((one.bias_dps + moved_dps, start_var + moved_var))
     return found
 
 
@@ -152,8 +183,14 @@ def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, i
     return LEAST_VAR + memory.drift_factor * (walk_var + START_SHARE**2 * turn_on_var * is_new_start)
 
 
-def _tempco_var(then_c: float | None, now_c: float | None) -> float:
-    return 0.0 if then_c is None or now_c is None else (TEMPCO_DPS_C * (now_c - then_c)) ** 2
+def _moved(then_c: float | None, now_c: float | None, curve: TempCurve) -> tuple[float, float]:
+    """What a change of temperature has moved the bias by, deg/s, and the variance of that."""
+    if then_c is None or now_c is None:
+        return 0.0, 0.0
+    if not curve.is_accepted:
+        return 0.0, (TEMPCO_DPS_C * (now_c - then_c)) ** 2
+    moved_dps = curve.slope_dps_c * (now_c - then_c)
+    return moved_dps, (SLOPE_DOUBT * moved_dps) ** 2 + curve.fit_var * min(1.0, abs(now_c - then_c) / ALIKE_C)
 
 
 def _is_alike(then_c: float | None, now_c: float | None) -> bool:

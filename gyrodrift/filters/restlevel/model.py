@@ -6,6 +6,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Le, Lt
 
 from gyrodrift.filters.restlevel.state import (
+    UNSAID_C,
     BlockStats,
     EndedSegment,
     Hypothesis,
@@ -16,10 +17,11 @@ from gyrodrift.filters.restlevel.state import (
     RecalledNoise,
     RememberedBias,
     SureRest,
+    TempCurve,
     Witness,
 )
 
-UNKNOWN_C = -1000.0
+UNKNOWN_C = UNSAID_C
 COLDEST_C, WARMEST_C = -100.0, 200.0
 """Temperature before one was said; what a sensor says outside of these two is none."""
 
@@ -129,14 +131,16 @@ class RestlevelState:
 
     start_yaw_deg
         Yaw at the first sample.
+    lived_s
+        Time since the first sample, s, by block.
     travelled_deg
         Angle turned, to and fro, by block.
     blocks
         Blocks that have ended so far.
     witness
         What something else than the rate says of rest.
-    remembered, recalled, sure
-        Biases and noise that it begins with; the rests that it is sure of.
+    remembered, recalled, sure, curve
+        Biases and noise that it begins with; the rests that it is sure of; bias against temperature.
     block, noise, wander, segment, ended, hypotheses, moments
         The block that is being filled; the sensor's noise; how levels wander; the present constant-rate segment and
         the last one that has ended; the Gaussian sum, and its moments as the block began.
@@ -155,6 +159,7 @@ class RestlevelState:
     rejected: int = 0
     block: BlockStats = field(default_factory=BlockStats)
     start_yaw_deg: float = 0.0
+    lived_s: float = 0.0
     travelled_deg: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
@@ -163,7 +168,19 @@ class RestlevelState:
     remembered: list[RememberedBias] = field(default_factory=_remembered_places)
     recalled: RecalledNoise = field(default_factory=RecalledNoise)
     sure: SureRest = field(default_factory=SureRest)
+    curve: TempCurve = field(default_factory=TempCurve)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)
     hypotheses: list[Hypothesis] = field(default_factory=_free_places)
+
+    @property
+    def temp_curve(self) -> dict[str, float] | None:
+        """What is known of the bias against temperature, for people; None before there is a point."""
+        curve = self.curve
+        if curve.known == 0:
+            return None
+        told = {"points": curve.known, "least_c": curve.least_c, "most_c": curve.most_c, "refused": curve.refused}
+        if curve.fit_var > 0.0:
+            told |= {"slope_dps_c": curve.slope_dps_c, "fit_dps": curve.fit_var**0.5}
+        return {"is_accepted": curve.is_accepted, **told}

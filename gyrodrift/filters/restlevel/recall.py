@@ -34,26 +34,27 @@ def recall_noise(s: RestlevelState, seconds: float) -> None:
             noise.resolution_dps = known.resolution_dps
 
 
-def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> None:  # noqa: FBT001 - compiled code takes none by name
-    """A block has ended: keep what is known of the bias where it is a sure rest; `is_certain` is by a witness."""
+def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> bool:  # noqa: FBT001 - compiled code takes none by name
+    """A block has ended: keep what is known of the bias in a sure rest; whether it is. `is_certain`: by a witness."""
     sure = s.sure
     if s.rest_probability < SURE_PROBABILITY:
         sure.seconds = 0.0
-        return
+        return False
     if sure.seconds == 0.0:
         sure.begin_dps, sure.begin_c = s.bias_dps, s.temp_c
     was_s = sure.seconds
     sure.seconds += seconds
     long_s = SURE_BY_WITNESS_S if is_certain else SURE_S
     if sure.seconds < long_s:
-        return
+        return False
     if was_s < long_s or sure.rests == 0:
         sure.rests += 1
     if sure.rests == 1 and not sure.has_first:
-        sure.has_first, sure.first_dps, sure.first_c, sure.first_s = True, sure.begin_dps, sure.begin_c, s.t_s
+        sure.has_first, sure.first_dps, sure.first_c, sure.first_s = True, sure.begin_dps, sure.begin_c, s.lived_s
         sure.first_dps_sigma = s.bias_sigma_dps
-    sure.bias_dps, sure.bias_var, sure.t_s, sure.temp_c = s.bias_dps, s.moments.bias_var, s.t_s, s.temp_c
+    sure.bias_dps, sure.bias_var, sure.t_s, sure.temp_c = s.bias_dps, s.moments.bias_var, s.lived_s, s.temp_c
     sure.period_s = seconds / s.block.samples
+    return True
 
 
 def remembered_weight(s: RestlevelState) -> float:

@@ -284,3 +284,65 @@ class SureRest:
     first_dps_sigma: float = 0.0
     first_c: float = 0.0
     first_s: float = 0.0
+
+
+TEMP_POINTS = 64
+"""Places for points of bias against temperature: two degrees each, from −40 °C on."""
+
+UNSAID_C = -1000.0
+"""Temperature before one was said."""
+
+
+@dataclass(slots=True)
+class TempPoint:
+    """The bias around a temperature.
+
+    count
+        Values that it is from; 0 for a free place.
+    temp_c, bias_dps, bias_var, t_s
+        Mean temperature, °C, mean bias, deg/s, its variance, and when the last value came.
+    weight
+        In the fit of the line.
+    """
+
+    count: int = 0
+    temp_c: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+    t_s: float = 0.0
+    weight: float = 0.0
+
+
+def _temp_points() -> list[TempPoint]:
+    return [TempPoint() for _ in range(TEMP_POINTS)]
+
+
+@dataclass(slots=True)
+class TempCurve:
+    """Bias against temperature; see `restlevel.temperature`.
+
+    temp_c
+        Averaged temperature, °C; UNSAID_C until one was said.
+    points
+        By bins of temperature.
+    known, least_c, most_c
+        How many there are, and from where to where.
+    is_accepted, slope_dps_c, level_dps, middle_c, fit_var
+        Whether the line is, its slope in deg/s per °C, the bias at `middle_c`, and the variance of points about it.
+    refused, is_refusing, rests
+        Outliers in a row; whether the present rest is one; the rest that was judged last.
+    """
+
+    temp_c: float = UNSAID_C
+    points: list[TempPoint] = field(default_factory=_temp_points)
+    known: int = 0
+    least_c: float = 0.0
+    most_c: float = 0.0
+    is_accepted: bool = False
+    slope_dps_c: float = 0.0
+    level_dps: float = 0.0
+    middle_c: float = 0.0
+    fit_var: float = 0.0
+    refused: int = 0
+    is_refusing: bool = False
+    rests: int = 0

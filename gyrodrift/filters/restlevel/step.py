@@ -22,8 +22,9 @@ from gyrodrift.filters.restlevel.model import (
     RestlevelParams,
     RestlevelState,
 )
-from gyrodrift.filters.restlevel.recall import note_sure_rest, recall_noise
+from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, track_segment, update_mean
+from gyrodrift.filters.restlevel.temperature import follow_temperature, learn_when_sure
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 MIN_BLOCK_SAMPLES = 6
@@ -126,6 +127,7 @@ def advance(
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins."""
     block, segment = s.block, s.segment
+    s.lived_s += seconds
     mean_dps = block.turned_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
     if s.blocks == 0:
@@ -135,6 +137,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         leave_segment(s)
     if segment.blocks == 1:
         enter_segment(s)
+    follow_temperature(s, seconds)
     is_certain = is_certain_rest(c, s, mean_dps, seconds)
     if is_certain:
         stand_still(c, s, mean_dps, step_dps, seconds)
@@ -151,7 +154,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         else:
             branch(c, s, seconds)
     collapse(s)
-    note_sure_rest(s, seconds, is_certain)
+    learn_when_sure(c, s, seconds, is_certain)
     s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
     s.witness.was_certain = is_certain
     s.witness.still = s.witness.moving = 0
