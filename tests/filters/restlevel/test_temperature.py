@@ -25,7 +25,7 @@ def warming(rests: int, last_s: float, seed: int = 1) -> tuple[Floats, Floats, F
     pieces = [np.r_[np.zeros(1250), 30.0 * np.sin(np.arange(250) / 20.0)] for _ in range(rests)]
     drive = np.arange(round(last_s * RATE_HZ)) / RATE_HZ
     true_dps: Floats = np.concatenate([*pieces, 40.0 * np.sin(drive) * (1.0 + 0.3 * np.sin(drive / 7.0))])
-    temp_c: Floats = 20.0 + 2.0 * np.arange(len(true_dps)) / (30.0 * RATE_HZ)
+    temp_c: Floats = 20.0 + 2.0 * np.arange(len(true_dps), dtype=np.float64) / (30.0 * RATE_HZ)
     temp_c += np.random.default_rng(seed).normal(0.0, 0.05, len(temp_c))
     bias_dps: Floats = 0.3 + SLOPE_DPS_C * (temp_c - 20.0)
     return true_dps, bias_dps, temp_c
