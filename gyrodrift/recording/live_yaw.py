@@ -8,14 +8,14 @@ class LiveYaw:
     """Runs a filter over the samples."""
 
     def __init__(self, chosen: Filter, params: FilterParams) -> None:
-        self._step, self._coefficients = chosen.step, chosen.coefficients(params)
+        self._step, self._coefficients = chosen.step_beside, chosen.coefficients(params)
         self._state: FilterState = chosen.state()
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples."""
         step, coefficients, state = self._step, self._coefficients, self._state
         for sample in samples:
-            step(coefficients, state, sample.t_device_s, sample.rate_dps)
+            step(coefficients, state, sample.t_device_s, sample.rate_dps, sample.still, sample.temp_c)
 
     @property
     def text(self) -> str:

@@ -22,6 +22,8 @@ VERSION = 1
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
 RATE_CLIPPED = 0x04
+STILL_VALID = 0x08
+STILL = 0x10
 
 MAX_FRAME_BYTES = HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
@@ -105,6 +107,7 @@ class NativeDecoder:
                 rate_raw * self._dps_per_lsb,
                 encoder_counts * self._deg_per_count if has_encoder else nan,
                 temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
+                (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
             )
         )
 

@@ -7,7 +7,7 @@ import pytest
 from golden_frames import NativeSample
 from support import near
 
-from firmware_sim.wire.native import native_frame
+from firmware_sim.wire.native import native_frame, sample_frame
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.native import NativeDecoder
 
@@ -74,3 +74,11 @@ def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None
     decoder.push(native_frame(b"\x01\x02" + body[1:]) + native_frame(b"\x01\x01" + body[1:]))
     assert decoder.device == DeviceDescription()
     assert decoder.push(next(iter(golden.SAMPLES.values()))) == []
+
+
+@pytest.mark.parametrize(("flags", "still"), [(0x00, None), (0x10, None), (0x08, 0.0), (0x18, 1.0)])
+def test_two_flags_say_whether_the_device_stands_still(flags: int, still: float | None) -> None:
+    """One that it is known, one what it is."""
+    decoder = NativeDecoder()
+    (reading,) = decoder.push(golden.HELLO + sample_frame(flags, 1, 10_000, 5, 0, 0))
+    assert reading.still == still if still is not None else isnan(reading.still)
