@@ -25,7 +25,7 @@ PARAMETERS = (
     FilterParameter(
         "turn_on_dps",
         "deg/s",
-        "standard deviation of the bias at power-on, deg/s; 0 for a sensor that takes its bias out itself",
+        "standard deviation of the bias at power-on (0: the sensor takes it out itself), deg/s",
         "Small: a first level far from zero is taken for a spin. Large: a slow spin is taken for a bias.",
         "it takes sessions that begin in motion, each after a power-on of its own",
         SearchRange(0.02, 20.0, is_log=True),
