@@ -77,7 +77,9 @@ def leave_segment(s: RestlevelState) -> None:
 
 
 def doubt_loud_rests(s: RestlevelState) -> None:
-    """The noise has turned out smaller: what was taken for a rest so far was louder than this sensor at rest."""
+    """Where the noise has turned out smaller, what was taken for a rest so far was louder than this sensor at rest."""
+    if not s.noise.has_dropped:
+        return
     for h in s.hypotheses:
         if h.knows_bias:
             h.weight *= LOUD_REST

@@ -134,8 +134,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     if s.blocks == 0:
         recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
-    if s.noise.has_dropped:
-        doubt_loud_rests(s)
+    doubt_loud_rests(s)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
     if segment.blocks == 1:

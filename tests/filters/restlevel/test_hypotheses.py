@@ -10,6 +10,7 @@ from gyrodrift.filters.restlevel.state import Hypothesis
 def test_rests_that_were_louder_than_the_sensor_count_for_a_tenth() -> None:
     """Of a rest at 10 to 1 even odds are left; where every hypothesis has rested, nothing changes."""
     s = RestlevelState()
+    s.noise.has_dropped = True
     s.hypotheses[0] = Hypothesis(weight=1.0 / 11.0)
     s.hypotheses[1] = Hypothesis(weight=10.0 / 11.0, knows_bias=True)
     doubt_loud_rests(s)
