@@ -12,7 +12,7 @@ from itertools import takewhile
 from pathlib import Path
 
 from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
-from firmware_sim.measure import measure
+from firmware_sim.measure import StillWord, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.player import play, stopped_by_signals
 from firmware_sim.pty import LinkInUseError, PtyDevice
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
     faults = [parse_fault(text) for text in arguments.fault]
     profile = load_profile(arguments.profile)
-    blocks = faulty_blocks(measure(rig, profile, arguments.seed), faults)
+    blocks = faulty_blocks(measure(rig, profile, arguments.seed, still=StillWord(arguments.still)), faults)
     encoder = ENCODERS[arguments.protocol]
     frames = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
     cable = FaultyCable(faults)
@@ -90,6 +90,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--profile", default="turntable", help="name of a shipped profile, or a file")
     parser.add_argument("--protocol", default="native", choices=sorted(ENCODERS))
     parser.add_argument("--seed", type=_seed, default=0, help="of everything random (default 0)")
+    parser.add_argument(
+        "--still",
+        default=StillWord.NONE.value,
+        choices=[word.value for word in StillWord],
+        help="say with each measurement whether the table stands still: what is so (true), or always 1 or 0; "
+        "native and csv (default none)",
+    )
     parser.add_argument(
         "--speed",
         type=_speed,

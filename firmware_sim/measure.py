@@ -9,6 +9,7 @@ The same rig, profile, seed and session number give the same measurements.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from math import ceil
 from typing import Protocol
 from zlib import crc32
@@ -69,6 +70,8 @@ class Block:
         Temperature, hundredths of °C.
     encoder_counts
         Encoder from the rig's phase; zeros where the rig has none.
+    still
+        What the device says of its rest beside the rate: 1 stands still, 0 moves, −1 says nothing.
     """
 
     seq: NDArray[np.int64]
@@ -78,8 +81,9 @@ class Block:
     is_clipped: NDArray[np.bool_]
     temp_centi_c: NDArray[np.int16]
     encoder_counts: NDArray[np.int64]
+    still: NDArray[np.int8]
 
-    def rows(self) -> Iterator[tuple[int, int, float, int, bool, int, int]]:
+    def rows(self) -> Iterator[tuple[int, int, float, int, bool, int, int, int]]:
         """One measurement after the other, as plain numbers in the order of the arrays."""
         return zip(
             self.seq.tolist(),
@@ -89,6 +93,7 @@ class Block:
             self.is_clipped.tolist(),
             self.temp_centi_c.tolist(),
             self.encoder_counts.tolist(),
+            self.still.tolist(),
             strict=True,
         )
 
@@ -102,14 +107,29 @@ class Block:
             self.is_clipped[kept],
             self.temp_centi_c[kept],
             self.encoder_counts[kept],
+            self.still[kept],
         )
 
 
+class StillWord(StrEnum):
+    """What a device says beside the rate of whether it stands still: nothing, what is so, or always the same."""
+
+    NONE = "none"
+    TRUE = "true"
+    ALWAYS = "1"
+    NEVER = "0"
+
+
 def measure(
-    rig: Rig, motion: Motion, seed: int, session: int = 0, block_samples: int = BLOCK_SAMPLES
+    rig: Rig,
+    motion: Motion,
+    seed: int,
+    session: int = 0,
+    block_samples: int = BLOCK_SAMPLES,
+    still: StillWord = StillWord.NONE,
 ) -> Iterator[Block]:
     """Measurements of a rig that plays a profile, without end; `session` numbers the runs of one seed."""
-    bench = _Bench(rig, motion, seed, session)
+    bench = _Bench(rig, motion, seed, session, still)
     first = 0
     while True:
         yield bench.block(first, block_samples)
@@ -119,8 +139,8 @@ def measure(
 class _Bench:
     """The acts of one session's effects, by place, and what they need from block to block."""
 
-    def __init__(self, rig: Rig, motion: Motion, seed: int, session: int) -> None:
-        self._base, self._motion = rig.base, motion
+    def __init__(self, rig: Rig, motion: Motion, seed: int, session: int, still: StillWord) -> None:
+        self._base, self._motion, self._still_word = rig.base, motion, still
         self._rate_hz = rig.base.sample_rate_hz
         self._acts: dict[Place, list[Act]] = {place: [] for place in Place}
         twins: dict[str, int] = {}
@@ -176,8 +196,19 @@ class _Bench:
             is_clipped=np.abs(counts) > COUNTS_MOST,
             temp_centi_c=np.rint(truth.temp_c * 100.0).astype(np.int16),
             encoder_counts=np.floor(angle_deg / 360.0 * self._base.encoder_cpr + HALF_A_COUNT).astype(np.int64),
+            still=self._still(truth.rate_dps),
         )
         return block if arrived.all() else block.only(arrived)
+
+    def _still(self, rate_dps: Floats) -> NDArray[np.int8]:
+        """What it says of its rest, whose true rate is this."""
+        match self._still_word:
+            case StillWord.TRUE:
+                return np.where(rate_dps == 0.0, 1, 0).astype(np.int8)
+            case StillWord.NONE:
+                return np.full(len(rate_dps), -1, np.int8)
+            case said:
+                return np.full(len(rate_dps), int(said.value), np.int8)
 
     def _seen(self, fine: Moments) -> tuple[Floats, Floats]:
         """Rate with all that acts in continuous time, and the motion in it: of the fine grid, each last point."""

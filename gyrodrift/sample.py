@@ -15,6 +15,8 @@ class Reading(NamedTuple):
         Yaw rate, deg/s, counter-clockwise positive.
     encoder_deg, temp_c
         Reference angle in degrees and temperature in °C; NaN where the device sends none.
+    still
+        1 where something else than the rate knows that the device stands still, 0 that it moves; NaN where nobody says.
     """
 
     t_us: int | None
@@ -22,6 +24,7 @@ class Reading(NamedTuple):
     rate_dps: float
     encoder_deg: float = nan
     temp_c: float = nan
+    still: float = nan
 
 
 class Sample(NamedTuple):
@@ -33,7 +36,7 @@ class Sample(NamedTuple):
         The sensor's own clock in s, unwrapped.
     t_host_s
         When it arrived, Unix time in s on a clock that never steps.
-    rate_dps, encoder_deg, temp_c
+    rate_dps, encoder_deg, temp_c, still
         As in `Reading`.
     """
 
@@ -43,6 +46,7 @@ class Sample(NamedTuple):
     rate_dps: float
     encoder_deg: float = nan
     temp_c: float = nan
+    still: float = nan
 
 
 class Corrected(NamedTuple):

@@ -4,6 +4,7 @@ Written from the equations of docs/restlevel.md, not from the filter's source: v
 by two, and a list of hypotheses that is made anew at each constant-rate segment.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,10 +24,12 @@ class ReferenceBlock:
     samples: int
     variance: float
     resolution_dps: float
+    said: str = ""
 
 
-def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float) -> list[ReferenceBlock]:
-    """Cut a recording."""
+def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float, still: Floats | None = None) -> list[ReferenceBlock]:
+    """Cut a recording; `still` is what a witness says."""
+    word = np.full(len(t_s), np.nan) if still is None else still
     steps_s = np.diff(t_s, prepend=t_s[0])
     steps_deg = steps_s * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]]) / 2.0
     apart = np.abs(np.diff(rate_dps, prepend=rate_dps[0]))
@@ -44,10 +47,18 @@ def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float) -> list[ReferenceB
                     len(inside),
                     float(inside.var()),
                     float(finest[n]) if np.isfinite(finest[n]) else 0.0,
+                    said_of(word[first : n + 1]),
                 )
             )
             first, seconds = n + 1, 0.0
     return found
+
+
+def said_of(words: Floats) -> str:
+    """What a witness says of a block: all of it is rest, or some of it moves."""
+    if (words == 1.0).all():
+        return "still"
+    return "moves" if (words == 0.0).any() else ""
 
 
 @dataclass
@@ -154,6 +165,24 @@ class ReferenceFilter:
     breaks: int = 0
     was_stationary: bool = False
     travelled: float = 0.0
+    was_said: str = ""
+    is_believed: bool = True
+    refuted: int = 0
+    doubt: float = 0.0
+    against: list[float] = field(default_factory=list)
+    before_dps: float = 0.0
+    since_s: float = 0.0
+    was_certain: bool = False
+    temp_c: float = np.nan
+    sure_s: float = 0.0
+    sure_rests: int = 0
+    is_sure: bool = False
+    judged: int = 0
+    refused: int = 0
+    is_refusing: bool = False
+    points: dict[int, list[float]] = field(default_factory=dict)
+    line: tuple[float, float, float] | None = None
+    coefficients: Floats = field(default_factory=lambda: np.zeros(2))
 
     def is_stationary(self, b: ReferenceBlock) -> bool:
         """Whether the block shows no more than the noise, which is followed."""
@@ -169,6 +198,9 @@ class ReferenceFilter:
         if max(variance, self.before) < self.noise_var * np.exp(-4.5 * error):
             self.noise_var = max(variance, self.before)
             self.wander, self.wander_dps, self.breaks = 0.0, 10.0, 0
+            for h in self.hypotheses:
+                h.weight *= 0.1 if h.knows_bias else 1.0
+            self.normalise()
         elif variance < self.noise_var * limit:
             self.stationary_blocks = min(self.stationary_blocks + 1, 20)
             if self.stationary_blocks == 20:
@@ -190,7 +222,7 @@ class ReferenceFilter:
         """The segment grows, begins or ends."""
         self.number += 1
         self.means = [*self.means, mean_dps] if self.number > 2 else [mean_dps]
-        was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b)
+        was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b) and b.said != "moves"
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds
         spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + ramp**2 + self.flicker)
         agrees = not self.segment or abs(mean_dps - self.mean) < 4.0 * spread
@@ -217,13 +249,10 @@ class ReferenceFilter:
             for h in self.hypotheses:
                 h.weight *= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
             self.normalise()
+            self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
 
     def predict(self, b: ReferenceBlock) -> None:
         """Every hypothesis, by one block."""
-        if self.blocks_ago == 1:
-            self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
-        if len(self.segment) == 1:
-            self.hypotheses = [replace(h, checkpoint=(h.mean[0], h.cov.copy(), h.moving_s)) for h in self.hypotheses]
         turns = np.array([[1.0, -b.seconds], [0.0, 1.0]])
         for h in self.hypotheses:
             if not h.is_at_rest:
@@ -231,6 +260,10 @@ class ReferenceFilter:
                 h.cov = turns @ h.cov @ turns.T + np.diag([self.walk * b.seconds, 0.0])
                 h.moving_s += b.seconds
             h.cov = h.cov + np.diag([0.0, self.p.walk_dps_rts**2 * b.seconds])
+
+    def enter(self) -> None:
+        """A segment may begin: what each hypothesis says now is kept."""
+        self.hypotheses = [replace(h, checkpoint=(h.mean[0], h.cov.copy(), h.moving_s)) for h in self.hypotheses]
 
     def normalise(self) -> None:
         """Probabilities add up to 1."""
@@ -245,7 +278,6 @@ class ReferenceFilter:
         at_rest = [h for h in self.hypotheses if h.is_at_rest]
         beyond = [(mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker for h in at_rest]
         pull = sum(h.weight * min(b, 4.0 * (var + self.flicker)) for h, b in zip(at_rest, beyond, strict=True))
-        self.flicker = max(0.0, self.flicker + 0.002 * pull)
         for k, h in enumerate(self.hypotheses):
             if h.is_at_rest:
                 gain = min(0.98 / 0.8, h.held_back)
@@ -257,6 +289,149 @@ class ReferenceFilter:
                 )
                 self.hypotheses[k], _ = kalman_update(lasting, mean_dps, var, ramp**2)
         self.normalise()
+        self.learn_noise(b, mean_dps, resting, pull)
+
+    def believes(self, b: ReferenceBlock, mean_dps: float) -> bool:
+        """Whether a witness says rest and is believed."""
+        _, bias_dps, _, sigma_dps = collapsed(self.hypotheses)
+        resting = sum(h.weight for h in self.hypotheses if h.is_at_rest)
+        self.since_s = b.seconds if resting > 0.5 else self.since_s + b.seconds
+        was_said, self.was_said = self.was_said, b.said
+        if b.said != "still":
+            self.is_believed, self.against = True, []
+            return False
+        if was_said != "still":
+            self.before_dps = bias_dps
+        if not self.is_believed:
+            return False
+        var, ramp = self.loud_var(b), self.p.drift_dps_s * min(self.since_s, 20.0)
+        if abs(mean_dps - bias_dps) < 6.0 * np.sqrt(sigma_dps**2 + var + self.flicker + ramp**2):
+            self.doubt, self.against = max(0.0, self.doubt - 0.1), []
+            return True
+        spread = np.sqrt(2.0 * var + (self.p.drift_dps_s * b.seconds) ** 2 + self.flicker)
+        agrees = self.against and abs(mean_dps - np.mean(self.against)) < 4.0 * spread
+        self.against = [*self.against, mean_dps] if agrees else [mean_dps]
+        self.doubt += 1.0
+        is_known = sum(h.weight for h in self.hypotheses if h.knows_bias) > 0.5
+        away = float(np.mean(self.against)) - (bias_dps if is_known else 0.0)
+        if len(self.against) >= (5 if is_known else 2) and abs(away) < (1.0 if is_known else 20.0) * self.p.turn_on_dps:
+            self.less_certain(away**2 * is_known)
+            self.doubt, self.against = 0.0, []
+            return True
+        if self.doubt < 5.0:
+            return False
+        self.less_certain((bias_dps - self.before_dps) ** 2)
+        self.is_believed, self.doubt, self.against = False, 4.0, []
+        self.refuted += 1
+        return False
+
+    def warm(self, b: ReferenceBlock, temp_c: Floats | None) -> None:
+        """Temperature is averaged, and moves the bias along the line."""
+        if temp_c is None:
+            return
+        before = temp_c[b.end] if np.isnan(self.temp_c) else self.temp_c
+        self.temp_c = before + (temp_c[b.end] - before) * min(1.0, b.seconds / 3.0)
+        if self.line is None:
+            return
+        moved = self.line[0] * (self.temp_c - before)
+        self.hypotheses = [
+            replace(h, mean=h.mean + np.array([0.0, moved]), cov=h.cov + np.diag([0.0, 0.09 * moved**2]))
+            if h.knows_bias and not h.is_at_rest
+            else h
+            for h in self.hypotheses
+        ]
+
+    def learn_temperature(self, b: ReferenceBlock, t_s: float, *, is_certain: bool) -> None:
+        """Ten seconds of a sure rest give a point; a line goes through all of them."""
+        _, bias_dps, _, sigma_dps = collapsed(self.hypotheses)
+        if sum(h.weight for h in self.hypotheses if h.is_at_rest) < 0.95:
+            self.sure_s, self.is_sure = 0.0, False
+            return
+        was_s, self.sure_s = self.sure_s, self.sure_s + b.seconds
+        if self.sure_s < (1.5 if is_certain else 10.0):
+            return
+        if not self.is_sure:
+            self.sure_rests, self.is_sure = self.sure_rests + 1, True
+        place = int(np.floor((self.temp_c + 40.0) / 2.0)) if np.isfinite(self.temp_c) else -1
+        if not 0 <= place < 64 or self.sure_s // 10.0 == was_s // 10.0:
+            return
+        if self.judged != self.sure_rests:
+            self.judged, self.is_refusing = self.sure_rests, False
+            if self.line is not None:
+                slope, level, fit_var = self.line
+                spread = np.sqrt(fit_var + sigma_dps**2 + 0.005**2 + (0.1 * self.p.turn_on_dps) ** 2)
+                if abs(bias_dps - level - slope * self.temp_c) < 4.0 * spread:
+                    self.refused = 0
+                elif self.refused < 3:
+                    self.refused, self.is_refusing = self.refused + 1, True
+                else:
+                    self.refused, self.points, self.line = 0, {}, None
+        if self.is_refusing:
+            return
+        count, mean_c, mean_dps, var, _ = self.points.get(place, [0.0, 0.0, 0.0, 0.0, 0.0])
+        share = max(0.2, 1.0 / (count + 1.0))
+        var = (
+            (1.0 - share) * var + share * (sigma_dps**2 + 0.005**2) + share * (1.0 - share) * (bias_dps - mean_dps) ** 2
+        )
+        mean_c, mean_dps = mean_c + share * (self.temp_c - mean_c), mean_dps + share * (bias_dps - mean_dps)
+        self.points[place] = [count + 1.0, mean_c, mean_dps, var, t_s]
+        self.fit(t_s)
+
+    def fit(self, t_s: float) -> None:
+        """Least squares, five times, in which far points count less."""
+        table = np.array([self.points[place] for place in sorted(self.points)])
+        _, c, dps, var, then_s = table.T
+        self.line = None
+        if len(c) < 5 or np.ptp(c) < 5.0:
+            return
+        slope, level = self.coefficients
+        clip = 1e9
+        for _ in range(5):
+            off = np.abs(dps - level - slope * c)
+            weight = np.minimum(1.0, clip / (off + 1e-12)) / (var + self.p.walk_dps_rts**2 * (t_s - then_s))
+            design = np.stack([c, np.ones(len(c))], axis=1) * np.sqrt(weight)[:, np.newaxis]
+            slope, level = np.linalg.lstsq(design, dps * np.sqrt(weight), rcond=None)[0]
+            fit_var = float(np.mean((dps - level - slope * c) ** 2))
+            clip = 1.5 * np.sqrt(fit_var) + 1e-9
+        self.coefficients = np.array([slope, level])
+        if abs(slope) < 0.1 and fit_var < 0.05**2:
+            self.line = (slope, level, fit_var)
+
+    def loud_var(self, b: ReferenceBlock) -> float:
+        """Of the mean of a block that may be louder than the sensor."""
+        louder = self.before / self.noise_var
+        return self.walk / b.seconds * (max(1.0, louder) if self.is_walk_measured else louder)
+
+    def less_certain(self, var: float) -> None:
+        """Of the bias, in all hypotheses."""
+        self.hypotheses = [replace(h, cov=h.cov + np.diag([0.0, var])) for h in self.hypotheses]
+
+    def stand_still(self, b: ReferenceBlock, mean_dps: float) -> None:
+        """The block is a rest in all hypotheses."""
+        var, ramp = self.loud_var(b), self.p.drift_dps_s * b.seconds
+        if not self.is_walk_measured:
+            self.noise_var, self.walk = self.before, var * b.seconds
+        at_rest = [h for h in self.hypotheses if h.is_at_rest]
+        beyond = sum(h.weight * ((mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker) for h in at_rest)
+        found, logs = [], []
+        for h in self.hypotheses:
+            drifted = self.p.drift_dps_s * (b.seconds if h.is_at_rest else min(h.moving_s, 20.0))
+            spread = np.sqrt(h.cov[1, 1] + drifted**2 + var + self.flicker)
+            logs.append(np.log(h.weight) + norm.logpdf(mean_dps, h.mean[1], spread))
+            if h.is_at_rest:
+                new = kalman_update(h, mean_dps, var, ramp**2)[0]
+            else:
+                new = first_kalman_update(h, mean_dps, var, self.p)[0]
+            found.append(replace(new, is_at_rest=True, is_unexpected_bias=False, held_back=1.0, moving_s=0.0))
+        found = [replace(h, weight=np.exp(log - max(logs))) for h, log in zip(found, logs, strict=True)]
+        self.hypotheses = found
+        if self.was_certain:
+            self.learn_noise(b, mean_dps, 1.0, min(beyond, 4.0 * (var + self.flicker)))
+        self.hypotheses = merged_and_pruned(self.hypotheses)
+
+    def learn_noise(self, b: ReferenceBlock, mean_dps: float, resting: float, beyond: float) -> None:
+        """Flicker and angle random walk, by a block at rest."""
+        self.flicker = max(0.0, self.flicker + 0.002 * beyond)
         self.is_walk_measured = self.is_walk_measured or resting > 0.5
         found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.walk)
         self.walk += 0.05 * resting * (found - self.walk)
@@ -288,6 +463,8 @@ class ReferenceFilter:
         odds = share / (1.0 - share) * self.quietness()
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
+            if h.is_at_rest:
+                continue
             back = replace(gone_back(h), was_at_rest=False)
             found, log_likelihood = first_kalman_update(back, self.mean, var, self.p)
             density = self.level_density(self.mean - h.mean[1], h.cov[1, 1])
@@ -316,28 +493,48 @@ class ReferenceFilter:
         return float(0.03 + 4.0 * wanders * near + (1.0 - self.quietness()) * loud)
 
 
-def reference(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> dict[str, Floats]:
+def reference(
+    t_s: Floats,
+    rate_dps: Floats,
+    p: RestlevelParams,
+    still: Floats | None = None,
+    remembered: Sequence[tuple[float, float, float]] = (),
+    temp_c: Floats | None = None,
+) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
-    kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0))
-    one = ReferenceFilter(
-        p,
-        [
-            ReferenceHypothesis(k, weight, np.zeros(2), np.diag([0.0, share * p.turn_on_dps**2]))
-            for k, (weight, share) in enumerate(kinds)
-        ],
-    )
+    kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
+    known = len(remembered)
+    unknown = 1.0 - sum(weight for weight, _, _ in remembered)
+    begun = [
+        ReferenceHypothesis(k, weight, np.array([0.0, bias]), np.diag([0.0, var + p.walk_dps_rts**2]), knows_bias=True)
+        for k, (weight, bias, var) in enumerate(remembered)
+    ]
+    for k, (weight, share) in enumerate(kinds):
+        cov = np.diag([0.0, share * p.turn_on_dps**2])
+        begun.append(ReferenceHypothesis(known + k, unknown * weight, np.zeros(2), cov, p.turn_on_dps == 0.0))
+    one = ReferenceFilter(p, begun)
     rows = []
-    for b in blocks_of(t_s, rate_dps, p.window_s):
+    for b in blocks_of(t_s, rate_dps, p.window_s, still):
         mean_dps = b.turned_deg / b.seconds
         one.follow(b, mean_dps)
+        if len(one.segment) == 1:
+            one.enter()
+        one.warm(b, temp_c)
+        is_certain = one.believes(b, mean_dps)
+        if is_certain:
+            one.stand_still(b, mean_dps)
+        elif one.was_certain and len(one.segment) < 5:
+            one.hypotheses = [replace(h, is_at_rest=False) for h in one.hypotheses]
         one.predict(b)
-        if len(one.segment) > 5:
+        if len(one.segment) > 5 and not is_certain:
             one.zero_velocity_update(b, mean_dps)
         if len(one.segment) > 1:
             one.mean += (mean_dps - one.mean) / min(len(one.segment), 10)
-        if len(one.segment) == 5:
+        if len(one.segment) == 5 and not is_certain:
             one.confirm(b)
+        one.was_certain = is_certain
         one.last = mean_dps
+        one.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
         rows.append((b.end, *collapsed(one.hypotheses)))
     columns = zip(*rows, strict=True)
     return {
@@ -365,7 +562,9 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
                 weight = a.weight + b.weight
                 shares = np.array([a.weight, b.weight]) / weight
                 mean, cov = moment_matched(shares, [a.mean, b.mean], [a.cov, b.cov])
-                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moving_s=min(a.moving_s, b.moving_s))
+                held_back = float(shares @ [a.held_back, b.held_back])
+                moving_s = min(a.moving_s, b.moving_s)
+                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moving_s=moving_s, held_back=held_back)
             else:
                 j += 1
         k += 1
@@ -377,10 +576,10 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
 
 
 def collapsed(hypotheses: list[ReferenceHypothesis]) -> tuple[float, float, float, float]:
-    """Yaw and bias as means by squared weight; their variances about that by weight."""
+    """Yaw and bias as means by cubed weight; their variances about that by weight."""
     weights = np.array([h.weight for h in hypotheses])
     means = np.array([h.mean for h in hypotheses])
-    mean = weights**2 @ means / (weights**2).sum()
+    mean = weights**3 @ means / (weights**3).sum()
     kept = np.maximum(weights - 0.045, 0.0)
     kept /= kept.sum()
     cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(kept, hypotheses, strict=True))

@@ -11,9 +11,11 @@ LINE_END = b"\r\n"
 BANNER = b"# t_us,rate_dps,encoder_deg,temp_c" + LINE_END
 
 
-def csv_line(t_us: int, rate_dps: float, encoder_deg: float | None, temp_c: float | None) -> bytes:
+def csv_line(
+    t_us: int, rate_dps: float, encoder_deg: float | None, temp_c: float | None, still: float | None = None
+) -> bytes:
     """A line with the fewest digits that tell each number from all others; what is absent before a value is nan."""
-    values = [rate_dps, encoder_deg, temp_c]
+    values = [rate_dps, encoder_deg, temp_c, still]
     while values[-1] is None:
         values.pop()
     texts = ("nan" if value is None else repr(value) for value in values)
@@ -26,9 +28,12 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
     rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
     for block in blocks:
-        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts in block.rows():
+        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts, still in block.rows():
             angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
-            line = csv_line(t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0)
+            said = None if still < 0 else float(still)
+            line = csv_line(
+                t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0, said
+            )
             yield Frame(t_host_s, line, 1, LINE_END)
 
 
@@ -40,7 +45,7 @@ def _digits(step: float) -> int:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """A line for each sample, with every digit."""
     for m in measurements:
-        yield Frame(m.due_s, csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c), 1, LINE_END)
+        yield Frame(m.due_s, csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c, m.still), 1, LINE_END)
 
 
 ENCODER = WireEncoder("csv", frames, recorded)

@@ -34,6 +34,8 @@ class Measurement(NamedTuple):
         Yaw rate, deg/s, with all its digits; it may be no finite number.
     encoder_deg, temp_c
         Reference angle in degrees and temperature in °C; None, or NaN, where there is none.
+    still
+        What is said of rest beside the rate: 1 stands still, 0 moves; likewise.
     """
 
     due_s: float
@@ -42,6 +44,7 @@ class Measurement(NamedTuple):
     rate_dps: float
     encoder_deg: float | None
     temp_c: float | None
+    still: float | None = None
 
 
 def in_16_bits(value: float) -> int:

@@ -10,6 +10,7 @@ from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bit
 
 HELLO_TYPE, SAMPLE_TYPE, VERSION = 0x01, 0x02, 0x01
 ENCODER_VALID, TEMPERATURE_VALID, RATE_CLIPPED = 0x01, 0x02, 0x04
+STILL_VALID, STILL = 0x08, 0x10
 DEVICE_ID = b"firmware_sim"
 DELIMITER = b"\0"
 
@@ -67,18 +68,25 @@ def sample_frame(flags: int, seq: int, t_us: int, rate_raw: int, temp_centi_c: i
     return native_frame(struct.pack("<BBHIhhi", *fields))
 
 
+def still_flags(still: float) -> int:
+    """What is said of rest, as flags: 1 stands still, 0 moves, anything else is not said."""
+    if still == 1:
+        return STILL_VALID | STILL
+    return STILL_VALID if still == 0 else 0
+
+
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """HELLO at power-on, once a second, and where the clock has begun anew; SAMPLE for each measurement."""
     hello = hello_frame(base)
     next_hello_s = last_us = 0.0
     for block in blocks:
         always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
-        for seq, t_us, t_host_s, rate_raw, is_clipped, temp_centi_c, counts in block.rows():
+        for seq, t_us, t_host_s, rate_raw, is_clipped, temp_centi_c, counts, still in block.rows():
             if t_us / 1e6 >= next_hello_s or t_us < last_us:
                 yield Frame(t_host_s, hello, 0, DELIMITER)
                 next_hello_s = t_us // 1_000_000 + 1.0
             last_us = t_us
-            flags = always | (RATE_CLIPPED if is_clipped else 0)
+            flags = always | (RATE_CLIPPED if is_clipped else 0) | still_flags(still)
             yield Frame(t_host_s, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1, DELIMITER)
 
 
@@ -97,6 +105,7 @@ def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]
 def _recorded_sample(m: Measurement, base: Base) -> bytes:
     raw = m.rate_dps / base.dps_per_lsb
     flags = RATE_CLIPPED if abs(raw) >= COUNTS_MOST + 0.5 else 0
+    flags |= still_flags(-1.0 if m.still is None else m.still)
     counts = temp_centi_c = 0
     if m.encoder_deg is not None and isfinite(m.encoder_deg):
         flags |= ENCODER_VALID

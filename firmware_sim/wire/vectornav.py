@@ -37,7 +37,7 @@ def vectornav_sample(t_us: int, rate_dps: float, temp_c: float) -> bytes:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A frame for each measurement."""
     for block in blocks:
-        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             sample = vectornav_sample(t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0)
             yield Frame(t_host_s, sample, 1)
 

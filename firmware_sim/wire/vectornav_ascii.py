@@ -21,7 +21,7 @@ def vnimu(rate_dps: float, temp_c: float) -> bytes:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A message for each measurement."""
     for block in blocks:
-        for _, _, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+        for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, vnimu(rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1, LINE_END)
 
 

@@ -32,7 +32,7 @@ def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """Three frames for each measurement."""
     for block in blocks:
-        for _, _, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+        for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
 
 

@@ -36,7 +36,7 @@ def xsens_sample(seq: int, t_us: int, rate_dps: float, temp_c: float | None) -> 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A message for each measurement."""
     for block in blocks:
-        for seq, t_us, t_host_s, rate_raw, _, temp_centi_c, _ in block.rows():
+        for seq, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, xsens_sample(seq, t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1)
 
 

@@ -1,8 +1,8 @@
 """Control a running service through the socket that its --control names.
 
 zero makes yaw 0; heading DEG gives the compass heading, clockwise from north; rest 1 says that the device stands still,
-rest 0 that it moves; rate HZ thins the lines on stdout (0: every sample); status tells everything; reload reads the
-config again; stop ends the service. The answer is one JSON object on stdout.
+rest 0 that it moves, and rest auto takes that back; rate HZ thins the lines on stdout (0: every sample); status tells
+everything; reload reads the config again; stop ends the service. The answer is one JSON object on stdout.
 """
 
 import argparse

@@ -10,6 +10,7 @@ import os
 import stat
 import sys
 from collections.abc import Iterator
+from math import nan
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -45,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
+        from gyrodrift.filters.beginning import beginning_of
 
         if arguments.out is not None:
             inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
@@ -52,8 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
         config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = options.calibrated_session(arguments.session, config)
-        state: FilterState = config.chosen.state()
-        _write(arguments.out, session, csv_lines(session, config.chosen, config.params, state), progress.evaluated)
+        chosen = config.chosen
+        state: FilterState = beginning_of(chosen, session.metadata, session.name) or chosen.state()
+        _write(arguments.out, session, csv_lines(session, chosen, config.params, state), progress.evaluated)
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0
@@ -81,7 +84,14 @@ def _is_file(stream: TextIO) -> bool:
 def csv_lines(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> Iterator[str]:
     """The header and a line for each accepted sample, every float with all its digits."""
     yield f"{','.join(['t_device_s', 'rate_dps', *chosen.columns])}\n"
-    columns, step, c = attrgetter(*chosen.columns), chosen.step, chosen.coefficients(params)
-    for t_s, rate_dps in zip(session.t_device_s.tolist(), session.rate_dps.tolist(), strict=True):
-        if step(c, state, t_s, rate_dps):
+    columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
+    for t_s, rate_dps, still, temp_c in zip(*_inputs(session), strict=True):
+        if step(c, state, t_s, rate_dps, still, temp_c):
             yield f"{','.join(map(repr, (t_s, rate_dps, *columns(state))))}\n"
+
+
+def _inputs(session: "Session") -> Iterator[list[float]]:
+    """Times, rates, and what is known beside them."""
+    unsaid = [nan] * len(session.t_device_s)
+    for column in (session.t_device_s, session.rate_dps, session.still, session.temp_c):
+        yield unsaid if column is None else column.tolist()

@@ -11,16 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
+from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
+    from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.service.commands import ServiceCommands
     from gyrodrift.service.control import Control
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.memory_keeper import MemoryKeeper
+    from gyrodrift.service.reporting import Reporting
 
 
 class ListOutputs(argparse.Action):
@@ -74,6 +78,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="let this user control the service through a unix socket: gyrodrift ctl (default: none)",
     )
+    parser.add_argument(
+        "--memory",
+        type=Path,
+        metavar="FILE",
+        help="keep what the filter knows of the device in this file across restarts; a recording (.mcap) is read only: "
+        "the filter begins as it began there (default: none)",
+    )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
@@ -97,6 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.loop import Service
     from gyrodrift.service.notify import SystemdNotify
+    from gyrodrift.service.rest_word import RestWord
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
@@ -111,28 +123,20 @@ def run(arguments: argparse.Namespace) -> int:
         listeners: list[SampleListener] = [*recording, filtering]
         if options.reads_columns_of_config(arguments):
             filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
-        control = None
+        keeper = _remembered(arguments.memory, filtering, listeners)
+        word, control = RestWord(), None
         if asked or watch is not None or arguments.control is not None:
             from gyrodrift.service.commands import ServiceCommands
-            from gyrodrift.service.link_meter import LinkMeter
-            from gyrodrift.service.output_feed import OutputFeed
-            from gyrodrift.service.reporting import Reporting
 
-            meter, feed = LinkMeter(link), OutputFeed(log, options.log_level(arguments), arguments.log_format)
-            reporting = Reporting(meter, filtering, feed)
-            filtering.sinks.append(feed)
-            filtering.event_listeners.append(feed.hear)
-            filtering.config_listeners.append(lambda new: feed.want([*asked, *new.outputs]))
-            feed.state = reporting.status
-            events.listeners.append(feed.hear)
-            listeners.insert(0, meter)
+            reporting = _reporting(arguments, asked, filtering, listeners, events)
+            reporting.memory = keeper
             if arguments.control is not None:
-                control = _control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop), log)
+                control = _control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop, word), log)
                 closing.callback(control.close)
-            feed.want([*asked, *(watch.config.outputs if watch else ())])
+            reporting.feed.want([*asked, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        Service(link, listeners, log, events, stop, filtering.sinks, control, notify).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word).run()
     return 0
 
 
@@ -143,22 +147,73 @@ def _control(path: Path, commands: "ServiceCommands", log: "FilteringBoundLogger
     return Control(path, commands.all(), log)
 
 
+def _reporting(
+    arguments: argparse.Namespace,
+    asked: "list[OutputSpec]",
+    filtering: "Filtering",
+    listeners: "list[SampleListener]",
+    events: "LinkEvents",
+) -> "Reporting":
+    """What tells of the service, and the way to the outputs: both hear the samples and what happens."""
+    from gyrodrift.service.link_meter import LinkMeter
+    from gyrodrift.service.output_feed import OutputFeed
+    from gyrodrift.service.reporting import Reporting
+
+    meter = LinkMeter(filtering.link)
+    feed = OutputFeed(filtering.log, options.log_level(arguments), arguments.log_format)
+    reporting = Reporting(meter, filtering, feed)
+    filtering.sinks.append(feed)
+    filtering.event_listeners.append(feed.hear)
+    filtering.config_listeners.append(lambda new: feed.want([*asked, *new.outputs]))
+    feed.state = reporting.status
+    events.listeners.append(feed.hear)
+    listeners.insert(0, meter)
+    return reporting
+
+
 def _recording(
     arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
 ) -> "SampleListener":
     """The recorder of `--record`, which hears what happens to link, filter and config too."""
+    from gyrodrift.filters.beginning import table_of
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
     about = {} if filtering.watch is None else options.config_tables(arguments.config, filtering.watch.config)
-    recording = ResilientRecorder(RecordOptions(*what, about), filtering.link, log)
+    asked = RecordOptions(*what, about, lambda: table_of(filtering.filter, filtering.state))
+    recording = ResilientRecorder(asked, filtering.link, log)
     repair_interrupted(arguments.record, log)
     events.listeners.append(recording.on_event)
     filtering.event_listeners.append(recording.on_event)
     filtering.config_listeners.append(lambda new: recording.set_about(options.config_tables(arguments.config, new)))
     return recording
+
+
+def _remembered(path: Path | None, filtering: "Filtering", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
+    """What is remembered is there before the first sample, for the filter and for the recording."""
+    if path is None:
+        return None
+    if path.suffix == ".mcap":
+        filtering.begin_with(_recorded_beginning(path, filtering.filter))
+        return None
+    from gyrodrift.service.memory_keeper import MemoryKeeper
+
+    keeper = MemoryKeeper(path, filtering, filtering.log)
+    listeners.insert(0, keeper)
+    return keeper
+
+
+def _recorded_beginning(path: Path, kind: "Filter") -> "FilterState":
+    """The state that this filter began with in a recording."""
+    from gyrodrift.filters.beginning import beginning_of
+    from gyrodrift.session.files import load_session
+
+    state = beginning_of(kind, load_session(path).metadata, str(path))
+    if state is None:
+        raise UsageError(f"--memory {path}: does not say what a filter {kind.name} began with: it began anew")
+    return state
 
 
 def _outputs(asked: list[str]) -> "list[OutputSpec]":

@@ -271,6 +271,7 @@ class _Work:
 def _compared(work: _Work) -> ComparedSession:
     loaded, known = load_with_reference(work.source), by_key()
     reference = loaded.reference
+    known = {key: one.seeing(reference.beside) if one.seeing else one for key, one in known.items()}
     yaws_deg = [known[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
     return ComparedSession(
         session=loaded.description,

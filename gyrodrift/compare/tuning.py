@@ -73,6 +73,9 @@ def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progr
 def _pi(row: tuple[str, Mapping[str, float]]) -> float:
     """PI over the training sessions, deg²."""
     key, params = row
-    run = by_key()[key].run
-    scores = [score_of(one.reference, run(one.t_s, one.reference.rate_dps, params)) for one in _training]
+    method = by_key()[key]
+    scores = []
+    for one in _training:
+        seeing = method.seeing(one.reference.beside) if method.seeing else method
+        scores.append(score_of(one.reference, seeing.run(one.t_s, one.reference.rate_dps, params)))
     return float(np.mean([score.pi_deg2 for score in scores]))

@@ -7,7 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.integration import euler
-from gyrodrift.evaluation.reference import accepted, unwrapped
+from gyrodrift.evaluation.reference import accepted, beside_of, unwrapped
 from gyrodrift.filters.filter import Filter
 from gyrodrift.session.session import Session
 
@@ -70,7 +70,9 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
     t_s, rate_dps = session.t_device_s[kept], session.rate_dps[kept]
     if len(t_s) < 2:
         return None
-    corrected_deg, sigma_deg, bias_dps = _filtered(t_s, rate_dps, chosen, params)
+    said = beside_of(session).filled(len(kept))
+    beside = (said.still[kept], said.temp_c[kept])
+    corrected_deg, sigma_deg, bias_dps = _filtered((t_s, rate_dps, *beside), chosen, params)
     return YawHistory(
         filter_name=chosen.name,
         t_s=t_s - session.t_device_s[np.isfinite(session.t_device_s)][0],
@@ -82,12 +84,15 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
     )
 
 
-def _filtered(t_s: Floats, rate_dps: Floats, chosen: Filter, params: Any) -> Floats:
-    """Yaw, its standard deviation and the bias, shape (3, k): the very steps that `serve` takes."""
-    state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step
-    found = np.empty((3, len(t_s)))
-    for at, (time_s, dps) in enumerate(zip(t_s.tolist(), rate_dps.tolist(), strict=True)):
-        step(coefficients, state, time_s, dps)
+def _filtered(samples: tuple[Floats, ...], chosen: Filter, params: Any) -> Floats:
+    """Yaw, its standard deviation and the bias, shape (3, k): the very steps that `serve` takes.
+
+    Samples are times in s, rates in deg/s, and what is known beside them.
+    """
+    state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step_beside
+    found = np.empty((3, len(samples[0])))
+    for at, sample in enumerate(zip(*(each.tolist() for each in samples), strict=True)):
+        step(coefficients, state, *sample)
         found[:, at] = state.yaw_deg, state.yaw_sigma_deg, state.bias_dps
     return found
 

@@ -98,7 +98,7 @@ def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats, name: s
         for at, place in enumerate(places.tolist()):
             reference = batch.references[place]
             found[:, at, cut] = kernel.sums(
-                reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared
+                reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared, reference.beside
             )
     found[:2] /= batch.counts[places]
     return found

@@ -121,7 +121,12 @@ class Cost:
         def work(at: int, group: int) -> None:
             reference, cut = self.references[on[at]], cuts[group]
             found[:, at, cut] = self._kernel.sums(
-                reference.dt_s, reference.rate_dps, reference.reference_deg, params[cut], tables[group]
+                reference.dt_s,
+                reference.rate_dps,
+                reference.reference_deg,
+                params[cut],
+                tables[group],
+                reference.beside,
             )
 
         longest_first = sorted(range(len(on)), key=lambda at: -len(self.references[on[at]].dt_s))

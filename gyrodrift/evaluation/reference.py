@@ -1,6 +1,7 @@
 """What filters are evaluated on: the samples of a session that they accept, and the angle these should give."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,26 @@ from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.session.session import Session
 
 FULL_TURN_DEG = 360.0
+
+
+class Beside(NamedTuple):
+    """What is known beside the rate, sample by sample, shape (n,); NaN where nobody says, shape (0,) where never.
+
+    still
+        1 where something else says that the device stands still, 0 where it moves.
+    temp_c
+        Temperature of the sensor, °C.
+    """
+
+    still: Floats
+    temp_c: Floats
+
+    def filled(self, count: int) -> "Beside":
+        """With a value for each of so many samples."""
+        return Beside(*(each if len(each) else np.full(count, np.nan) for each in self))
+
+
+NOTHING_BESIDE = Beside(np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +46,8 @@ class Reference:
         Angle that yaw should have, unwrapped, 0 at the first sample; NaN where there is none.
     minutes
         True duration by device time.
+    beside
+        What is known beside the rate.
     """
 
     name: str
@@ -32,6 +55,7 @@ class Reference:
     rate_dps: Floats
     reference_deg: Floats
     minutes: float
+    beside: Beside = NOTHING_BESIDE
 
     def thinned(self, points: int) -> NDArray[np.int64]:
         """Indices of at most so many of the samples that have a reference, evenly spread, for a figure."""
@@ -76,7 +100,19 @@ def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Flo
     t_s, rate_dps = session.t_device_s[kept][first:], session.rate_dps[kept][first:]
     reference_deg = reference_deg[first:] - reference_deg[first]
     dt_s = np.diff(t_s, prepend=t_s[0])
-    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0)
+    return t_s, Reference(
+        session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0, _beside(session, kept, first)
+    )
+
+
+def beside_of(session: Session) -> Beside:
+    """What a session says beside its rate."""
+    nothing = NOTHING_BESIDE.still
+    return Beside(*(nothing if each is None else each for each in (session.still, session.temp_c)))
+
+
+def _beside(session: Session, kept: NDArray[np.bool_], first: int) -> Beside:
+    return Beside(*(each[kept][first:] if len(each) else each for each in beside_of(session)))
 
 
 def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool) -> Floats:

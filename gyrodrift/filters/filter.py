@@ -46,6 +46,19 @@ class FilterState(Protocol):
         ...
 
 
+class WitnessState(Protocol):
+    """What a filter that hears a witness of rest tells of it, as `state.witness`.
+
+    is_believed
+        Until the rate has contradicted it, and again once it has said something else.
+    refuted
+        How often it was found out.
+    """
+
+    is_believed: bool
+    refuted: int
+
+
 class FilterParams(Protocol):
     """A frozen dataclass of floats, each with a default and with its bounds as `Annotated[float, Ge(0.0), Le(1.0)]`."""
 
@@ -97,6 +110,24 @@ def as_they_are(params: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
+class FilterMemory:
+    """How a filter remembers its sensor from one run to the next, as a frozen dataclass of its own.
+
+    learned
+        From the state, what was remembered before and how old that is now, s, to what is known; None for nothing yet.
+    begun
+        From parameters, what is remembered, its age in s and the temperature of the sensor in °C, None where that is
+        not known, to a new state.
+    read
+        What is remembered, from a table of a file; ValueError where it is none.
+    """
+
+    learned: Callable[[Any, Any, float], Any]
+    begun: Callable[[Any, Any, float, float | None], Any]
+    read: Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
 class Filter:
     """A filter: three records, a step, and what config, `serve`, `filter`, `tune` and `compare` ask about it.
 
@@ -106,6 +137,12 @@ class Filter:
         The record of parameters; from parameters to what is worked out once; an empty state.
     step
         Takes coefficients, state, device time in s and rate in deg/s; False where the sample was passed by.
+    sees_beside
+        Whether its step takes two more numbers, what is known beside the rate: 1 where something else says that the
+        device stands still and 0 where it moves, and the temperature of the sensor in °C; NaN where nobody says. Its
+        state then has a `witness`, a `WitnessState`.
+    memory
+        How it remembers its sensor; None for one that begins anew.
     columns
         Attributes of the state that `gyrodrift filter` writes beside time and rate.
 
@@ -132,7 +169,7 @@ class Filter:
     name: str
     params: type[Any]
     state: Callable[[], Any]
-    step: Callable[[Any, Any, float, float], bool]
+    step: Callable[..., bool]
     columns: tuple[str, ...]
     parameters: tuple[FilterParameter, ...]
     baseline: FilterParams
@@ -145,6 +182,16 @@ class Filter:
     about: str = "Its defaults where no --config is given."
     colour: str = "ink"
     dash: str = "--"
+    sees_beside: bool = False
+    memory: FilterMemory | None = None
+
+    @property
+    def step_beside(self) -> Callable[[Any, Any, float, float, float, float], bool]:
+        """The step with what is known beside the rate, which a filter of the rate alone passes by."""
+        if self.sees_beside:
+            return self.step
+        step = self.step
+        return lambda c, s, t_s, rate_dps, _still, _temp_c: step(c, s, t_s, rate_dps)
 
     @property
     def counts_samples(self) -> bool:

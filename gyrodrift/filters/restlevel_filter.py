@@ -1,6 +1,7 @@
 """Restlevel as everything else knows it: records and step, what its parameters mean, and where they are searched."""
 
-from gyrodrift.filters.filter import Filter, FilterParameter, ReducedModel, SearchRange
+from gyrodrift.filters.filter import Filter, FilterMemory, FilterParameter, ReducedModel, SearchRange
+from gyrodrift.filters.restlevel import memory
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 
@@ -24,7 +25,7 @@ PARAMETERS = (
     FilterParameter(
         "turn_on_dps",
         "deg/s",
-        "standard deviation of the bias at power-on, deg/s",
+        "standard deviation of the bias at power-on (0: the sensor takes it out itself), deg/s",
         "Small: a first level far from zero is taken for a spin. Large: a slow spin is taken for a bias.",
         "it takes sessions that begin in motion, each after a power-on of its own",
         SearchRange(0.02, 20.0, is_log=True),
@@ -85,4 +86,6 @@ RESTLEVEL = Filter(
     title="restlevel",
     colour="tuned",
     dash="-",
+    sees_beside=True,
+    memory=FilterMemory(memory.learned, memory.begun, memory.knowledge),
 )

@@ -7,7 +7,7 @@ from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.registry import PROTOCOLS, listed
 
-CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c]]"
+CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 MOST_NAMES = 12
 
 

@@ -48,7 +48,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     `opening` is what the object begins with, for a field that all lines have.
     """
     (
-        (seq, t_s, _, rate_dps, encoder_deg, temp_c),
+        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _),
         corrected_dps,
         yaw_deg,
         bias_dps,

@@ -68,6 +68,10 @@ class FilterStatus:
         Compass heading, clockwise from north, 0 to 360; None until a reference was given.
     rejected
         Samples that it passed by.
+    still, is_witness_believed
+        What was said last of rest beside the rate, 1 stands still and 0 moves, and whether that is believed.
+    temp_curve
+        Bias against temperature: `is_accepted`, `slope_dps_c`, `fit_dps`, `points`, `least_c`, `most_c`, `refused`.
     """
 
     name: str = ""
@@ -80,6 +84,9 @@ class FilterStatus:
     heading_deg: float | None = None
     temp_c: float | None = None
     rejected: int = 0
+    still: float | None = None
+    is_witness_believed: bool | None = None
+    temp_curve: dict[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +164,8 @@ class ServiceStatus:
         Resident memory of the service and of the outputs' process.
     dropped
         Samples that the outputs' process was too slow for.
+    memory
+        Of what the filter remembers: `file`, `state` (none, new, used or refused), `reason`, `device`; None without.
     """
 
     version: str = ""
@@ -170,6 +179,7 @@ class ServiceStatus:
     filter: FilterStatus = field(default_factory=FilterStatus)
     config: ConfigStatus = field(default_factory=ConfigStatus)
     outputs: tuple[OutputStatus, ...] = ()
+    memory: dict[str, str] | None = None
 
     def to_json(self) -> str:
         """One line."""

@@ -16,7 +16,7 @@ STATUS = b"T"
 OUTPUTS = b"O"
 DROPPED = b"D"
 
-RECORD = Struct("<q14d")
+RECORD = Struct("<q15d")
 MOST_RECORDS = 256
 """In a datagram."""
 
@@ -33,7 +33,7 @@ def pack_samples(samples: Sequence[Corrected]) -> bytes:
 
 def unpack_samples(message: bytes) -> list[Corrected]:
     """What `pack_samples` packed."""
-    return [Corrected(Sample(*record[:6]), *record[6:]) for record in RECORD.iter_unpack(memoryview(message)[1:])]
+    return [Corrected(Sample(*record[:7]), *record[7:]) for record in RECORD.iter_unpack(memoryview(message)[1:])]
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:

@@ -11,7 +11,7 @@ class LiveYaw:
 
     def __init__(self, chosen: Filter, params: FilterParams, calibration: Calibration | None = None) -> None:
         self._calibration = calibration
-        self._step, self._coefficients = chosen.step, chosen.coefficients(params)
+        self._step, self._coefficients = chosen.step_beside, chosen.coefficients(params)
         self._state: FilterState = chosen.state()
 
     def take(self, samples: list[Sample], link: Link) -> None:
@@ -19,7 +19,8 @@ class LiveYaw:
         step, coefficients, state = self._step, self._coefficients, self._state
         right = self._applied_to(link)
         for sample in samples:
-            step(coefficients, state, sample.t_device_s, right.rate_dps(sample.rate_dps, sample.temp_c))
+            rate_dps = right.rate_dps(sample.rate_dps, sample.temp_c)
+            step(coefficients, state, sample.t_device_s, rate_dps, sample.still, sample.temp_c)
 
     def _applied_to(self, link: Link) -> Calibration:
         given = self._calibration

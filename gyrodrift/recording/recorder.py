@@ -41,6 +41,8 @@ class RecordOptions:
         Whether the bytes of the link are kept beside the samples.
     about
         More named tables for the metadata of each file: the config of a service, as it is at first.
+    beginning
+        Others that are asked for when a file begins: what its filter knows then.
     """
 
     folder: Path
@@ -50,6 +52,7 @@ class RecordOptions:
     rotate_s: float | None = None
     keeps_raw: bool = False
     about: Mapping[str, dict[str, str]] = field(default_factory=dict)
+    beginning: Callable[[], Mapping[str, dict[str, str]]] = dict
 
 
 class Recorder:
@@ -177,7 +180,13 @@ class Recorder:
         self._disk = self._new_file(device.device_id or "")
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
-            self._disk, {"recording": self._about(), **self._about_tables, **_device_tables(device)}
+            self._disk,
+            {
+                "recording": self._about(),
+                **self._about_tables,
+                **self.options.beginning(),
+                **_device_tables(device),
+            },
         )
         self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:

@@ -2,16 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import nan
 from typing import Any
 
 from gyrodrift.errors import ConfigError
 from gyrodrift.service.control import CommandError, ControlCommand, number
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.reporting import Reporting
+from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.stdout import JsonLines
 
 FASTEST_HZ = 1e6
+
+UNSAID = "auto"
+"""What takes back a word of rest: the device's own counts again, if it says any."""
 
 
 @dataclass(slots=True)
@@ -22,6 +27,7 @@ class ServiceCommands:
     stdout: JsonLines
     reporting: Reporting
     stop: StopSignal
+    word: RestWord
 
     def all(self) -> dict[str, ControlCommand]:
         """By name."""
@@ -46,9 +52,15 @@ class ServiceCommands:
         return {"heading_deg": heading_deg}
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
-        if words not in (["0"], ["1"]):
-            raise CommandError("expected rest 0 or rest 1")
-        raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
+        if words not in (["0"], ["1"], [UNSAID]):
+            raise CommandError(f"expected rest 0 or rest 1, or rest {UNSAID} to take it back")
+        witness = self.filtering.witness
+        if witness is None:
+            raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
+        said = None if words == [UNSAID] else float(words[0])
+        is_new = self.word.still != said
+        self.word.still = nan if said is None else said
+        return {"still": said, "is_believed": witness.is_believed or is_new}
 
     def _rate(self, words: list[str]) -> Mapping[str, Any]:
         rate_hz = number(words, "rate HZ, or rate 0 for every sample")

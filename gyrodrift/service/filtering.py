@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from structlog.typing import FilteringBoundLogger
 
 from gyrodrift.errors import ConfigError
-from gyrodrift.filters.filter import Filter, FilterState
+from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected, Sample
@@ -73,6 +73,7 @@ class Filtering:
     refused: int = 0
     applied_s: float | None = None
     _is_gone: bool = False
+    _refuted: int = 0
 
     def __post_init__(self) -> None:
         given = self.watch.config.calibration if self.watch is not None else None
@@ -107,6 +108,7 @@ class Filtering:
             self.log.warning("samples_rejected", **fields)
             self._tell("samples_rejected", fields)
             self._rejected, self._rejected_s = self.state.rejected, now_s
+        self._tell_refuted()
         if not self._is_rate_checked and self.watch is not None and self.filter.counts_samples:
             self._compare_rate(self.watch.config)
 
@@ -127,6 +129,15 @@ class Filtering:
         """As it is sent."""
         return self.state.yaw_deg - self.reference.zero_deg
 
+    @property
+    def witness(self) -> WitnessState | None:
+        """What the filter tells of its witness of rest; None for one that hears none."""
+        return getattr(self.state, "witness", None) if self.filter.sees_beside else None
+
+    def begin_with(self, state: FilterState) -> None:
+        """Let the filter begin with this instead of anew; before its first sample."""
+        self.state = state
+
     def zero(self) -> None:
         """Yaw is 0 from here."""
         self.reference.zero(self.state.yaw_deg, self.raw_yaw_deg)
@@ -136,12 +147,12 @@ class Filtering:
         self.reference.set_heading(self.state.yaw_deg, heading_deg)
 
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
-        step, coefficients, state = self.filter.step, self._coefficients, self.state
+        step, coefficients, state = self.filter.step_beside, self._coefficients, self.state
         reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
         zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
         corrected = []
         for sample in samples:
-            if step(coefficients, state, sample.t_device_s, sample.rate_dps):
+            if step(coefficients, state, sample.t_device_s, sample.rate_dps, sample.still, sample.temp_c):
                 if last is not None:
                     raw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * (sample.t_device_s - last.t_device_s)
                 last = sample
@@ -190,6 +201,19 @@ class Filtering:
             self._refuse(error)
             raise
         return [] if new is None else self._apply(watch, old, new)
+
+    def _tell_refuted(self) -> None:
+        """A witness of rest that the rate has contradicted."""
+        witness = self.witness
+        if witness is None or witness.refuted <= self._refuted:
+            return
+        self._refuted = witness.refuted
+        fields = {
+            "count": witness.refuted,
+            "hint": "it said rest in a turn, and is not believed until it says otherwise",
+        }
+        self.log.warning("witness_refuted", **fields)
+        self._tell("witness_refuted", fields)
 
     def _follow_config(self, watch: "ConfigWatch") -> None:
         old, new = watch.config, None
@@ -243,6 +267,7 @@ class Filtering:
     def _begin_again(self, chosen: Filter) -> None:
         """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
         old, self.filter, self.state = self.state, chosen, chosen.state()
+        self._refuted = 0
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:

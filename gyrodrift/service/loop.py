@@ -16,6 +16,7 @@ from structlog.typing import FilteringBoundLogger
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.listener import SampleListener
+from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
@@ -53,6 +54,8 @@ class Service:
         Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
     control
         Who may ask the service for something while it runs.
+    word
+        What somebody has said of rest, for all listeners.
     notify
         Told that the service is ready, and with every turn of the loop that it is alive.
     read_interval_s
@@ -70,6 +73,7 @@ class Service:
     sinks: Sequence[Sink] = ()
     control: "Control | None" = None
     notify: "SystemdNotify | None" = None
+    word: RestWord | None = None
     read_interval_s: float = 0.0
     end_event: str = "service_end"
     _marks: _Marks = field(default_factory=_Marks)
@@ -106,6 +110,8 @@ class Service:
         while not self.stop.is_set:
             is_waited_for = self._wait()
             samples = self.link.read()
+            if self.word is not None:
+                samples = self.word.told(samples)
             if samples or is_waited_for:
                 for listener in self.listeners:
                     listener.take(samples)

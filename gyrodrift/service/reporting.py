@@ -4,12 +4,16 @@ import os
 import time
 from dataclasses import asdict, dataclass, field
 from math import isfinite
+from typing import TYPE_CHECKING
 
 from gyrodrift import __version__
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.link_meter import LinkMeter
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
+
+if TYPE_CHECKING:  # a service that remembers nothing does without
+    from gyrodrift.service.memory_keeper import MemoryKeeper
 
 
 @dataclass(slots=True)
@@ -19,6 +23,7 @@ class Reporting:
     meter: LinkMeter
     filtering: Filtering
     feed: OutputFeed
+    memory: "MemoryKeeper | None" = None
     _started_s: float = field(default_factory=time.time)
     _since_s: float = field(default_factory=time.monotonic)
 
@@ -36,6 +41,7 @@ class Reporting:
             filter=_filter_status(self.filtering),
             config=_config_status(self.filtering),
             outputs=self.feed.statuses(),
+            memory=None if self.memory is None else self.memory.status(),
         )
 
 
@@ -72,6 +78,9 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         heading_deg=_known(filtering.reference.heading_deg(state.yaw_deg)),
         temp_c=_known(filtering.last.temp_c) if filtering.last else None,
         rejected=state.rejected,
+        still=_known(filtering.last.still) if filtering.last else None,
+        temp_curve=getattr(state, "temp_curve", None),
+        is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
     )
 
 

@@ -17,7 +17,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
-COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c")
+COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
 OLD_NAMES = {"t_s": "t_device_s"}
 """Names that columns had in files of earlier versions."""
 
@@ -53,6 +53,7 @@ def read_csv(path: Path) -> Session:
         seq=None if seq is None else _counter(seq),
         encoder_deg=columns.get("encoder_deg"),
         temp_c=columns.get("temp_c"),
+        still=columns.get("still"),
     )
 
 

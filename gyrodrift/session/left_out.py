@@ -8,7 +8,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.session.foreign.channels import ForeignFile, Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.records import ForeignRecord, records
-from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES
+from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
 from gyrodrift.session.session import Session
 
@@ -26,7 +26,12 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
     form
         `csv`, or what the messages of an .mcap file are: `sample`, `imu` or `json`.
     """
-    columns = {"encoder angle": session.encoder_deg, "temperature": session.temp_c, "counter": session.seq}
+    columns = {
+        "encoder angle": session.encoder_deg,
+        "temperature": session.temp_c,
+        "word of rest": session.still,
+        "counter": session.seq,
+    }
     found = [name for name, column in columns.items() if form == "imu" and column is not None]
     found += _beside_samples(source, topic) if source.suffix == ".mcap" else _comments(source)
     if form == "csv" and session.metadata:
@@ -54,7 +59,7 @@ def _beside_samples(source: Path, topic: str | None) -> list[str]:
     for channel in channels:
         if channel.topic in OWN_CHANNELS:
             found.append(_counted(channel.count, OWN_CHANNELS[channel.topic]))
-        elif channel.topic != read:
+        elif channel.topic not in {read, STILLS.name}:
             found.append(f"{_counted(channel.count, 'message')} on {channel.topic}")
     return [*found, _counted(contents.attachments, "attachment")] if contents.attachments else found
 

@@ -22,6 +22,8 @@ class Session:
     t_host_s, seq, encoder_deg, temp_c
         Arrival time in s, counter, reference angle in degrees, temperature in °C; None where there is none.
         Single missing values are NaN (−1 in `seq`).
+    still
+        1 where something else than the rate said that the device stands still, 0 where it moves; likewise.
     metadata
         Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
     """
@@ -34,6 +36,7 @@ class Session:
     encoder_deg: Floats | None = None
     temp_c: Floats | None = None
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    still: Floats | None = None
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""
@@ -46,5 +49,6 @@ class Session:
             seq=None if self.seq is None else self.seq[rows],
             encoder_deg=None if self.encoder_deg is None else self.encoder_deg[rows],
             temp_c=None if self.temp_c is None else self.temp_c[rows],
+            still=None if self.still is None else self.still[rows],
             metadata=self.metadata,
         )

@@ -54,12 +54,13 @@ class PlayedSession:
         seqs = self._counter if session.seq is None else session.seq.tolist()
         angles = missing if session.encoder_deg is None else session.encoder_deg.tolist()
         temps = missing if session.temp_c is None else session.temp_c.tolist()
+        stills = missing if session.still is None else session.still.tolist()
         first_s, due_s = float(session.t_device_s[0]), 0.0
-        columns = (session.t_device_s.tolist(), session.rate_dps.tolist(), seqs, angles, temps)
-        for t_s, rate_dps, seq, angle_deg, temp_c in zip(*columns, strict=True):
+        columns = (session.t_device_s.tolist(), session.rate_dps.tolist(), seqs, angles, temps, stills)
+        for t_s, rate_dps, seq, angle_deg, temp_c, still in zip(*columns, strict=True):
             due_s = max(due_s, t_s - first_s)
             t_us = round((t_s + later_s) * 1e6)
-            yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c)
+            yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c, still)
 
 
 def _said(session: Session) -> Session:
@@ -75,7 +76,7 @@ def _said(session: Session) -> Session:
         return session
     if not is_said.any():
         raise DataError(f"{session.name}: no sample has a time that a device could say")
-    columns = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c")
+    columns = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
     found = {name: getattr(session, name) for name in columns}
     return replace(session, **{name: each[is_said] for name, each in found.items() if each is not None})
 

@@ -217,5 +217,5 @@ class TuningRun:
 
 def _curves(chosen: Filter, loaded: LoadedSession, params: FilterParams) -> YawCurves:
     reference = loaded.reference
-    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0])
+    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0], reference.beside)
     return yaw_curves(loaded, [euler(reference.dt_s, reference.rate_dps), tuned_deg], CURVE_POINTS)

@@ -93,7 +93,7 @@ def test_units_are_those_of_the_parameters(tmp_path: Path) -> None:
     assert [problem.partition("expected ")[2] for problem in problems(tmp_path, text)] == [
         "a number above 0 up to 60 s",
         "a number above 0 up to 100",
-        "a number above 0 up to 1000 deg/s",
+        "a number from 0 to 1000 deg/s",
         "a number from 0 to 10 deg/s/√s",
         "a number from 0 to 10 deg/s²",
         "a number from 0 to below 1",

@@ -14,7 +14,7 @@ from support import Recordings
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow, walk
-from gyrodrift.evaluation.reference import accepted
+from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside, accepted
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
@@ -26,11 +26,13 @@ REAL = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep"
 
 rates = st.one_of(st.floats(-2.0, 2.0), st.sampled_from([0.0, -0.0, nan, inf, -inf, 300.0, -300.0, 1e9]))
 steps_s = st.one_of(st.floats(1e-4, 0.1), st.sampled_from([0.01, 0.01, 0.01, 0.0, -0.05, 5.0, 1e6, nan]))
+words = st.sampled_from([nan, 1.0, 1.0, 1.0, 0.0])
+temps_c = st.one_of(st.floats(15.0, 60.0), st.sampled_from([nan, inf, -1e9, 1e9]))
 params = st.builds(
     RestlevelParams,
     window_s=st.floats(0.01, 0.5),
     quiet=st.floats(0.1, 50.0),
-    turn_on_dps=st.floats(0.001, 50.0),
+    turn_on_dps=st.one_of(st.floats(0.001, 50.0), st.just(0.0)),
     walk_dps_rts=st.floats(0.0, 0.1),
     drift_dps_s=st.floats(0.0, 0.1),
     still_start=st.floats(0.0, 0.999),
@@ -38,19 +40,26 @@ params = st.builds(
 )
 
 
-def walked(t_s: Floats, rate_dps: Floats, p: RestlevelParams, state: RestlevelState | None = None) -> Floats:
+def walked(
+    t_s: Floats,
+    rate_dps: Floats,
+    p: RestlevelParams,
+    state: RestlevelState | None = None,
+    beside: Beside = NOTHING_BESIDE,
+) -> Floats:
     """Yaw, its sigma and the bias after each sample, shape (3, n), by the plain filter."""
+    said = beside.filled(len(t_s))
     c, s = coefficients(p), state or RestlevelState()
     rows = []
-    for each_s, each_dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
-        step(c, s, each_s, each_dps)
+    for sample in zip(*(each.tolist() for each in (t_s, rate_dps, *said)), strict=True):
+        step(c, s, *sample)
         rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps))
     return np.array(rows).T
 
 
-def estimates(t_s: Floats, rate_dps: Floats, p: RestlevelParams) -> Floats:
+def estimates(t_s: Floats, rate_dps: Floats, p: RestlevelParams, beside: Beside = NOTHING_BESIDE) -> Floats:
     """The same by the compiled filter."""
-    return walk(np.diff(t_s, prepend=t_s[:1]), rate_dps, p)
+    return walk(np.diff(t_s, prepend=t_s[:1]), rate_dps, p, beside)
 
 
 def measured(true_dps: Floats, bias_dps: float | Floats, seed: int = 1) -> tuple[Floats, Floats, Floats]:
@@ -117,13 +126,15 @@ def test_the_compiled_filter_has_the_same_bits(name: str, recordings: Recordings
     np.testing.assert_array_equal(compiled, walked(t_s, rate_dps, RestlevelParams()))
 
 
-@given(params, st.lists(st.tuples(steps_s, rates), max_size=400))
-def test_bits_are_the_same_whatever_comes(p: RestlevelParams, stream: list[tuple[float, float]]) -> None:
-    """Plain and compiled, with times and rates that no sensor sends; what is finite stays so."""
-    t_s = np.cumsum([0.0, *(0.0 if isnan(step_s) else step_s for step_s, _ in stream)])
-    rate_dps = np.array([0.1, *(rate for _, rate in stream)])
-    plain, kept = walked(t_s, rate_dps, p), accepted(t_s, rate_dps)
-    np.testing.assert_array_equal(estimates(t_s[kept], rate_dps[kept], p), plain[:, kept])
+@given(params, st.lists(st.tuples(steps_s, rates, words, temps_c), max_size=400))
+def test_bits_are_the_same_whatever_comes(p: RestlevelParams, stream: list[tuple[float, float, float, float]]) -> None:
+    """Plain and compiled, with values that no sensor sends; what is finite stays so."""
+    t_s = np.cumsum([0.0, *(0.0 if isnan(step_s) else step_s for step_s, *_ in stream)])
+    rate_dps = np.array([0.1, *(rate for _, rate, *_ in stream)])
+    still, temp_c = (np.array([nan, *(sample[at] for sample in stream)]) for at in (2, 3))
+    plain, kept = walked(t_s, rate_dps, p, beside=Beside(still, temp_c)), accepted(t_s, rate_dps)
+    beside = Beside(still[kept], temp_c[kept])
+    np.testing.assert_array_equal(estimates(t_s[kept], rate_dps[kept], p, beside), plain[:, kept])
     assert np.isfinite(plain).all()
 
 
@@ -145,7 +156,8 @@ def test_a_plain_state_goes_on_compiled_with_the_same_bits() -> None:
     whole, state, cut = walked(t_s, rate_dps, RestlevelParams()), RestlevelState(), 5000
     walked(t_s[:cut], rate_dps[:cut], RestlevelParams(), state)
     found = np.zeros((3, len(t_s) - cut))
-    _follow(array_of(coefficients(RestlevelParams())), array_of(state), np.diff(t_s)[cut - 1 :], rate_dps[cut:], found)
+    beside, steps_s = (np.empty(0), np.empty(0)), np.diff(t_s)[cut - 1 :]
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), steps_s, rate_dps[cut:], *beside, found)
     np.testing.assert_array_equal(found, whole[:, cut:])
 
 

@@ -93,7 +93,7 @@ def test_the_stream_that_decoders_are_damaged_with_is_the_same(header: Header) -
     base = load_rig(None).base
     sent = [header.hello(round(base.sample_rate_hz), base.dps_per_lsb, base.encoder_cpr, b"firmware_sim")]
     for block in islice(measure(RIG, load_profile("turntable"), seed=3), 1):
-        for seq, t_us, _, rate_raw, _, temp, counts in islice(block.rows(), 99):
+        for seq, t_us, _, rate_raw, _, temp, counts, _ in islice(block.rows(), 99):
             sent.append(header.sample(3, seq, t_us, rate_raw, temp, counts))
     frames = islice(native.frames(measure(RIG, load_profile("turntable"), seed=3), base), 100)
     assert b"".join(sent) == b"".join(frame.content for frame in frames)

@@ -16,7 +16,7 @@ NOISY = Rig(base=Base(noise_dps_rthz=0.02, bias_dps=0.3))
 IDEAL = Rig(base=Base(noise_dps_rthz=0.0))
 SAMPLES = 100_000
 
-Row = tuple[int, int, float, int, bool, int, int]
+Row = tuple[int, int, float, int, bool, int, int, int]
 
 
 @pytest.fixture(scope="module")

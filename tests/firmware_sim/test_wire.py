@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pynmeagps import NMEAReader
 
-from firmware_sim.measure import Block, measure
+from firmware_sim.measure import Block, StillWord, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 from firmware_sim.wire import bno08x_rvc, csv, native, nmea, vectornav, witmotion, xsens
@@ -38,6 +38,7 @@ def block_at(seq: int, t_us: int, rate_raw: int = 0, encoder_counts: int = 0, t_
         is_clipped=np.array([False]),
         temp_centi_c=np.array([2500], dtype=np.int16),
         encoder_counts=np.array([encoder_counts]),
+        still=np.array([-1], dtype=np.int8),
     )
 
 
@@ -158,7 +159,7 @@ def test_native_frames_carry_the_measurements_in_order() -> None:
     base = load_rig(None).base
     frames = (frame for frame in native.frames(blocks_of(base), base) if frame.rows)
     rows = (row for block in blocks_of(base) for row in block.rows())
-    for frame, (seq, t_us, t_host_s, raw, _, temp, counts) in islice(zip(frames, rows, strict=False), 1500):
+    for frame, (seq, t_us, t_host_s, raw, _, temp, counts, _) in islice(zip(frames, rows, strict=False), 1500):
         assert sample_of(frame.content) == (3, seq, t_us, raw, temp, counts)
         assert frame.t_s == t_host_s == pytest.approx(t_us * 1e-6 + base.host_delay_s)
 
@@ -262,3 +263,23 @@ def test_witmotion_says_three_frames_for_each_measurement() -> None:
         assert [frame.content[at : at + 2] for at in (0, 11, 22)] == [b"\x55\x51", b"\x55\x52", b"\x55\x53"]
         assert (len(frame.content), frame.rows) == (33, 1)
         assert frame.t_s == pytest.approx(number * 0.01 + base.host_delay_s)
+
+
+@pytest.mark.parametrize("word", StillWord)
+def test_a_device_that_is_told_to_says_whether_it_stands_still(word: StillWord) -> None:
+    """By the flags of native frames, and in the fifth column of lines: what is so, or always the same."""
+    profile, base = load_profile("turntable"), Base(sample_rate_hz=20.0)
+
+    def blocks() -> Iterator[Block]:
+        return measure(Rig(base=base), profile, 0, block_samples=512, still=word)
+
+    block = next(blocks())
+    _, rate_dps = profile.at(block.seq / 20.0)
+    true = {StillWord.NONE: rate_dps * 0 - 1, StillWord.ALWAYS: rate_dps * 0 + 1, StillWord.NEVER: rate_dps * 0}
+    expected = true.get(word, (rate_dps == 0.0) * 1.0).tolist()
+    assert len(set(expected)) == (2 if word is StillWord.TRUE else 1)
+    frames = [f.content for f in islice(native.frames(blocks(), base), 600) if f.rows]
+    flags = [opened(frame)[1] for frame in frames[:500]]
+    assert [(flag >> 4 & 1) if flag & 8 else -1 for flag in flags] == expected[:500]
+    lines = [f.content.decode().strip().split(",") for f in islice(ENCODERS["csv"].frames(blocks(), base), 501)][1:]
+    assert [float(line[4]) if len(line) > 4 else -1 for line in lines] == expected[:500]

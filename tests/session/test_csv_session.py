@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.files import load_session
+from gyrodrift.session.files import load_session, write_session
 
 
 def written(folder: Path, text: str | bytes, name: str = "s.csv") -> Path:
@@ -115,3 +115,18 @@ def test_what_is_quoted_of_a_file_is_short_and_no_order_to_a_terminal(tmp_path: 
             load_session(written(tmp_path, text))
         assert len(str(caught.value)) < 1200
         assert "\x1b" not in str(caught.value)
+
+
+def test_what_was_said_of_rest_goes_through_both_formats(tmp_path: Path) -> None:
+    """Where it changes, comes and goes, piece by piece; an empty cell is not said."""
+    said = [np.nan, 1.0, 1.0, np.nan, 0.0, 0.0, 1.0, np.nan, np.nan, 1.0]
+    rows = [f"{n / 100},0.5,{'' if np.isnan(word) else word}" for n, word in enumerate(said)]
+    source, between, back = tmp_path / "a.csv", tmp_path / "b.mcap", tmp_path / "c.csv"
+    source.write_text("\n".join(["t_device_s,rate_dps,still", *rows]) + "\n")
+    session = load_session(source)
+    write_session(between, [session.part(0, 3), session.part(3, 4), session.part(4, 10)])
+    write_session(back, [load_session(between)])
+    for path in (source, between, back):
+        still = load_session(path).still
+        assert still is not None
+        np.testing.assert_array_equal(still, said)

@@ -6,6 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.reference import Beside
 from gyrodrift.evaluation.space import Axis
 
 Params = Mapping[str, float]
@@ -22,7 +23,7 @@ class Method:
     key, title
         Its name in files, and for people.
     run
-        Walks through one session. It sees nothing but times and rates.
+        Walks through one session. It sees nothing but times and rates; see `seeing`.
     defaults
         What it runs with where nothing is tuned.
     axes
@@ -38,6 +39,8 @@ class Method:
     sigma
         The standard deviation that it states of its yaw, deg, shape (n,), from what `run` takes; None where it states
         none, and NaN likewise.
+    seeing
+        The method as it sees what is known beside the rate of a session; None for one that sees the rate alone.
     colour, dash
         How it is drawn: a role of the page's style sheet, and `-` or `--`.
     """
@@ -52,6 +55,7 @@ class Method:
     about: str = ""
     counts_samples: bool = False
     sigma: Run | None = None
+    seeing: "Callable[[Beside], Method] | None" = None
     colour: str = "ink"
     dash: str = "-"
 

@@ -168,4 +168,8 @@ def _compiled(count: int) -> Any:
 _walk_of_one = _compiled(1)
 _walk_of_many = _compiled(GROUP)
 
-KERNEL = Kernel(lambda group: unknown_steps(len(group)), group_sums, yaw)
+KERNEL = Kernel(
+    lambda group: unknown_steps(len(group)),
+    lambda dt_s, rate_dps, reference_deg, group, steps, _: group_sums(dt_s, rate_dps, reference_deg, group, steps),
+    lambda dt_s, rate_dps, candidate, _: yaw(dt_s, rate_dps, candidate),
+)

@@ -7,6 +7,7 @@ from typing import Any
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.stepped import stepped_sigma, stepped_sums, stepped_yaw
+from gyrodrift.evaluation.reference import Beside
 from gyrodrift.filters.filter import Filter
 
 GROUP = 8
@@ -20,19 +21,20 @@ class Kernel:
     prepare
         From a group of at most `GROUP` candidates, shape (c, parameters), to what they need on every session.
     sums
-        From steps in s, rates in deg/s and reference in deg, shape (n,), candidates and what was prepared to sums
-        over the samples with a reference, shape (3, c): squared errors in deg², absolute errors in deg, and the
-        largest absolute error in deg; inf where yaw left the floats.
+        From steps in s, rates in deg/s and reference in deg, shape (n,), candidates, what was prepared, and what is
+        known beside the rate, to sums over the samples with a reference, shape (3, c): squared errors in deg²,
+        absolute errors in deg, and the largest absolute error in deg; inf where yaw left the floats.
     yaw
-        From steps, rates and one candidate, shape (parameters,), to yaw in deg, shape (n,).
+        From steps, rates, one candidate, shape (parameters,), and what is known beside the rate, to yaw in deg,
+        shape (n,).
     sigma
         From the same to the standard deviation of yaw in deg, shape (n,); None for a filter that does not state it.
     """
 
     prepare: Callable[[Floats], Any]
-    sums: Callable[[Floats, Floats, Floats, Floats, Any], Floats]
-    yaw: Callable[[Floats, Floats, Floats], Floats]
-    sigma: Callable[[Floats, Floats, Floats], Floats] | None = None
+    sums: Callable[[Floats, Floats, Floats, Floats, Any, Beside], Floats]
+    yaw: Callable[[Floats, Floats, Floats, Beside], Floats]
+    sigma: Callable[[Floats, Floats, Floats, Beside], Floats] | None = None
 
 
 def kernel_of(chosen: Filter) -> Kernel:
@@ -43,9 +45,11 @@ def kernel_of(chosen: Filter) -> Kernel:
         return kernel
     return Kernel(
         lambda _group: None,
-        lambda dt_s, rate_dps, reference_deg, group, _: stepped_sums(chosen, dt_s, rate_dps, reference_deg, group),
-        lambda dt_s, rate_dps, candidate: stepped_yaw(chosen, dt_s, rate_dps, candidate),
-        lambda dt_s, rate_dps, candidate: stepped_sigma(chosen, dt_s, rate_dps, candidate),
+        lambda dt_s, rate_dps, reference_deg, group, _, beside: stepped_sums(
+            chosen, dt_s, rate_dps, reference_deg, group, beside
+        ),
+        lambda dt_s, rate_dps, candidate, beside: stepped_yaw(chosen, dt_s, rate_dps, candidate, beside),
+        lambda dt_s, rate_dps, candidate, beside: stepped_sigma(chosen, dt_s, rate_dps, candidate, beside),
     )
 
 

@@ -8,6 +8,7 @@ from numba import njit
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled
 from gyrodrift.evaluation.kernels.kernel import Kernel
+from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
@@ -15,30 +16,32 @@ _advance: Any = compiled(advance)
 _NEW_STATE = array_of(RestlevelState())
 
 
-def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> Floats:
+def sums(
+    dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, beside: Beside = NOTHING_BESIDE
+) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
     found = np.empty((3, len(params)))
     for number, row in enumerate(params.tolist()):
-        _add_up(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, reference_deg, found[:, number])
+        _add_up(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *beside, reference_deg, found[:, number])
     return np.where(np.isfinite(found), found, np.inf)
 
 
-def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams) -> Floats:
+def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams, beside: Beside = NOTHING_BESIDE) -> Floats:
     """Yaw in deg, its standard deviation in deg and the bias in deg/s, shape (3, n)."""
     found = np.zeros((3, len(dt_s)))
-    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, found)
+    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, *beside, found)
     return found
 
 
-def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
+def yaw(dt_s: Floats, rate_dps: Floats, params: Floats, beside: Beside = NOTHING_BESIDE) -> Floats:
     """Yaw of one parameter vector, deg, shape (n,)."""
-    yaw_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()))[0]
+    yaw_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), beside)[0]
     return yaw_deg
 
 
-def sigma(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
+def sigma(dt_s: Floats, rate_dps: Floats, params: Floats, beside: Beside = NOTHING_BESIDE) -> Floats:
     """Standard deviation of the yaw of one parameter vector, deg, shape (n,)."""
-    sigma_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()))[1]
+    sigma_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), beside)[1]
     return sigma_deg
 
 
@@ -47,10 +50,21 @@ def _coefficients(row: list[float]) -> Any:
 
 
 @njit(nogil=True, error_model="numpy")
-def _add_up(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, reference_deg: Floats, found: Floats) -> None:
+def _add_up(
+    c: Any,
+    s: Any,
+    dt_s: Floats,
+    rate_dps: Floats,
+    still: Floats,
+    temp_c: Floats,
+    reference_deg: Floats,
+    found: Floats,
+) -> None:
     squares = absolutes = worst = 0.0
     for n in range(len(dt_s)):
-        _advance(c[0], s[0], dt_s[n], rate_dps[n])
+        said = still[n] if len(still) else np.nan
+        warm_c = temp_c[n] if len(temp_c) else np.nan
+        _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
         if not np.isnan(reference_deg[n]):
             error_deg = abs(s[0].yaw_deg - reference_deg[n])
             squares += error_deg * error_deg
@@ -62,9 +76,11 @@ def _add_up(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, reference_deg: Float
 
 
 @njit(nogil=True, error_model="numpy")
-def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, found: Floats) -> None:
+def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, found: Floats) -> None:
     for n in range(len(dt_s)):
-        _advance(c[0], s[0], dt_s[n], rate_dps[n])
+        said = still[n] if len(still) else np.nan
+        warm_c = temp_c[n] if len(temp_c) else np.nan
+        _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
         found[0, n] = s[0].yaw_deg
         found[1, n] = s[0].yaw_sigma_deg
         found[2, n] = s[0].bias_dps
@@ -72,7 +88,7 @@ def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, found: Floats) -> No
 
 KERNEL = Kernel(
     lambda _group: None,
-    lambda dt_s, rate_dps, reference_deg, group, _: sums(dt_s, rate_dps, reference_deg, group),
+    lambda dt_s, rate_dps, reference_deg, group, _, beside: sums(dt_s, rate_dps, reference_deg, group, beside),
     yaw,
     sigma,
 )

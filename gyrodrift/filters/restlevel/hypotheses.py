@@ -12,6 +12,7 @@ from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_updat
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.state import EndedSegment, Hypothesis
 from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, level_density
@@ -24,15 +25,27 @@ CALIBRATED = 0.01
 """Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
 is left at each of these."""
 
+LOUD_REST = 0.1
+"""What is left of the probability of all rests so far where the noise drops: they were motion, but for one in ten with
+a motor or a fan that ran on."""
+
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """Before anything is known: a part has taken its own bias out well, or so, or not at all."""
-    _begin_one(s, s.hypotheses[0], WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
-    _begin_one(s, s.hypotheses[1], CALIBRATED_SO_SO, c.turn_on_var * CALIBRATED)
-    _begin_one(s, s.hypotheses[2], 1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO, c.turn_on_var)
+    """What is remembered; else a part has taken its own bias out well, or so, or not at all."""
+    first = begin_remembered(c, s)
+    free = s.hypotheses[first]
+    unknown = 1.0 - remembered_weight(s)
+    if c.turn_on_var == 0.0:  # it has taken its bias out, and begins as one whose bias is known
+        _begin_one(s, free, unknown, 0.0)
+        free.knows_bias = True
+    else:
+        _begin_one(s, free, unknown * WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
+        _begin_one(s, s.hypotheses[first + 1], unknown * CALIBRATED_SO_SO, c.turn_on_var * CALIBRATED)
+        uncalibrated = unknown * (1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO)
+        _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
     collapse(s)
 
 
@@ -60,6 +73,16 @@ def leave_segment(s: RestlevelState) -> None:
             h.weight *= CURVE_PENALTY
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
+    normalise(s)
+
+
+def doubt_loud_rests(s: RestlevelState) -> None:
+    """Where the noise has turned out smaller, what was taken for a rest so far was louder than this sensor at rest."""
+    if not s.noise.has_dropped:
+        return
+    for h in s.hypotheses:
+        if h.knows_bias:
+            h.weight *= LOUD_REST
     normalise(s)
 
 

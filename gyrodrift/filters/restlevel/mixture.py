@@ -62,7 +62,10 @@ def is_in_merge_gate(h: Hypothesis, other: Hypothesis) -> bool:
 
 
 def moment_matched_merge(h: Hypothesis, other: Hypothesis) -> None:
-    """Into the first: the Gaussian with the mean and the covariance of both together. The other's place is free."""
+    """Into the first: the Gaussian with the mean and the covariance of both together. The other's place is free.
+
+    What holds the two back is averaged, so that together they end with the probability that they would have alone.
+    """
     share = other.weight / (h.weight + other.weight)
     apart_dps, apart_deg = other.bias_dps - h.bias_dps, other.yaw_deg - h.yaw_deg
     spread = share * (1.0 - share)
@@ -72,6 +75,7 @@ def moment_matched_merge(h: Hypothesis, other: Hypothesis) -> None:
     h.bias_dps += share * apart_dps
     h.yaw_deg += share * apart_deg
     h.moving_s = min(h.moving_s, other.moving_s)
+    h.held_back += share * (other.held_back - h.held_back)
     h.weight += other.weight
     other.weight = 0.0
 
@@ -86,7 +90,7 @@ def normalise(s: RestlevelState) -> None:
 
 
 def collapse(s: RestlevelState) -> None:
-    """Take the hypotheses together: means by squared probability, so that improbable ones pull little.
+    """Take the hypotheses together: means by the cube of probability, so that improbable ones pull little.
 
     The covariance about that mean is by probability, without a tail of each: what is improbable by itself says nothing
     of how far yaw is off in nineteen cases of twenty.
@@ -96,7 +100,7 @@ def collapse(s: RestlevelState) -> None:
         weight = h.weight
         if weight == 0.0:
             continue
-        share = weight * weight
+        share = weight * weight * weight
         total += share
         yaw_deg += share * h.yaw_deg
         bias_dps += share * h.bias_dps

@@ -6,6 +6,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Le, Lt
 
 from gyrodrift.filters.restlevel.state import (
+    UNSAID_C,
     BlockStats,
     EndedSegment,
     Hypothesis,
@@ -13,7 +14,19 @@ from gyrodrift.filters.restlevel.state import (
     NoiseModel,
     RateSegment,
     RateWander,
+    RecalledNoise,
+    RememberedBias,
+    SureRest,
+    TempCurve,
+    Witness,
 )
+
+UNKNOWN_C = UNSAID_C
+COLDEST_C, WARMEST_C = -100.0, 200.0
+"""Temperature before one was said; what a sensor says outside of these two is none."""
+
+MAX_REMEMBERED = 2
+"""Biases that may be remembered: of the last rest, and of a start like this one."""
 
 MAX_HYPOTHESES = 6
 """Hypotheses that are kept from one segment to the next; each can branch into two at a segment."""
@@ -30,8 +43,9 @@ class RestlevelParams:
         sigmas of a variance. Small: noisy rests are missed. Large: gentle motion passes for rest until its block
         means give it away.
     turn_on_dps
-        Sigma of the turn-on bias, deg/s. Small: a first constant rate far from zero is taken for a spin. Large: a
-        slow spin is taken for a bias.
+        Sigma of the turn-on bias, deg/s; 0 for a sensor that takes its own bias out: that is 0 at the first sample, and
+        walks and drifts from there as a known bias does. Small: a first constant rate far from zero is taken for a
+        spin. Large: a slow spin is taken for a bias.
     walk_dps_rts
         Rate random walk K of IEEE Std 952, deg/s/√s. Small: long averages. Large: every rest begins anew.
     drift_dps_s
@@ -50,7 +64,7 @@ class RestlevelParams:
 
     window_s: Annotated[float, Gt(0.0), Le(60.0)] = 0.3
     quiet: Annotated[float, Gt(0.0), Le(100.0)] = 5.0
-    turn_on_dps: Annotated[float, Gt(0.0), Le(1000.0)] = 0.5
+    turn_on_dps: Annotated[float, Ge(0.0), Le(1000.0)] = 0.5
     walk_dps_rts: Annotated[float, Ge(0.0), Le(10.0)] = 0.0005
     drift_dps_s: Annotated[float, Ge(0.0), Le(10.0)] = 0.004
     still_start: Annotated[float, Ge(0.0), Lt(1.0)] = 0.99
@@ -88,6 +102,10 @@ class RestlevelCoefficients:
     scale_sigma: float
 
 
+def _remembered_places() -> list[RememberedBias]:
+    return [RememberedBias() for _ in range(MAX_REMEMBERED)]
+
+
 def _free_places() -> list[Hypothesis]:
     return [Hypothesis() for _ in range(2 * MAX_HYPOTHESES)]
 
@@ -98,6 +116,8 @@ class RestlevelState:
 
     t_s, rate_dps
         Of the last accepted sample.
+    temp_c
+        Temperature that was said last, °C; UNKNOWN_C until one was.
     yaw_deg, yaw_sigma_deg
         Yaw, 0 at the first sample unless it was set before, and its sigma.
     bias_dps, bias_sigma_dps
@@ -111,10 +131,16 @@ class RestlevelState:
 
     start_yaw_deg
         Yaw at the first sample.
+    lived_s
+        Time since the first sample, s, by block.
     travelled_deg
         Angle turned, to and fro, by block.
     blocks
         Blocks that have ended so far.
+    witness
+        What something else than the rate says of rest.
+    remembered, recalled, sure, curve
+        Biases and noise that it begins with; the rests that it is sure of; bias against temperature.
     block, noise, wander, segment, ended, hypotheses, moments
         The block that is being filled; the sensor's noise; how levels wander; the present constant-rate segment and
         the last one that has ended; the Gaussian sum, and its moments as the block began.
@@ -122,6 +148,7 @@ class RestlevelState:
 
     t_s: float = 0.0
     rate_dps: float = 0.0
+    temp_c: float = UNKNOWN_C
     yaw_deg: float = 0.0
     yaw_sigma_deg: float = 0.0
     bias_dps: float = 0.0
@@ -132,11 +159,28 @@ class RestlevelState:
     rejected: int = 0
     block: BlockStats = field(default_factory=BlockStats)
     start_yaw_deg: float = 0.0
+    lived_s: float = 0.0
     travelled_deg: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
     wander: RateWander = field(default_factory=RateWander)
+    witness: Witness = field(default_factory=Witness)
+    remembered: list[RememberedBias] = field(default_factory=_remembered_places)
+    recalled: RecalledNoise = field(default_factory=RecalledNoise)
+    sure: SureRest = field(default_factory=SureRest)
+    curve: TempCurve = field(default_factory=TempCurve)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)
     hypotheses: list[Hypothesis] = field(default_factory=_free_places)
+
+    @property
+    def temp_curve(self) -> dict[str, float] | None:
+        """What is known of the bias against temperature, for people; None before there is a point."""
+        curve = self.curve
+        if curve.known == 0:
+            return None
+        told = {"points": curve.known, "least_c": curve.least_c, "most_c": curve.most_c, "refused": curve.refused}
+        if curve.fit_var > 0.0:
+            told |= {"slope_dps_c": curve.slope_dps_c, "fit_dps": curve.fit_var**0.5}
+        return {"is_accepted": curve.is_accepted, **told}

@@ -49,7 +49,7 @@ def track_segment(
     """
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
-    is_now_stationary = is_stationary(c, s.block, s.noise)
+    is_now_stationary = is_stationary(c, s.block, s.noise) and s.witness.moving == 0
     s.blocks += 1
     if s.blocks <= 2:  # switching on may disturb the first block
         segment.least_dps = segment.most_dps = mean_dps

@@ -195,3 +195,154 @@ class MixtureMoments:
     bias_var: float = 0.0
     covariance: float = 0.0
     yaw_var: float = 0.0
+
+
+@dataclass(slots=True)
+class Witness:
+    """What something else than the rate says of rest, and whether it is believed; see `restlevel.witness`.
+
+    still, moving
+        Samples of the present block that are said to stand still, and to move.
+    is_claiming
+        The block before was said to stand still.
+    was_certain
+        It was one, and that was believed.
+    is_believed
+        Until it is found out, and again once it has said something else.
+    refuted
+        How often it was found out.
+    doubt
+        Blocks that have contradicted it, less what was forgiven.
+    alike, level_dps
+        The last of them that agree with each other, and their mean.
+    before_dps
+        Bias estimate when it began to say so.
+    since_s
+        Time since the last rest, s.
+    """
+
+    still: int = 0
+    moving: int = 0
+    is_claiming: bool = False
+    was_certain: bool = False
+    is_believed: bool = True
+    refuted: int = 0
+    doubt: float = 0.0
+    alike: int = 0
+    level_dps: float = 0.0
+    before_dps: float = 0.0
+    since_s: float = 0.0
+
+
+@dataclass(slots=True)
+class RememberedBias:
+    """A bias that the filter begins with, beside those of any sensor: its probability, mean and variance."""
+
+    weight: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+
+
+@dataclass(slots=True)
+class RecalledNoise:
+    """Noise at rest that is remembered, as in `NoiseModel`, and the time between two samples, s; 0 where none is."""
+
+    period_s: float = 0.0
+    sample_var: float = 0.0
+    angle_walk_var: float = 0.0
+    flicker_var: float = 0.0
+    resolution_dps: float = -1.0
+
+
+@dataclass(slots=True)
+class SureRest:
+    """The last rest that the filter is sure of, and the first one.
+
+    seconds
+        How long the present one has lasted, s; 0 where there is none.
+    rests
+        How many there were.
+    begin_dps, begin_c
+        Bias and temperature when the present one began.
+    bias_dps, bias_var, temp_c, t_s, period_s
+        Bias of the last one as it is known now and its variance, temperature, time, and the time between two samples.
+    has_first, first_dps, first_dps_sigma, first_c, first_s
+        Of the first one: bias where it began and its sigma, temperature there, and when it was sure.
+    """
+
+    seconds: float = 0.0
+    rests: int = 0
+    begin_dps: float = 0.0
+    begin_c: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+    temp_c: float = 0.0
+    t_s: float = 0.0
+    period_s: float = 0.0
+    has_first: bool = False
+    first_dps: float = 0.0
+    first_dps_sigma: float = 0.0
+    first_c: float = 0.0
+    first_s: float = 0.0
+
+
+TEMP_POINTS = 64
+"""Places for points of bias against temperature: two degrees each, from −40 °C on."""
+
+UNSAID_C = -1000.0
+"""Temperature before one was said."""
+
+
+@dataclass(slots=True)
+class TempPoint:
+    """The bias around a temperature.
+
+    count
+        Values that it is from; 0 for a free place.
+    temp_c, bias_dps, bias_var, t_s
+        Mean temperature, °C, mean bias, deg/s, its variance, and when the last value came.
+    weight
+        In the fit of the line.
+    """
+
+    count: int = 0
+    temp_c: float = 0.0
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+    t_s: float = 0.0
+    weight: float = 0.0
+
+
+def _temp_points() -> list[TempPoint]:
+    return [TempPoint() for _ in range(TEMP_POINTS)]
+
+
+@dataclass(slots=True)
+class TempCurve:
+    """Bias against temperature; see `restlevel.temperature`.
+
+    temp_c
+        Averaged temperature, °C; UNSAID_C until one was said.
+    points
+        By bins of temperature.
+    known, least_c, most_c
+        How many there are, and from where to where.
+    is_accepted, slope_dps_c, level_dps, middle_c, fit_var
+        Whether the line is, its slope in deg/s per °C, the bias at `middle_c`, and the variance of points about it.
+    refused, is_refusing, rests
+        Outliers in a row; whether the present rest is one; the rest that was judged last.
+    """
+
+    temp_c: float = UNSAID_C
+    points: list[TempPoint] = field(default_factory=_temp_points)
+    known: int = 0
+    least_c: float = 0.0
+    most_c: float = 0.0
+    is_accepted: bool = False
+    slope_dps_c: float = 0.0
+    level_dps: float = 0.0
+    middle_c: float = 0.0
+    fit_var: float = 0.0
+    refused: int = 0
+    is_refusing: bool = False
+    rests: int = 0

@@ -3,12 +3,13 @@
 Batch versions are this very source, compiled, and held to its bits by a test.
 """
 
-from math import sqrt
+from math import nan, sqrt
 
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
+    doubt_loud_rests,
     enter_segment,
     leave_segment,
     predict,
@@ -16,8 +17,17 @@ from gyrodrift.filters.restlevel.hypotheses import (
     zero_velocity_update,
 )
 from gyrodrift.filters.restlevel.mixture import collapse
-from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.model import (
+    COLDEST_C,
+    WARMEST_C,
+    RestlevelCoefficients,
+    RestlevelParams,
+    RestlevelState,
+)
+from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, track_segment, update_mean
+from gyrodrift.filters.restlevel.temperature import follow_temperature, learn_when_sure
+from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 LEAST_VAR = 1e-24
 """(deg/s)²: no gyro comes closer to its bias at a turn-on, and it can still be divided by."""
@@ -43,7 +53,14 @@ def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
     )
 
 
-def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: float) -> bool:
+def step(
+    c: RestlevelCoefficients,
+    s: RestlevelState,
+    t_s: float,
+    rate_dps: float,
+    still: float = nan,
+    temp_c: float = nan,
+) -> bool:
     """Advance the state by one sample.
 
     Parameters
@@ -54,6 +71,9 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
         Device time in s.
     rate_dps
         Measured rate, deg/s, counter-clockwise positive; both plain floats.
+    still, temp_c
+        What is known beside the rate: 1 where something else says that the device stands still and 0 where it moves,
+        and the temperature of the sensor in °C; NaN where nobody says.
 
     Returns
     -------
@@ -67,17 +87,23 @@ def step(c: RestlevelCoefficients, s: RestlevelState, t_s: float, rate_dps: floa
         s.rejected += 1
         return False
     s.t_s = t_s
-    advance(c, s, dt_s, rate_dps)
+    advance(c, s, dt_s, rate_dps, still, temp_c)
     return True
 
 
-def advance(c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: float) -> None:
+def advance(
+    c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: float, still: float, temp_c: float
+) -> None:
     """`step` for a sample that is known to be good, `dt_s` after the one before; 0 for the first."""
     block, noise, moments = s.block, s.noise, s.moments
     if s.samples == 0:
         s.start_yaw_deg = s.yaw_deg
         s.rate_dps = rate_dps
         begin(c, s)
+    if still >= 0.0:  # false for NaN
+        hear(s.witness, still)
+    if COLDEST_C < temp_c < WARMEST_C:
+        s.temp_c = temp_c
     step_dps = abs(rate_dps - s.rate_dps)
     if step_dps > 0.0 and (step_dps < noise.resolution_dps or noise.resolution_dps < 0.0):
         noise.resolution_dps = step_dps
@@ -107,25 +133,38 @@ def advance(c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins."""
     block, segment = s.block, s.segment
+    s.lived_s += seconds
     mean_dps = block.turned_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
+    if s.blocks == 0:
+        recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
+    doubt_loud_rests(s)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
     if segment.blocks == 1:
         enter_segment(s)
+    follow_temperature(s, seconds)
+    is_certain = is_certain_rest(c, s, mean_dps, seconds)
+    if is_certain:
+        stand_still(c, s, mean_dps, step_dps, seconds)
+    elif s.witness.was_certain:
+        end_certain_rest(s)
     predict(c, s, block.turned_deg, seconds)
-    if segment.blocks > CONFIRMED_BLOCKS:
+    if not is_certain and segment.blocks > CONFIRMED_BLOCKS:
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:
         update_mean(segment, mean_dps)
-    if segment.blocks == CONFIRMED_BLOCKS:
+    if not is_certain and segment.blocks == CONFIRMED_BLOCKS:
         if continues(c, segment, s.ended, s.noise, seconds):
             resume(c, s, seconds)
         else:
             branch(c, s, seconds)
     collapse(s)
+    learn_when_sure(c, s, seconds, is_certain)
     s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
+    s.witness.was_certain = is_certain
+    s.witness.still = s.witness.moving = 0
     block.seconds = 0.0
     block.samples = 0
     block.turned_deg = 0.0

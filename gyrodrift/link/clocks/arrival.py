@@ -99,5 +99,5 @@ class ArrivalClock:
         on_line_s = self._fit.arrival_s(number) - self._origin_s
         lean_s = min(max(LEAN * (on_line_s - expected_s), -0.5 * self.period_s), 0.5 * self.period_s)
         self._time_s = expected_s + lean_s
-        _, _, rate_dps, encoder_deg, temp_c = reading
-        return Sample(number, self._time_s, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+        _, _, rate_dps, encoder_deg, temp_c, still = reading
+        return Sample(number, self._time_s, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)

@@ -226,8 +226,8 @@ class DeviceClock:
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
-        _, _, rate_dps, encoder_deg, temp_c = reading
-        return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c)
+        _, _, rate_dps, encoder_deg, temp_c, still = reading
+        return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)
 
 
 def _agree(counted_us: float, step_us: int) -> bool:

@@ -1,4 +1,4 @@
-"""The csv protocol: text lines `t_us,rate_dps[,encoder_deg[,temp_c]]`, as a hobby sketch prints them."""
+"""The csv protocol: text lines `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]`, as a hobby sketch prints them."""
 
 import re
 from math import isfinite, nan
@@ -10,11 +10,14 @@ from gyrodrift.sample import Reading
 NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?+\d++)?+|nan|NaN|NAN|inf|INF)\s*+"
 """Nothing is tried twice: a line of digits alone takes no longer than any other."""
 
-LINE = re.compile(rb"\s*+(\d{1,20}+)\s*+,(%b)(?:,(%b))?+(?:,(%b))?+" % (NUMBER, NUMBER, NUMBER))
+WORD = rb"\s*+(?:[01](?:\.0)?+|nan|NaN|NAN)\s*+"
+"""What may stand in the last column: 1 stands still, 0 moves, nan is not said."""
+
+LINE = re.compile(rb"\s*+(\d{1,20}+)\s*+,(%b)(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, NUMBER, WORD))
 
 
 class CsvDecoder(LineDecoder):
-    """Lines of two to four columns."""
+    """Lines of two to five columns."""
 
     name = "csv"
 
@@ -31,4 +34,6 @@ class CsvDecoder(LineDecoder):
         return 2 + len(others), Reading(int(t_us) & 0xFFFFFFFF, None, rate_dps, *known)
 
 
-PROTOCOL = WireProtocol("csv", "lines t_us,rate_dps[,encoder_deg[,temp_c]]", CsvDecoder, has_clock=True, rank=10)
+PROTOCOL = WireProtocol(
+    "csv", "lines t_us,rate_dps[,encoder_deg[,temp_c[,still]]]", CsvDecoder, has_clock=True, rank=10
+)

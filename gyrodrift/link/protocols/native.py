@@ -22,6 +22,8 @@ VERSION = 1
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
 RATE_CLIPPED = 0x04
+STILL_VALID = 0x08
+STILL = 0x10
 
 LEAST_DPS_PER_LSB, MOST_DPS_PER_LSB = 1e-9, 10.0
 """Far outside of what 16 bits are used for: a HELLO beyond is none, since every rate would be wrong by its scale."""
@@ -112,6 +114,7 @@ class NativeDecoder:
                 rate_raw * self._dps_per_lsb,
                 encoder_counts * self._deg_per_count if has_encoder else nan,
                 temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
+                (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
             )
         )
 

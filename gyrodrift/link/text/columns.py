@@ -11,7 +11,7 @@ IGNORED = "_"
 CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
 """Microseconds in one unit of a clock."""
 
-MEANINGS = (IGNORED, *CLOCK_US, "seq", "rate", "encoder", "temp")
+MEANINGS = (IGNORED, *CLOCK_US, "seq", "rate", "encoder", "temp", "still")
 OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg": "encoder"}
 RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'

@@ -80,7 +80,8 @@ def _reading(count: int, values: dict[str, tuple[Column, str]]) -> tuple[int, Re
     if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
         return None
     encoder_deg, temp_c = _finite(numbers.get("encoder", nan)), _finite(numbers.get("temp", nan))
-    return count, Reading(None if t_us is None else t_us & CLOCK_MASK, seq, rate_dps, encoder_deg, temp_c)
+    clock_us, still = None if t_us is None else t_us & CLOCK_MASK, _finite(numbers.get("still", nan))
+    return count, Reading(clock_us, seq, rate_dps, encoder_deg, temp_c, still)
 
 
 def _finite(value: float) -> float:

@@ -49,6 +49,7 @@ def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
         rate_dps=number("rate_dps", fields["rate_dps"]),
         encoder_deg=number("encoder_deg", fields.get("encoder_deg")),
         temp_c=number("temp_c", fields.get("temp_c")),
+        still=number("still", fields.get("still")),
     )
 
 

@@ -108,6 +108,7 @@ JSON_TEXT = json.dumps(
             **dict.fromkeys(("t_device_s", "t_host_s", "rate_dps"), NUMBER_OR_NONE),
             "encoder_deg": {"type": "number"},
             "temp_c": {"type": "number"},
+            "still": {"type": "number"},
         },
         "required": ["t_device_s", "rate_dps"],
     }

@@ -75,6 +75,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         seq=None if (rows["seq"] < 0).all() else rows["seq"].copy(),
         encoder_deg=_column(rows["encoder_deg"]),
         temp_c=_column(rows["temp_c"]),
+        still=_column(rows["still"]),
         metadata=contents.metadata,
     )
 

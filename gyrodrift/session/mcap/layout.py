@@ -2,7 +2,8 @@
 
 A sample is one message of fixed size on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`: a run of
 them is a table that numpy reads in one look, finished or not, and a torn tail costs the torn message alone.
-`/raw` holds the bytes of the link, one message a read; `/link` what happened on it, as JSON.
+`/raw` holds the bytes of the link, one message a read; `/link` what happened on it, as JSON; `/still` what something
+else than the rate said of rest.
 """
 
 import struct
@@ -66,6 +67,16 @@ EVENTS = Topic(
     schema_encoding="jsonschema",
     schema_text='{"type": "object", "properties": {"event": {"type": "string"}, "t_host_s": {"type": "number"}}}',
 )
+STILLS = Topic(
+    channel_id=4,
+    name="/still",
+    message_encoding="json",
+    schema_name="gyrodrift.Still",
+    schema_encoding="jsonschema",
+    schema_text='{"type": "object", '
+    '"properties": {"sample": {"type": "integer"}, "still": {"type": ["number", "null"]}}}',
+)
+"""What was said from outside of rest: a message where it changes, with the number of the first sample it holds for."""
 
 MESSAGE_OPCODE = 5
 CDR_LITTLE_ENDIAN = 0x00000100

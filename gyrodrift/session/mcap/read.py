@@ -3,6 +3,7 @@
 Files that others wrote are handed to the public reader.
 """
 
+import json
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,6 +20,7 @@ from gyrodrift.session.mcap.layout import (
     MESSAGE_LENGTH,
     MESSAGE_OPCODE,
     SAMPLES,
+    STILLS,
 )
 from gyrodrift.session.mcap.walk import (
     ROW,
@@ -36,6 +38,9 @@ from gyrodrift.session.session import Session
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Columns that a session may lack: all NaN then."""
+
+MESSAGE_BODY = 22
+"""Where the content of a message begins: behind channel, sequence, log and publish time."""
 
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
@@ -79,7 +84,10 @@ def _read_ours(path: Path, file: BinaryIO) -> Session | None:
                 break
             case PlacedRecord():
                 try:
-                    declared.take(step, walk)
+                    if step.opcode == Opcode.MESSAGE:
+                        columns.hear(walk.body(step))
+                    else:
+                        declared.take(step, walk)
                 except BrokenRecordError as error:
                     raise DataError(f"{path}: {error}; the file was changed since it was written") from error
     return columns.session(path.stem, declared.metadata) if columns.count else None
@@ -90,6 +98,7 @@ class _Columns:
 
     def __init__(self, most: int) -> None:
         self.count = 0
+        self._stills: list[tuple[int, float]] = []
         self._arrays = {name: np.empty(most, ROW[name]) for name in VALUES}
 
     def take(self, rows: Rows) -> None:
@@ -98,6 +107,24 @@ class _Columns:
         for name, array in self._arrays.items():
             array[self.count : end] = rows[name]
         self.count = end
+
+    def hear(self, body: bytes) -> None:
+        """A message that is no sample: what was said of rest is kept."""
+        if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
+            try:
+                said = json.loads(body[MESSAGE_BODY:])
+                self._stills.append((int(said["sample"]), np.nan if said["still"] is None else float(said["still"])))
+            except (ValueError, KeyError, TypeError) as error:
+                raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
+
+    def _still(self) -> Floats | None:
+        """What was said of rest, sample by sample."""
+        if not self._stills:
+            return None
+        still = np.full(self.count, np.nan)
+        for sample, said in self._stills:  # each holds until the next
+            still[sample:] = said
+        return still
 
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
         """All of it, without the columns that the device never filled."""
@@ -108,6 +135,7 @@ class _Columns:
             rate_dps=found["rate_dps"],
             seq=None if (found["seq"] < 0).all() else found["seq"],
             **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},
+            still=self._still(),
             metadata=metadata,
         )
 
@@ -162,7 +190,17 @@ def add_chunk(writer: McapWriter, session: Session) -> None:
         rows[name] = np.nan if column is None else column
     rows["publish_time"] = _nanoseconds(session.t_device_s)
     rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
+    if session.still is not None:
+        _add_stills(writer, session.still, rows["log_time"])
     writer.add_rows(rows.tobytes(), int(rows["log_time"].min()), int(rows["log_time"].max()))
+
+
+def _add_stills(writer: McapWriter, still: Floats, log_time: NDArray[np.uint64]) -> None:
+    """Where what is said of rest changes, with that at the first sample."""
+    is_said = ~np.isnan(still)
+    changes = (still[1:] != still[:-1]) & (is_said[1:] | is_said[:-1])
+    for at in [0, *(np.flatnonzero(changes) + 1).tolist()]:
+        writer.add_still(writer.count + at, float(still[at]), float(log_time[at]) * 1e-9)
 
 
 def _nanoseconds(seconds: Floats) -> NDArray[np.uint64]:

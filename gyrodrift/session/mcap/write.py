@@ -7,7 +7,7 @@ import json
 import struct
 import zlib
 from collections.abc import Iterable
-from math import nan
+from math import isnan, nan
 from typing import Any, Protocol
 
 from mcap.data_stream import RecordBuilder
@@ -40,6 +40,7 @@ from gyrodrift.session.mcap.layout import (
     READ_HEAD,
     READS,
     SAMPLES,
+    STILLS,
     Topic,
 )
 
@@ -131,6 +132,7 @@ class McapWriter:
         self._contents = FileSummary()
         self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
         self._others = bytearray()
+        self._still = nan
         self._write(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")))
         self._others += self._declared(SAMPLES)
         self.flush()
@@ -155,7 +157,9 @@ class McapWriter:
         """Samples as they come."""
         pack, rows = MESSAGE.pack, self._rows
         last_host_s, log_ns, count = nan, 0, 0
-        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c in samples:
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still in samples:
+            if still != self._still and not (isnan(still) and isnan(self._still)):
+                self.add_still(self.count + count, still, t_host_s)
             if t_host_s != last_host_s:  # what arrived together has one time
                 last_host_s, log_ns = t_host_s, to_ns(t_host_s)
                 self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
@@ -183,6 +187,14 @@ class McapWriter:
         self._rows += rows
         self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
         self.flush()
+
+    def add_still(self, sample: int, still: float, t_host_s: float) -> None:
+        """What is said of rest from a sample on: 1, 0, or NaN where nobody says; nothing where that is no change."""
+        if still == self._still or (isnan(still) and isnan(self._still)):
+            return
+        self._still = still
+        text = json.dumps({"sample": sample, "still": None if isnan(still) else still}).encode()
+        self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), t_host_s) + text
 
     def add_read(self, content: bytes, t_host_s: float) -> None:
         """The bytes that one read of the port gave."""

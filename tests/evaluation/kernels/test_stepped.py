@@ -10,6 +10,7 @@ from gyrodrift.arrays import Floats
 
 pytest.importorskip("numba", reason="kernels need the workstation extra")
 from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
+from gyrodrift.evaluation.reference import NOTHING_BESIDE
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr import HdrCoefficients, HdrState
 from gyrodrift.filters.registry import FILTERS
@@ -38,9 +39,12 @@ def test_stepping_is_what_the_kernel_does(chosen: Filter) -> None:
     compiled, stepped = kernel_of(chosen), kernel_of(replace(chosen, kernel=""))
     both = candidates(chosen)
     for candidate in both:
-        assert stepped.yaw(dt_s, rate_dps, candidate).tolist() == compiled.yaw(dt_s, rate_dps, candidate).tolist()
-    ours = stepped.sums(dt_s, rate_dps, reference_deg, both, stepped.prepare(both))
-    theirs = compiled.sums(dt_s, rate_dps, reference_deg, both, compiled.prepare(both))
+        assert (
+            stepped.yaw(dt_s, rate_dps, candidate, NOTHING_BESIDE).tolist()
+            == compiled.yaw(dt_s, rate_dps, candidate, NOTHING_BESIDE).tolist()
+        )
+    ours = stepped.sums(dt_s, rate_dps, reference_deg, both, stepped.prepare(both), NOTHING_BESIDE)
+    theirs = compiled.sums(dt_s, rate_dps, reference_deg, both, compiled.prepare(both), NOTHING_BESIDE)
     np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
@@ -54,7 +58,7 @@ def test_a_yaw_that_leaves_the_floats_costs_the_infinite() -> None:
     stepped = kernel_of(replace(FILTERS["hdr"], kernel="", step=endless))
     dt_s, rate_dps = np.array([0.0, 0.01, 0.01]), np.zeros(3)
     both = candidates(FILTERS["hdr"])
-    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None)).all()
+    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None, NOTHING_BESIDE)).all()
 
 
 def test_candidates_are_cut_into_groups_of_eight() -> None:

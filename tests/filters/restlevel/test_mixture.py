@@ -19,6 +19,13 @@ def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
     assert other.weight == 0.0
 
 
+def test_what_holds_two_back_is_averaged_by_a_merge() -> None:
+    """Neither is released by more than it was held back: 0.25 · 9 + 0.75 · 1 of both together."""
+    h, other = Hypothesis(weight=0.25, held_back=9.0), Hypothesis(weight=0.75, held_back=1.0)
+    moment_matched_merge(h, other)
+    assert h.weight * h.held_back == 3.0
+
+
 def test_the_merge_gate_is_the_smaller_sigma() -> None:
     """Of bias and of yaw; and both hypotheses say the same of rest."""
     h = Hypothesis(weight=0.5, bias_var=1.0, yaw_var=4.0, knows_bias=True)
@@ -70,16 +77,16 @@ def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
     assert [h.weight for h in s.hypotheses] == [1.0] + [0.0] * 11
 
 
-def test_collapsed_means_are_by_squared_probability() -> None:
-    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.64/0.68, the variance is by probability less a tail."""
+def test_collapsed_means_are_by_cubed_probability() -> None:
+    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.512/0.52, the variance is by probability less a tail."""
     s = RestlevelState()
     s.hypotheses[2] = Hypothesis(weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
     s.hypotheses[5] = Hypothesis(weight=0.2, bias_var=0.5)
     collapse(s)
-    assert s.bias_dps == pytest.approx(16.0 / 17.0)
-    assert s.moments.yaw_deg == pytest.approx(-32.0 / 17.0)
+    assert s.bias_dps == pytest.approx(64.0 / 65.0)
+    assert s.moments.yaw_deg == pytest.approx(-128.0 / 65.0)
     assert (s.confidence, s.rest_probability) == (0.8, 0.8)
-    spread = (0.755 * 1.0 + 0.155 * 16.0**2) / 0.91 / 17.0**2
+    spread = (0.755 * 1.0 + 0.155 * 64.0**2) / 0.91 / 65.0**2
     assert s.bias_sigma_dps**2 == pytest.approx(0.5 + spread)
     assert s.moments.covariance == pytest.approx(-2.0 * spread)
     assert s.moments.yaw_var == pytest.approx(4.0 * spread)

@@ -8,7 +8,7 @@ import pytest
 from golden_frames import NativeSample
 from support import near
 
-from firmware_sim.wire.native import native_frame
+from firmware_sim.wire.native import native_frame, sample_frame
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.native import NativeDecoder
 
@@ -95,3 +95,11 @@ def test_a_name_that_would_command_a_terminal_is_only_shown() -> None:
     decoder = NativeDecoder()
     decoder.push(hello(0.01, b"a\x1b[2J\x07\n\xff b"))
     assert decoder.device.device_id == "a\ufffd[2J\ufffd\ufffd\ufffd b"
+
+
+@pytest.mark.parametrize(("flags", "still"), [(0x00, None), (0x10, None), (0x08, 0.0), (0x18, 1.0)])
+def test_two_flags_say_whether_the_device_stands_still(flags: int, still: float | None) -> None:
+    """One that it is known, one what it is."""
+    decoder = NativeDecoder()
+    (reading,) = decoder.push(golden.HELLO + sample_frame(flags, 1, 10_000, 5, 0, 0))
+    assert reading.still == still if still is not None else isnan(reading.still)

@@ -1,0 +1,152 @@
+"""Keeps what the filter knows of a device across restarts: handed over before the first sample, then written."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from structlog.typing import FilteringBoundLogger
+
+from gyrodrift.errors import UsageError
+from gyrodrift.files import check_writable
+from gyrodrift.filters.filter import FilterMemory
+from gyrodrift.sample import Sample
+from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory
+
+SAVE_S = 60.0
+"""How often the memory is written while the service runs; a kill costs no more than this."""
+
+
+@dataclass(slots=True)
+class MemoryKeeper:
+    """Listens in front of filter and recording, so that both begin with what is remembered.
+
+    state
+        What `ctl status` says of it: `none` before the first sample, `new`, `used`, or `refused`.
+
+    Raises
+    ------
+    UsageError
+        From the constructor, where the file cannot be read or its folder not be written to.
+    """
+
+    path: Path
+    filtering: Filtering
+    log: FilteringBoundLogger
+    now: Callable[[], float] = time.time
+    state: str = "none"
+    reason: str = ""
+    device: str = ""
+    _filter: str = ""
+    _file: MemoryFile | None = None
+    _before: Any = None
+    _saved_s: float = 0.0
+    _begun_s: float = 0.0
+    _writing: threading.Thread | None = None
+    _failed: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        check_writable(self.path.resolve().parent)
+        try:
+            self._file = read_memory(self.path)
+        except MemoryDamagedError as error:
+            self._put_aside(str(error))
+
+    def take(self, samples: list[Sample]) -> None:
+        """Before the first sample, see whose memory it is, and hand it to the filter."""
+        if samples and self.state == "none":
+            self._begin(samples[0])
+
+    def tick(self, now_s: float) -> None:
+        """Write what was learned, now and then."""
+        if self._writing is not None and not self._writing.is_alive():
+            self._join()
+        if now_s - self._saved_s >= SAVE_S:
+            self._saved_s = now_s
+            self._save()
+
+    def stats(self) -> dict[str, Any]:
+        """Nothing that changes."""
+        return {}
+
+    def close(self) -> None:
+        """Write what was learned last."""
+        self._join()
+        self._save()
+        self._join()
+
+    def status(self) -> dict[str, str]:
+        """For `ctl status`."""
+        return {"file": str(self.path), "state": self.state, "reason": self.reason, "device": self.device}
+
+    def _begin(self, first: Sample) -> None:
+        link, kind = self.filtering.link, self.filtering.filter
+        self.device = link.device.device_id or link.name
+        self._begun_s, self._saved_s, self._filter = self.now(), time.monotonic(), kind.name
+        if kind.memory is None:
+            self._refuse(f"the filter {kind.name} remembers nothing")
+            return
+        file, self.state = self._file, "new"
+        if file is None:
+            self.log.info("memory_new", file=str(self.path), device=self.device)
+            return
+        if file.device != self.device:
+            self._refuse(f"it is of the device {file.device}, and this is {self.device}: give each a file of its own")
+        elif file.filter != kind.name:
+            self._refuse(f"it is of the filter {file.filter}, and {kind.name} runs: give each a file of its own")
+        else:
+            self._use(file, kind.memory, first)
+
+    def _use(self, file: MemoryFile, memory: FilterMemory, first: Sample) -> None:
+        age_s = file.age_s(self._begun_s)
+        try:
+            self._before = memory.read(file.knowledge)
+        except ValueError as error:
+            self._put_aside(" ".join(str(error).split()))
+            return
+        temp_c = first.temp_c if isfinite(first.temp_c) else None
+        self.filtering.begin_with(memory.begun(self.filtering.params, self._before, age_s, temp_c))
+        self.state = "used"
+        self.log.info("memory_used", file=str(self.path), device=self.device, age_s=round(age_s, 1))
+
+    def _refuse(self, reason: str) -> None:
+        self.state, self.reason = "refused", reason
+        self.log.error("memory_refused", file=str(self.path), reason=reason, hint="nothing is written to it")
+
+    def _put_aside(self, reason: str) -> None:
+        aside = set_aside(self.path)
+        self.reason = f"the one before was damaged, and is now {aside}: {reason}"
+        self.log.error("memory_damaged", file=str(self.path), reason=reason, set_aside=str(aside))
+
+    def _save(self) -> None:
+        """Hand what is known to a thread that writes it: a slow disk never keeps the port waiting."""
+        kind, now_s = self.filtering.filter, self.now()
+        if self.state not in {"new", "used"} or kind.memory is None or self._writing is not None:
+            return
+        if kind.name != self._filter:  # another config, another filter: what that knows is of another kind
+            return
+        age_s = 0.0 if self._file is None else self._file.age_s(now_s)
+        known = kind.memory.learned(self.filtering.state, self._before, age_s)
+        if known is None:
+            return
+        memory = MemoryFile(self.device, kind.name, now_s, asdict(known))
+        self._writing = threading.Thread(target=self._write, args=(memory,), name="memory")
+        self._writing.start()
+
+    def _write(self, memory: MemoryFile) -> None:
+        try:
+            write_memory(self.path, memory)
+        except (UsageError, ValueError) as error:
+            self._failed.append(str(error))
+
+    def _join(self) -> None:
+        if self._writing is not None:
+            self._writing.join()
+            self._writing = None
+        for reason in self._failed:
+            self.log.error("memory_not_written", reason=reason)
+        self._failed.clear()

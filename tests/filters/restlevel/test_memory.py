@@ -1,0 +1,172 @@
+"""What restlevel remembers: a start in motion that is not blind, a spread that is honest, a state kept whole."""
+
+import json
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from restlevel_reference import reference
+from support import Recordings
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.compiled import array_of
+from gyrodrift.evaluation.kernels.restlevel import _follow
+from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, knowledge, learned
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.filters.saved import restore, saved
+from gyrodrift.session.files import load_session
+
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")
+
+RATE_HZ = 100.0
+DAY_S = 86_400.0
+
+
+def run(rate_dps: Floats, state: RestlevelState, p: RestlevelParams | None = None) -> Floats:
+    """Yaw and bias after each sample, shape (2, n)."""
+    c, rows = coefficients(p or RestlevelParams()), []
+    for n, dps in enumerate(rate_dps.tolist()):
+        step(c, state, n / RATE_HZ, dps)
+        rows.append((state.yaw_deg, state.bias_dps))
+    return np.array(rows).T
+
+
+def noise(count: int, seed: int) -> Floats:
+    return np.random.default_rng(seed).normal(0.0, 0.05, count)
+
+
+def memory_of(bias_dps: float, before: RestlevelMemory | None = None, age_s: float = 0.0) -> RestlevelMemory:
+    """After 20 s at rest."""
+    state = RestlevelState() if before is None else begun(RestlevelParams(), before, age_s, None)
+    run(bias_dps + noise(2000, 1), state)
+    known = learned(state, before, age_s)
+    assert known is not None
+    return known
+
+
+def weaving(count: int) -> tuple[Floats, Floats]:
+    """True rate and yaw of a device that begins moving."""
+    t_s = np.arange(count) / RATE_HZ
+    true_dps = 40.0 * np.sin(t_s) * (1.0 + 0.3 * np.sin(t_s / 7.0))
+    return true_dps, np.cumsum(0.5 * (true_dps + np.r_[true_dps[0], true_dps[:-1]])) / RATE_HZ
+
+
+@pytest.mark.parametrize("bias_dps", [0.0, 0.6, -1.2])
+def test_a_start_in_motion_is_not_blind(bias_dps: float) -> None:
+    """Two minutes without a rest, an hour after the run before; a start at rest would be off by half as much."""
+    true_dps, true_deg = weaving(12_000)
+    rate_dps = true_dps + bias_dps + 0.01 + noise(12_000, 2)
+    remembering, _ = run(rate_dps, begun(RestlevelParams(), memory_of(bias_dps), 3600.0, None))
+    assert abs(remembering - true_deg)[-1] < 2.5
+
+
+def test_nothing_is_remembered_of_a_run_without_a_sure_rest() -> None:
+    """And what was known stays in its file."""
+    state = RestlevelState()
+    run(weaving(6000)[0] + noise(6000, 3), state)
+    assert learned(state, None, 0.0) is None
+
+
+@pytest.mark.parametrize("age_s", [5.0, 3600.0, DAY_S, 30.0 * DAY_S])
+def test_age_widens_what_is_remembered(age_s: float) -> None:
+    """As far as the bias walks, and as a new start changes it; no further than a turn-on bias is."""
+    state = begun(RestlevelParams(), memory_of(0.4), age_s, None)
+    found = state.remembered[0]
+    walked_var = min(0.0005**2 * age_s, 0.25) + 0.05**2 * min(1.0, age_s / 600.0)
+    assert found.bias_dps == pytest.approx(0.4, abs=0.005)
+    assert found.bias_var == pytest.approx(walked_var, rel=0.1, abs=3e-5)
+
+
+def test_a_device_that_starts_elsewhere_each_time_is_known_to_do_so() -> None:
+    """Its spread grows, start by start; that of one that starts alike shrinks."""
+    restless = alike = memory_of(0.4)
+    for number in range(8):
+        restless = memory_of(0.4 + 0.3 * (-1) ** number, restless, 3600.0)
+        alike = memory_of(0.4, alike, 3600.0)
+    assert restless.starts == alike.starts == 8
+    assert restless.drift_factor > 10.0
+    assert alike.drift_factor < 0.7
+    state = begun(RestlevelParams(), restless, 3600.0, None)
+    assert state.remembered[0].bias_var > 0.2**2
+
+
+def test_a_memory_that_is_wrong_is_given_up_at_the_first_rest() -> None:
+    """A part that was changed for another one, unseen."""
+    state = begun(RestlevelParams(), memory_of(0.4), 60.0, None)
+    _, bias_dps = run(-0.8 + noise(2000, 4), state)
+    assert bias_dps[-1] == pytest.approx(-0.8, abs=0.02)
+
+
+def test_remembered_noise_is_of_the_rate_at_which_samples_come() -> None:
+    """At another rate it has to be seen anew."""
+    memory = memory_of(0.4)
+    same, other = (begun(RestlevelParams(), each, 0.0, None) for each in (memory, replace(memory, period_s=0.002)))
+    moving = weaving(100)[0]
+    run(moving, same)
+    run(moving, other)
+    assert same.noise.is_walk_measured
+    assert same.noise.sample_var < 0.1**2 < other.noise.sample_var
+
+
+def test_a_second_pass_of_the_thermal_chamber_begins_where_the_first_did(recordings: Recordings) -> None:
+    """Within 0.02 deg/s from the first sample on, though the first pass ended 15 °C lower and 0.6 deg/s away."""
+    session = load_session(recordings.data / "temperature_sweep.csv")
+    assert session.temp_c is not None
+    c, first = coefficients(RestlevelParams()), RestlevelState()
+    rows = list(zip(session.t_device_s.tolist(), session.rate_dps.tolist(), session.temp_c.tolist(), strict=True))
+    for t_s, rate_dps, temp_c in rows:
+        step(c, first, t_s, rate_dps, np.nan, temp_c)
+    memory = learned(first, None, 0.0)
+    assert memory is not None
+    assert memory.bias_dps == pytest.approx(session.rate_dps[-20:].mean(), abs=0.02)
+    second = begun(RestlevelParams(), memory, 5.0, rows[0][2])
+    found = []
+    for t_s, rate_dps, temp_c in rows[:60]:
+        step(c, second, t_s, rate_dps, np.nan, temp_c)
+        found.append(second.bias_dps)
+    truth = session.rate_dps[:20].mean()
+    assert abs(np.array(found)[:30] - truth).max() < 0.02
+
+
+def test_a_memory_survives_its_file() -> None:
+    """Value by value; what is none is said."""
+    memory = memory_of(0.4)
+    assert knowledge(json.loads(json.dumps(asdict(memory)))) == memory
+    for wrong in ({"bias_dps": "much"}, {"bias_sigma_dps": -1.0}, {"bias_dps": float("nan")}, {"first": [3]}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            knowledge(asdict(memory) | wrong)
+
+
+def test_the_compiled_filter_begins_with_it_too_and_so_does_an_independent_reading() -> None:
+    """The same bits, and the same to 1e-9."""
+    true_dps, _ = weaving(6000)
+    rate_dps = np.r_[true_dps, np.zeros(600), true_dps] + 0.4 + noise(12_600, 5)
+    memory = replace(memory_of(0.4), period_s=0.0)  # the reading knows no noise before it sees some
+    plain = run(rate_dps, begun(RestlevelParams(), memory, 60.0, None))
+    dt_s = np.diff(np.arange(len(rate_dps)) / RATE_HZ, prepend=0.0)
+    found, state = np.zeros((3, len(rate_dps))), begun(RestlevelParams(), memory, 60.0, None)
+    nothing = np.empty(0)
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), dt_s, rate_dps, nothing, nothing, found)
+    np.testing.assert_array_equal(found[[0, 2]], plain)
+    remembered = [(each.weight, each.bias_dps, each.bias_var) for each in state.remembered if each.weight]
+    t_s = np.arange(len(rate_dps)) / RATE_HZ
+    read = reference(t_s, rate_dps, RestlevelParams(), remembered=remembered)
+    np.testing.assert_allclose(plain[0][read["end"]], read["yaw"], rtol=0.0, atol=1e-6)
+
+
+def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
+    """Half way through a run too: it goes on with the same bits."""
+    rate_dps = np.r_[np.zeros(800), weaving(2000)[0], np.zeros(800)] + 0.4 + noise(3600, 6)
+    state = RestlevelState()
+    assert saved(state, RestlevelState()) == {}
+    c = coefficients(RestlevelParams())
+    for n in range(1800):
+        step(c, state, n / RATE_HZ, float(rate_dps[n]))
+    table = json.loads(json.dumps(saved(state, RestlevelState())))
+    again = RestlevelState()
+    restore(again, table)
+    assert again == state
+    for wrong in ({"flight": 1.0}, {"yaw_deg": "far"}, {"noise": {"colour": 1}}):
+        with pytest.raises(ValueError, match=r"has no|is '"):
+            restore(RestlevelState(), wrong)

@@ -1,0 +1,127 @@
+"""Bias against temperature: when a line is believed, what it is worth in motion and at a start, when it is given up."""
+
+import numpy as np
+import pytest
+from restlevel_reference import reference
+from support import Recordings
+
+from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.kernels.restlevel import walk
+from gyrodrift.evaluation.reference import Beside
+from gyrodrift.filters.restlevel.memory import begun, learned
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.session.files import load_session
+
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")
+
+RATE_HZ = 50.0
+SLOPE_DPS_C = 0.02
+NOBODY = np.empty(0)
+
+
+def warming(rests: int, last_s: float, seed: int = 1) -> tuple[Floats, Floats, Floats]:
+    """True rate, bias and temperature: rests of 25 s that warm up by 2 °C each, turns of 5 s, and a long drive."""
+    pieces = [np.r_[np.zeros(1250), 30.0 * np.sin(np.arange(250) / 20.0)] for _ in range(rests)]
+    drive = np.arange(round(last_s * RATE_HZ)) / RATE_HZ
+    true_dps: Floats = np.concatenate([*pieces, 40.0 * np.sin(drive) * (1.0 + 0.3 * np.sin(drive / 7.0))])
+    temp_c: Floats = 20.0 + 2.0 * np.arange(len(true_dps), dtype=np.float64) / (30.0 * RATE_HZ)
+    temp_c += np.random.default_rng(seed).normal(0.0, 0.05, len(temp_c))
+    bias_dps: Floats = 0.3 + SLOPE_DPS_C * (temp_c - 20.0)
+    return true_dps, bias_dps, temp_c
+
+
+def measured(true_dps: Floats, bias_dps: Floats, seed: int = 1) -> Floats:
+    return true_dps + bias_dps + np.random.default_rng(seed).normal(0.0, 0.05, len(true_dps))
+
+
+def stepped(rate_dps: Floats, temp_c: Floats, state: RestlevelState | None = None) -> RestlevelState:
+    c, s = coefficients(RestlevelParams()), state or RestlevelState()
+    for n, (dps, warm_c) in enumerate(zip(rate_dps.tolist(), temp_c.tolist(), strict=True)):
+        step(c, s, n / RATE_HZ, dps, np.nan, warm_c)
+    return s
+
+
+def test_a_drive_that_warms_up_is_corrected_on_its_way() -> None:
+    """Three minutes without a rest in which the bias moves by 0.24 deg/s; half of that on the mean is 22 deg."""
+    true_dps, bias_dps, temp_c = warming(8, 180.0)
+    rate_dps = measured(true_dps, bias_dps)
+    dt_s = np.r_[0.0, np.full(len(rate_dps) - 1, 1.0 / RATE_HZ)]
+    truth = np.cumsum(0.5 * (true_dps + np.r_[0.0, true_dps[:-1]])) / RATE_HZ
+    blind, *_ = walk(dt_s, rate_dps, RestlevelParams())
+    warm, _, found_dps = walk(dt_s, rate_dps, RestlevelParams(), Beside(NOBODY, temp_c))
+    assert abs(blind - truth)[-1] > 15.0
+    assert abs(warm - truth)[-1] < 4.0
+    assert found_dps[-1] == pytest.approx(bias_dps[-1], abs=0.03)
+
+
+def test_the_status_says_what_is_known() -> None:
+    """Points, from where to where, slope and fit, and whether they are believed."""
+    true_dps, bias_dps, temp_c = warming(8, 0.0)
+    told = stepped(measured(true_dps, bias_dps), temp_c).temp_curve
+    assert told is not None
+    assert told["is_accepted"]
+    assert told["slope_dps_c"] == pytest.approx(SLOPE_DPS_C, abs=0.003)
+    assert told["points"] >= 5
+    assert told["fit_dps"] < 0.01
+    assert RestlevelState().temp_curve is None
+
+
+def test_what_lies_on_no_line_is_not_believed(recordings: Recordings) -> None:
+    """The thermal chamber: a curve with hysteresis."""
+    session = load_session(recordings.data / "temperature_sweep.csv")
+    assert session.temp_c is not None
+    c, s = coefficients(RestlevelParams()), RestlevelState()
+    for t_s, dps, temp_c in zip(
+        session.t_device_s.tolist(), session.rate_dps.tolist(), session.temp_c.tolist(), strict=True
+    ):
+        step(c, s, t_s, dps, np.nan, temp_c)
+    assert s.curve.known > 20
+    assert not s.curve.is_accepted
+
+
+def test_outliers_are_refused_three_times_in_a_row_and_then_the_past_is_forgotten() -> None:
+    """A part that was knocked: its bias has changed for good."""
+    true_dps, bias_dps, temp_c = warming(8, 0.0)
+    s = stepped(measured(true_dps, bias_dps), temp_c)
+    slope_dps_c = s.curve.slope_dps_c
+    found, at_s = [], s.t_s
+    c = coefficients(RestlevelParams())
+    rest = np.r_[30.0 * np.sin(np.arange(250) / 20.0), np.zeros(1250)]
+    still = np.r_[np.full(250, np.nan), np.ones(1250)].tolist()
+    for number in range(5):
+        rate_dps = measured(rest, np.full(len(rest), 0.9), number)
+        for n, (dps, word) in enumerate(zip(rate_dps.tolist(), still, strict=True), 1):
+            step(c, s, at_s + n / RATE_HZ, dps, word, 30.0)
+        at_s = s.t_s
+        found.append((s.curve.refused, s.curve.is_accepted))
+    assert found[:3] == [(1, True), (2, True), (3, True)]
+    assert found[3:] == [(0, False), (0, False)]
+    assert slope_dps_c == s.curve.slope_dps_c  # nothing of the outliers went into it
+    assert s.curve.known == 1
+
+
+def test_a_remembered_line_says_where_the_bias_is_at_another_temperature() -> None:
+    """The run before ended at 36 °C, this one begins at 26 °C, moving."""
+    true_dps, bias_dps, temp_c = warming(8, 0.0)
+    memory = learned(stepped(measured(true_dps, bias_dps), temp_c), None, 0.0)
+    assert memory is not None
+    state = begun(RestlevelParams(), memory, 60.0, 26.0)
+    likeliest = max(state.remembered, key=lambda one: one.weight)
+    assert likeliest.bias_dps == pytest.approx(0.3 + SLOPE_DPS_C * 6.0, abs=0.02)
+    assert likeliest.bias_var < 0.1**2
+    assert state.curve.is_accepted
+
+
+def test_plain_compiled_and_independent_reading_agree() -> None:
+    """The first two to the bit, the third to a millionth of a degree."""
+    true_dps, bias_dps, temp_c = warming(8, 30.0)
+    rate_dps = measured(np.r_[true_dps, true_dps[:4500]], np.r_[bias_dps, bias_dps[:4500] + 0.1])
+    temp_c = np.r_[temp_c, temp_c[:4500]]
+    t_s = np.arange(len(rate_dps)) / RATE_HZ
+    yaw_deg, _, found_dps = walk(np.diff(t_s, prepend=0.0), rate_dps, RestlevelParams(), Beside(NOBODY, temp_c))
+    s = stepped(rate_dps, temp_c)
+    assert (s.yaw_deg, s.bias_dps) == (yaw_deg[-1], found_dps[-1])
+    read = reference(t_s, rate_dps, RestlevelParams(), temp_c=temp_c)
+    np.testing.assert_allclose(yaw_deg[read["end"]], read["yaw"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(found_dps[read["end"]], read["bias"], rtol=0.0, atol=1e-6)

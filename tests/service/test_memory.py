@@ -1,0 +1,135 @@
+"""`serve --memory`: what is kept across restarts, whose it is, and what becomes of a file that is damaged."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from outputs_support import serving
+from support import Command, never
+
+RESTING, MOVING = 2000, 500
+
+
+def lines(first: int, true_dps: np.ndarray[tuple[int], np.dtype[np.float64]]) -> bytes:
+    """The csv protocol at 100 Hz, with a bias of 0.4 deg/s."""
+    noise = np.random.default_rng(first).normal(0.4, 0.05, len(true_dps))
+    rows = (f"{(first + n) * 10_000},{rate:.4f}\n" for n, rate in enumerate((true_dps + noise).tolist()))
+    return "".join(rows).encode()
+
+
+def rested(port: Path, memory: Path, *options: str | Path) -> None:
+    """A run that rests for 20 s."""
+    with serving(port, "--memory", memory, *options) as (serve, device):
+        for at in range(0, RESTING, 500):
+            device.send_all(lines(at, np.zeros(500)), never)
+            serve.take_lines(500)
+        assert serve.stop() == 0
+
+
+def moved(port: Path, *options: str | Path) -> tuple[list[dict[str, Any]], str]:
+    """The lines of a run that begins moving, and its log."""
+    with serving(port, *options) as (serve, device):
+        device.send_all(lines(0, 40.0 * np.sin(np.arange(MOVING) / 50.0)), never)
+        found = serve.take_lines(MOVING)
+        assert serve.stop() == 0
+        return found, serve.log
+
+
+def test_a_restart_in_motion_knows_the_bias_and_its_recording_gives_the_same_bits(port: Path, tmp_path: Path) -> None:
+    """`filter` on the recording, and `replay` with `serve --memory RECORDING`."""
+    memory, folder = tmp_path / "m.json", tmp_path / "r"
+    rested(port, memory)
+    content = json.loads(memory.read_text())
+    assert (content["gyrodrift_memory"], content["device"], content["filter"]) == (1, str(port), "restlevel")
+    assert content["knowledge"]["bias_dps"] == pytest.approx(0.4, abs=0.01)
+    found, log = moved(port, "--memory", memory, "--record", folder)
+    assert '"event": "memory_used"' in log
+    assert found[0]["bias_dps"] == pytest.approx(0.4, abs=0.01)
+    assert found[0]["bias_sigma_dps"] < 0.1
+    (recording,) = folder.glob("*.mcap")
+    with Command("filter", recording) as filtered:
+        assert filtered.end() == 0
+    header, *rows = (row.split(",") for row in filtered.out.splitlines())
+    yaws_deg = [float(row[header.index("yaw_deg")]) for row in rows]
+    assert [round(yaw_deg, 4) for yaw_deg in yaws_deg] == [line["yaw_deg"] for line in found]
+    link = tmp_path / "again"
+    with Command("replay", recording, "--link", link, "--speed", "max") as replay:
+        replay.until_log("waiting for a reader")
+        with Command("serve", "--port", link, "--memory", recording) as serve:
+            again = serve.take_lines(MOVING)
+            serve.stop()
+    assert [line["yaw_deg"] for line in again] == [line["yaw_deg"] for line in found]
+
+
+def test_a_memory_goes_on_where_a_run_learns_nothing(port: Path, tmp_path: Path) -> None:
+    """It stays as it is."""
+    memory = tmp_path / "m.json"
+    rested(port, memory)
+    before = memory.read_bytes()
+    moved(port, "--memory", memory)
+    assert memory.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("key", "other", "said"),
+    [
+        ("device", "bench-8", "it is of the device bench-8, and this is "),
+        ("filter", "hdr", "it is of the filter hdr, and restlevel runs"),
+    ],
+)
+def test_a_memory_of_something_else_is_refused_and_left_alone(
+    port: Path, tmp_path: Path, key: str, other: str, said: str
+) -> None:
+    """The service runs on without."""
+    memory = tmp_path / "m.json"
+    rested(port, memory)
+    memory.write_text(json.dumps(json.loads(memory.read_text()) | {key: other}))
+    before = memory.read_bytes()
+    rested(port, memory)
+    found, log = moved(port, "--memory", memory)
+    assert '"event": "memory_refused"' in log
+    assert said in log
+    assert found[0]["bias_dps"] == 0.0
+    assert memory.read_bytes() == before
+
+
+@pytest.mark.parametrize("damage", [b"", b"\xff\xfe", b'{"gyrodrift_memory": 1}', b"[1, 2", None])
+def test_a_damaged_memory_is_told_set_aside_and_begun_anew(port: Path, tmp_path: Path, damage: bytes | None) -> None:
+    """Nothing of it is lost; None is one value that cannot be."""
+    memory = tmp_path / "m.json"
+    rested(port, memory)
+    if damage is None:
+        content = json.loads(memory.read_text())
+        content["knowledge"]["bias_dps"] = "much"
+        damage = json.dumps(content).encode()
+    memory.write_bytes(damage)
+    with serving(port, "--memory", memory) as (serve, device):
+        device.send_all(lines(0, np.zeros(500)), never)
+        assert serve.take_lines(500)[0]["bias_dps"] == 0.0
+        serve.stop()
+    assert '"event": "memory_damaged"' in serve.log
+    assert (tmp_path / "m.json.damaged_1").read_bytes() == damage
+    assert not memory.exists()
+
+
+def test_where_nothing_can_be_written_it_is_said_at_once(port: Path, tmp_path: Path) -> None:
+    """Before the port is opened for good."""
+    (tmp_path / "file").write_text("")
+    with Command("serve", "--port", "/dev/null", "--memory", tmp_path / "file" / "m.json") as serve:
+        assert serve.end() != 0
+    assert "Traceback" not in serve.log
+
+
+def test_the_status_tells_of_the_memory(port: Path, tmp_path: Path) -> None:
+    """Its file, whose it is, and whether it is used."""
+    memory, control = tmp_path / "m.json", tmp_path / "control"
+    with serving(port, "--memory", memory, "--control", control) as (serve, device):
+        device.send_all(lines(0, np.zeros(100)), never)
+        serve.take_lines(100)
+        with Command("ctl", control, "status") as asked:
+            asked.end()
+        serve.stop()
+    told = json.loads(asked.out)["memory"]
+    assert told == {"file": str(memory), "state": "new", "reason": "", "device": str(port)}
