@@ -31,12 +31,15 @@ class MemoryFile:
         Unix time when it was made, s.
     knowledge
         What that filter knows.
+    calibration
+        Date of the calibration that its rates were put right by; empty for none.
     """
 
     device: str
     filter: str
     written_s: float
     knowledge: dict[str, Any]
+    calibration: str = ""
 
     def age_s(self, now_s: float) -> float:
         """How old it is, s."""
@@ -75,7 +78,15 @@ def _memory_of(content: Any) -> MemoryFile:
     for name, kind in kinds.items():
         if not isinstance(content.get(name), kind):
             raise MemoryDamagedError(f"{name} is {content.get(name)!r}")
-    return MemoryFile(content["device"], content["filter"], float(content["written_s"]), content["knowledge"])
+    if not isinstance(content.get("calibration", ""), str):
+        raise MemoryDamagedError(f"calibration is {content['calibration']!r}")
+    return MemoryFile(
+        content["device"],
+        content["filter"],
+        float(content["written_s"]),
+        content["knowledge"],
+        content.get("calibration", ""),
+    )
 
 
 def write_memory(path: Path, memory: MemoryFile) -> None:
@@ -90,6 +101,7 @@ def write_memory(path: Path, memory: MemoryFile) -> None:
         "gyrodrift_memory": VERSION,
         "device": memory.device,
         "filter": memory.filter,
+        "calibration": memory.calibration,
         "written": datetime.fromtimestamp(memory.written_s, UTC).isoformat(timespec="seconds"),
         "written_s": memory.written_s,
         "knowledge": memory.knowledge,

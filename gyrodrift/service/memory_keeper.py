@@ -10,6 +10,7 @@ from typing import Any
 
 from structlog.typing import FilteringBoundLogger
 
+from gyrodrift.calibration import device_identity
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
 from gyrodrift.filters.filter import FilterMemory
@@ -42,6 +43,7 @@ class MemoryKeeper:
     reason: str = ""
     device: str = ""
     _filter: str = ""
+    _calibration: str = ""
     _file: MemoryFile | None = None
     _before: Any = None
     _saved_s: float = 0.0
@@ -87,6 +89,7 @@ class MemoryKeeper:
         link, kind = self.filtering.link, self.filtering.filter
         self.device = link.device.device_id or link.name
         self._begun_s, self._saved_s, self._filter = self.now(), time.monotonic(), kind.name
+        self._calibration = self._calibrated()
         if kind.memory is None:
             self._refuse(f"the filter {kind.name} remembers nothing")
             return
@@ -98,8 +101,17 @@ class MemoryKeeper:
             self._refuse(f"it is of the device {file.device}, and this is {self.device}: give each a file of its own")
         elif file.filter != kind.name:
             self._refuse(f"it is of the filter {file.filter}, and {kind.name} runs: give each a file of its own")
+        elif file.calibration != self._calibration:
+            self._file, self.reason = None, "the calibration is another one, and with it the bias"
+            self.log.warning("memory_new", file=str(self.path), device=self.device, reason=self.reason)
         else:
             self._use(file, kind.memory, first)
+
+    def _calibrated(self) -> str:
+        """The calibration that rates are put right by as this run begins."""
+        given, link = self.filtering.calibrating.given, self.filtering.link
+        is_applied = given is not None and given.is_for(device_identity(link.device.device_id, link.name))
+        return given.date if given is not None and is_applied else ""
 
     def _use(self, file: MemoryFile, memory: FilterMemory, first: Sample) -> None:
         age_s = file.age_s(self._begun_s)
@@ -133,7 +145,7 @@ class MemoryKeeper:
         known = kind.memory.learned(self.filtering.state, self._before, age_s)
         if known is None:
             return
-        memory = MemoryFile(self.device, kind.name, now_s, asdict(known))
+        memory = MemoryFile(self.device, kind.name, now_s, asdict(known), self._calibration)
         self._writing = threading.Thread(target=self._write, args=(memory,), name="memory")
         self._writing.start()
 

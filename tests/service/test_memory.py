@@ -95,6 +95,22 @@ def test_a_memory_of_something_else_is_refused_and_left_alone(
     assert memory.read_bytes() == before
 
 
+def test_a_memory_under_another_calibration_is_begun_anew(port: Path, tmp_path: Path) -> None:
+    """What was the bias then is not the bias now."""
+    memory, config = tmp_path / "m.json", tmp_path / "c.yaml"
+    rested(port, memory)
+    config.write_text("filter: restlevel\ncalibration: {date: '2026-11-01T12:00:00Z', bias_dps: 0.4}\n")
+    found, log = moved(port, "--memory", memory, "--config", config)
+    assert '"reason": "the calibration is another one, and with it the bias"' in log
+    assert found[0]["bias_dps"] == 0.0
+    rested(port, memory, "--config", config)
+    content = json.loads(memory.read_text())
+    assert content["calibration"] == "2026-11-01T12:00:00Z"
+    assert content["knowledge"]["bias_dps"] == pytest.approx(0.0, abs=0.01)
+    found, log = moved(port, "--memory", memory, "--config", config)
+    assert '"event": "memory_used"' in log
+
+
 @pytest.mark.parametrize("damage", [b"", b"\xff\xfe", b'{"gyrodrift_memory": 1}', b"[1, 2", None])
 def test_a_damaged_memory_is_told_set_aside_and_begun_anew(port: Path, tmp_path: Path, damage: bytes | None) -> None:
     """Nothing of it is lost; None is one value that cannot be."""
