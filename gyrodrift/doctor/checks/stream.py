@@ -148,7 +148,7 @@ def clock_drift(evidence: DeviceEvidence) -> DeviceFinding | None:
         said,
         Severity.WARNING,
         f"Every turn reads {ppm * 1e-4:+.2g} % wrong by it: clock the board by a crystal rather than an RC "
-        "oscillator, or let a calibration of the scale take it in.",
+        "oscillator, or let gyrodrift calibrate take it into the scale.",
         ppm,
         "ppm",
     )
