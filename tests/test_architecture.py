@@ -13,7 +13,8 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 BASE = (
-    "arrays calibration callable_room cluster compile errors files installation log log_stream parallel progress sample"
+    "arrays calibration callable_room cluster compile errors files installation log log_stream nearest parallel"
+    " progress sample"
 )
 """Single files at the top of the package: they know each other and no room."""
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
 from gyrodrift.errors import UsageError
+from gyrodrift.nearest import nearest, question
 
 RENAMED = {"--threads": "--jobs"}
 """Options that users may know by another name."""
@@ -18,19 +19,17 @@ UNTOLD: tuple[object, ...] = (None, False, "", [], argparse.SUPPRESS)
 """Defaults that say nothing by themselves: the help says what happens."""
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The question whether one of those that are known was meant; nothing where none is near."""
-    from difflib import get_close_matches
-
+def begun_or_near(word: str, known: Iterable[str]) -> str:
+    """The question whether one was meant that begins so, or is near; nothing where there is none."""
     names = list(known)
-    found = [name for name in names if name.startswith(word)] or get_close_matches(word, names, n=NEAREST)
-    return f"did you mean {' or '.join(found[:NEAREST])}?" if found else ""
+    begun = [name for name in names if name.startswith(word)]
+    return question(begun[:NEAREST] or nearest(word, names, NEAREST))
 
 
 def nearest_or_all(word: str, known: Iterable[str]) -> str:
     """The same, and all that are known where none is near."""
     names = list(known)
-    return nearest(word, names) or f"there are {', '.join(names)}"
+    return begun_or_near(word, names) or f"there are {', '.join(names)}"
 
 
 def unknown(what: str, word: str, known: Iterable[str]) -> UsageError:
@@ -83,7 +82,7 @@ class Parser(argparse.ArgumentParser):
         if RENAMED.get(word) in known:
             return f"{word}: is {RENAMED[word]} now"
         sought = f"-{word}" if re.fullmatch(r"-\w", word) else word
-        meant = nearest(sought, [option for option in known if option.startswith("--")])
+        meant = begun_or_near(sought, [option for option in known if option.startswith("--")])
         return f"{word}: {self._name or 'gyrodrift'} has no such option; {meant or self._see}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -1,12 +1,12 @@
 """What a value has to be and what it is instead, in words, from the annotations of a field."""
 
-from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Any, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict
 from pydantic.fields import FieldInfo
+
+from gyrodrift.nearest import did_you_mean
 
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
 
@@ -19,14 +19,7 @@ class Strict(BaseModel):
 
 def unknown_key(name: str, known: list[str], where: str) -> str:
     """Of a key that is none, with the nearest that is one."""
-    return f"is not {where}; {nearest(name, known) or 'expected ' + (', '.join(known) or 'none')}"
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The nearest of what is known, in whichever case it was written; empty where nothing is near."""
-    names = {name.lower(): name for name in known}
-    found = get_close_matches(word.lower(), names, n=1)
-    return f"did you mean {names[found[0]]}?" if found else ""
+    return f"is not {where}; {did_you_mean(name, known) or 'expected ' + (', '.join(known) or 'none')}"
 
 
 def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:

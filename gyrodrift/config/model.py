@@ -12,12 +12,13 @@ from pydantic.fields import FieldInfo
 
 from gyrodrift.calibration import Calibration
 from gyrodrift.config.calibration import CALIBRATION, calibration_in
-from gyrodrift.config.explain import Strict, expectation, nearest, said, unknown_key
+from gyrodrift.config.explain import Strict, expectation, said, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.options import OutputSpec
 
 SAMPLE_RATE = "sample_rate_hz"
@@ -196,7 +197,7 @@ def _explain(file: type[Strict], key: Key, kind: str, given: Any) -> str:
     known = (_block_of(block) if block else file).model_fields
     if kind == "extra_forbidden":
         return unknown_key(name, list(known), "a key of this file")
-    meant = nearest(given, FILTERS) if name == "filter" and isinstance(given, str) else ""
+    meant = did_you_mean(given, FILTERS) if name == "filter" and isinstance(given, str) else ""
     return f"is {said(given)}; {meant or 'expected ' + _expectation(block, name, known)}"
 
 

@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any
 
 from gyrodrift import __version__
+from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.json_line import FIELDS, chosen_line, json_line
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.thinning import Thinning
@@ -92,8 +92,7 @@ class JsonSession:
 def _check_field(name: object) -> None:
     if isinstance(name, str) and name in FIELDS:
         return
-    nearest = get_close_matches(str(name), FIELDS, n=1)
-    meant = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(FIELDS)}"
+    meant = did_you_mean(str(name), FIELDS) or f"there are {', '.join(FIELDS)}"
     raise ValueError(f"fields: {_shown(str(name).encode())} is none; {meant}")
 
 

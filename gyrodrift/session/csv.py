@@ -6,7 +6,6 @@ Other columns, such as those that `filter` adds, are passed over.
 import csv
 import warnings
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TextIO
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.nearest import nearest, question
 from gyrodrift.session.session import Session
 
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
@@ -67,9 +67,9 @@ def _header(path: Path, file: TextIO) -> tuple[list[str], int]:
     names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
     known = f"columns are {', '.join(COLUMNS)}"
     for column, name in enumerate(names, 1):
-        meant = [] if name in COLUMNS else get_close_matches(name, set(COLUMNS) - set(names), n=1, cutoff=ALIKE)
+        meant = [] if name in COLUMNS else nearest(name, set(COLUMNS) - set(names), alike=ALIKE)
         if meant:
-            raise DataError(f"{path}:{number}: column {column} is {name!r}; did you mean {meant[0]}? {known}")
+            raise DataError(f"{path}:{number}: column {column} is {name!r}; {question(meant)} {known}")
         if name in COLUMNS and name in names[: column - 1]:
             raise DataError(f"{path}:{number}: column {name} stands twice; {known}")
     for name in REQUIRED:

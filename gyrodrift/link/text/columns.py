@@ -2,10 +2,10 @@
 
 import re
 from dataclasses import dataclass
-from difflib import get_close_matches
 from math import degrees
 
 from gyrodrift.errors import UsageError
+from gyrodrift.nearest import did_you_mean
 
 IGNORED = "_"
 CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
@@ -80,8 +80,7 @@ def _column(entry: str) -> Column:
     name, *options = said.strip().split(":")
     meaning = OTHER_NAMES.get(name.strip(), name.strip())
     if meaning not in MEANINGS or (mark and not label.strip()):
-        nearest = get_close_matches(name, [*MEANINGS, *OTHER_NAMES], n=1)
-        meant = f"did you mean {nearest[0]}? " if nearest else ""
+        meant = f"{did_you_mean(name, [*MEANINGS, *OTHER_NAMES])} ".lstrip()
         raise ValueError(f"{entry!r} is no column; {meant}{EXPECTED}")
     return Column(meaning, _scale(entry, meaning, options), " ".join(label.split()))
 
