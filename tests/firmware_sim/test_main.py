@@ -99,7 +99,7 @@ def test_every_mistake_in_a_rig_is_a_line(link: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("--protocol", "nmea", "invalid choice"),
+        ("--protocol", "morse", "invalid choice"),
         ("--speed", "0", "expected a number above 0, or max"),
         ("--speed", "nan", "expected a number above 0, or max"),
         ("--duration", "long", "--duration"),

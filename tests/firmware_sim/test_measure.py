@@ -242,4 +242,4 @@ def test_whether_the_encoder_is_absolute_changes_no_measurement(turntable: Profi
 def test_rows_are_plain_numbers(turntable: Profile) -> None:
     """What goes to struct and to text is Python's own, in the order of the arrays."""
     row = first_rows(1, IDEAL, turntable)[0]
-    assert [type(value) for value in row] == [int, int, float, int, bool, int, int]
+    assert [type(value) for value in row] == [int, int, float, int, bool, int, int, int]
