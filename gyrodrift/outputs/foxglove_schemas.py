@@ -2,11 +2,11 @@
 
 from dataclasses import fields
 from types import NoneType, UnionType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from gyrodrift.outputs.json_line import FIELDS
 
-TYPES = {int: "integer", float: "number", str: "string", bool: "boolean"}
+TYPES = {int: "integer", float: "number", str: "string", bool: "boolean", dict: "object"}
 
 SAMPLE_SCHEMA = {
     "title": "gyrodrift.Sample",
@@ -28,4 +28,4 @@ def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
 def _type_of(hint: Any) -> str:
     if isinstance(hint, UnionType):
         hint = next(each for each in get_args(hint) if each is not NoneType)
-    return TYPES[hint]
+    return TYPES[get_origin(hint) or hint]
