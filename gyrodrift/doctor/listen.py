@@ -107,17 +107,17 @@ def _wait(link: Link) -> None:
 
 def session_of(samples: list[Sample]) -> Session:
     """Samples as a session that was never written."""
-    seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c = (
-        np.array(column) for column in zip(*samples, strict=True)
-    )
+    seq, t_device_s, t_host_s, rate_dps, *known = (np.array(column) for column in zip(*samples, strict=True))
+    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in known)
     return Session(
         name="now",
         t_device_s=t_device_s,
         rate_dps=rate_dps,
         t_host_s=t_host_s,
         seq=seq,
-        encoder_deg=None if np.isnan(encoder_deg).all() else encoder_deg,
-        temp_c=None if np.isnan(temp_c).all() else temp_c,
+        encoder_deg=encoder_deg,
+        temp_c=temp_c,
+        still=still,
     )
 
 

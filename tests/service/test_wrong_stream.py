@@ -36,7 +36,10 @@ def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path
     told = said(port, counts, *options)
     assert told.startswith(f"gyrodrift: {port}: the device prints text, so the baud rate is right, but no line is a")
     assert '"t:1' in told
-    assert "looks like t_ms, gx, gy, gz (label:value pairs); expected is t_us,rate_dps[,encoder_deg[,temp_c[,still]]]" in told
+    assert (
+        "looks like t_ms, gx, gy, gz (label:value pairs); expected is t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
+        in told
+    )
     proposed = shlex.split(told[told.index("--columns") :])[1]
     assert proposed == "t=t_ms, gz=rate:lsb/131"
     with speaking_on(port) as device, Command("serve", "--port", port, "--columns", proposed) as serve:
