@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once, stamp_of
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled
 from gyrodrift.evaluation.kernels.kernel import Kernel
 from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside
@@ -49,42 +49,55 @@ def _coefficients(row: list[float]) -> Any:
     return array_of(coefficients(RestlevelParams(*row)))
 
 
-@njit(nogil=True, error_model="numpy")
-def _add_up(
-    c: Any,
-    s: Any,
-    dt_s: Floats,
-    rate_dps: Floats,
-    still: Floats,
-    temp_c: Floats,
-    reference_deg: Floats,
-    found: Floats,
-) -> None:
-    squares = absolutes = worst = 0.0
-    for n in range(len(dt_s)):
-        said = still[n] if len(still) else np.nan
-        warm_c = temp_c[n] if len(temp_c) else np.nan
-        _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
-        if not np.isnan(reference_deg[n]):
-            error_deg = abs(s[0].yaw_deg - reference_deg[n])
-            squares += error_deg * error_deg
-            absolutes += error_deg
-            worst = max(worst, error_deg)
-    found[0] = squares
-    found[1] = absolutes
-    found[2] = worst
+def _compiled() -> tuple[Any, Any]:
+    """The loops over samples, kept from run to run.
+
+    Numba finds them again by this file and by what they close over: the stamp, which stands for all that they call. It
+    is given back so that they do close over it.
+    """
+    stamp = stamp_of("gyrodrift.filters")
+
+    @compiled_once()
+    def add_up(
+        c: Any,
+        s: Any,
+        dt_s: Floats,
+        rate_dps: Floats,
+        still: Floats,
+        temp_c: Floats,
+        reference_deg: Floats,
+        found: Floats,
+    ) -> str:
+        squares = absolutes = worst = 0.0
+        for n in range(len(dt_s)):
+            said = still[n] if len(still) else np.nan
+            warm_c = temp_c[n] if len(temp_c) else np.nan
+            _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
+            if not np.isnan(reference_deg[n]):
+                error_deg = abs(s[0].yaw_deg - reference_deg[n])
+                squares += error_deg * error_deg
+                absolutes += error_deg
+                worst = max(worst, error_deg)
+        found[0] = squares
+        found[1] = absolutes
+        found[2] = worst
+        return stamp
+
+    @compiled_once()
+    def follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, found: Floats) -> str:
+        for n in range(len(dt_s)):
+            said = still[n] if len(still) else np.nan
+            warm_c = temp_c[n] if len(temp_c) else np.nan
+            _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
+            found[0, n] = s[0].yaw_deg
+            found[1, n] = s[0].yaw_sigma_deg
+            found[2, n] = s[0].bias_dps
+        return stamp
+
+    return add_up, follow
 
 
-@njit(nogil=True, error_model="numpy")
-def _follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, found: Floats) -> None:
-    for n in range(len(dt_s)):
-        said = still[n] if len(still) else np.nan
-        warm_c = temp_c[n] if len(temp_c) else np.nan
-        _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
-        found[0, n] = s[0].yaw_deg
-        found[1, n] = s[0].yaw_sigma_deg
-        found[2, n] = s[0].bias_dps
-
+_add_up, _follow = _compiled()
 
 KERNEL = Kernel(
     lambda _group: None,

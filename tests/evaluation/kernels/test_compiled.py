@@ -1,7 +1,13 @@
 """Plain Python and its compiled twin: records within records are laid out and changed alike."""
 
+import subprocess
+import sys
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
+import pytest
+
+from gyrodrift.compile import stamp_of
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled, layout
 
 
@@ -57,3 +63,28 @@ def test_a_compiled_function_changes_nested_records_as_the_plain_one_does() -> N
     assert compiled(changed)(made[0], 0.1) == changed(plain, 0.1)
     assert made.tobytes() == array_of(plain).tobytes()
     assert asdict(plain.places[1]) == {"weight": 3.0, "inner": {"height": 2.0, "is_new": False}}
+
+
+def test_what_was_compiled_is_kept_for_the_next_run() -> None:
+    """And found by a process that has compiled nothing."""
+    run = (
+        "import numpy as np\n"
+        "from gyrodrift.evaluation.kernels import restlevel\n"
+        "restlevel.walk(np.full(3, 0.01), np.zeros(3), restlevel.RestlevelParams())\n"
+        "print(len(restlevel._follow.stats.cache_hits), len(restlevel._follow.stats.cache_misses))"
+    )
+    said = [subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, check=True) for _ in range(2)]
+    assert said[-1].stdout == "1 0\n"
+
+
+def test_the_stamp_of_a_package_is_that_of_all_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However deep they lie."""
+    inner = tmp_path / "stamped" / "inner"
+    inner.mkdir(parents=True)
+    (tmp_path / "stamped" / "__init__.py").touch()
+    (inner / "some.py").write_text("A = 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    before = stamp_of("stamped")
+    assert stamp_of("stamped") == before
+    (inner / "some.py").write_text("A = 2\n")
+    assert stamp_of("stamped") != before
