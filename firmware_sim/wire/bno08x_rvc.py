@@ -12,6 +12,8 @@ from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
 
 PERIOD_S = 0.01
+MOST_DPS = 1e6
+"""Of a rate that is played; far beyond what the chip can measure, and no sum of them is infinite."""
 GRAVITY_MG = 1000
 Rated = tuple[float, int, float]
 """When the host has it in s, counter, and rate in deg/s."""
@@ -30,7 +32,7 @@ def _spoken(rated: Iterable[Rated]) -> Iterator[Frame]:
         if last is None:
             last = seq - 1
             yield Frame(t_s, _level(last, yaw_deg), 0)
-        yaw_deg += rate_dps * PERIOD_S * (seq - last)
+        yaw_deg += max(-MOST_DPS, min(MOST_DPS, rate_dps)) * PERIOD_S * (seq - last)
         last = seq
         yield Frame(t_s, _level(seq, yaw_deg), 1)
 

@@ -47,9 +47,23 @@ class Measurement(NamedTuple):
     still: float | None = None
 
 
+MOST_32_BITS = 2**31 - 1
+MOST_FLOAT32 = 3.4028234e38
+
+
 def in_16_bits(value: float) -> int:
     """The nearest that a signed register of 16 bits can say, which is the same in both directions."""
     return round(max(-COUNTS_MOST, min(COUNTS_MOST, value)))
+
+
+def in_32_bits(value: float) -> int:
+    """The same of 32 bits, as counters of an encoder have."""
+    return round(max(-MOST_32_BITS, min(MOST_32_BITS, value)))
+
+
+def in_float32(value: float) -> float:
+    """The nearest number that a float of four bytes can say."""
+    return max(-MOST_FLOAT32, min(MOST_FLOAT32, value))
 
 
 def no_hello(_base: Base) -> bytes:

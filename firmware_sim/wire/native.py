@@ -6,7 +6,7 @@ from math import isfinite
 
 from firmware_sim.measure import COUNTS_MOST, Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits, in_32_bits
 
 HELLO_TYPE, SAMPLE_TYPE, VERSION = 0x01, 0x02, 0x01
 ENCODER_VALID, TEMPERATURE_VALID, RATE_CLIPPED = 0x01, 0x02, 0x04
@@ -109,7 +109,7 @@ def _recorded_sample(m: Measurement, base: Base) -> bytes:
     counts = temp_centi_c = 0
     if m.encoder_deg is not None and isfinite(m.encoder_deg):
         flags |= ENCODER_VALID
-        counts = round(m.encoder_deg / 360.0 * base.encoder_cpr)
+        counts = in_32_bits(m.encoder_deg / 360.0 * base.encoder_cpr)
     if m.temp_c is not None and isfinite(m.temp_c):
         flags |= TEMPERATURE_VALID
         temp_centi_c = in_16_bits(m.temp_c * 100.0)

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Iterator
 from math import isfinite
 
-from firmware_sim.measure import COUNTS_MOST, Block
+from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
 
 LINE_END = b"\r\n"
 COUNTS_PER_DPS = 131.0
@@ -14,7 +14,7 @@ COUNTS_PER_DPS = 131.0
 
 def text_line(t_us: int, rate_dps: float) -> bytes:
     """Time in ms, to the microsecond where it is none of whole ms, and rates about three axes; two of them rest."""
-    counts = max(-COUNTS_MOST, min(COUNTS_MOST, round(rate_dps * COUNTS_PER_DPS)))
+    counts = in_16_bits(rate_dps * COUNTS_PER_DPS)
     whole_ms, rest_us = divmod(t_us, 1000)
     t_ms = f"{whole_ms}.{rest_us:03d}" if rest_us else f"{whole_ms}"
     return f"t_ms:{t_ms},gx:0,gy:0,gz:{counts}".encode() + LINE_END

@@ -6,12 +6,13 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_float32
 from firmware_sim.wire.native import CRC_TABLE
 
 SYNC, COMMON = 0xFA, 0x01
 TIME_STARTUP, ANGULAR_RATE, MAG_PRES = 1 << 0, 1 << 5, 1 << 10
 PRESSURE_KPA = 101.325
+MOST_64_BITS = 2**64 - 1
 
 
 def crc16_ccitt(content: bytes) -> int:
@@ -30,7 +31,10 @@ def vectornav_frame(fields: int, payload: bytes) -> bytes:
 
 def vectornav_sample(t_us: int, rate_dps: float, temp_c: float) -> bytes:
     """One measurement of a level device at rest in roll and pitch; its z axis points down."""
-    payload = struct.pack("<Q8f", t_us * 1000, 0.0, 0.0, -radians(rate_dps), 0.0, 0.0, 0.0, temp_c, PRESSURE_KPA)
+    rate_rads = in_float32(radians(rate_dps))
+    payload = struct.pack(
+        "<Q8f", t_us * 1000 & MOST_64_BITS, 0.0, 0.0, -rate_rads, 0.0, 0.0, 0.0, in_float32(temp_c), PRESSURE_KPA
+    )
     return vectornav_frame(TIME_STARTUP | ANGULAR_RATE | MAG_PRES, payload)
 
 

@@ -6,7 +6,7 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_float32
 
 PREAMBLE, BUS, MTDATA2 = 0xFA, 0xFF, 0x36
 US_PER_TICK = 100
@@ -27,9 +27,9 @@ def xsens_sample(seq: int, t_us: int, rate_dps: float, temp_c: float | None) -> 
     """One measurement of a level device."""
     payload = item(0x1020, struct.pack(">H", seq & 0xFFFF))
     payload += item(0x1060, struct.pack(">I", round(t_us / US_PER_TICK) & 0xFFFFFFFF))
-    payload += item(0x8020, struct.pack(">3f", 0.0, 0.0, radians(rate_dps)))
+    payload += item(0x8020, struct.pack(">3f", 0.0, 0.0, in_float32(radians(rate_dps))))
     if temp_c is not None and not isnan(temp_c):
-        payload += item(0x0810, struct.pack(">f", temp_c))
+        payload += item(0x0810, struct.pack(">f", in_float32(temp_c)))
     return mtdata2(payload)
 
 

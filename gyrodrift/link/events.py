@@ -49,10 +49,10 @@ class LinkEvents:
         self._held[event] = _together(event, self._held.get(event), fields)
         self.report_held()
 
-    def report_held(self) -> None:
-        """Log what has added up, of each kind whose last line is old enough."""
+    def report_held(self, *, is_end: bool = False) -> None:
+        """Log what has added up, of each kind whose last line is old enough; at the end of all kinds."""
         now_s = self._monotonic()
-        for event in [each for each in self._held if now_s >= self._next_s.get(each, now_s)]:
+        for event in [each for each in self._held if is_end or now_s >= self._next_s.get(each, now_s)]:
             self._next_s[event] = now_s + OFTEN_S
             self._report(event, self._held.pop(event))
 

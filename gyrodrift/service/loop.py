@@ -99,6 +99,7 @@ class Service:
             with ExitStack() as closing:  # each is closed, whatever the others make of it
                 for listener in self.listeners:
                     closing.callback(listener.close)
+                closing.callback(self.events.report_held, is_end=True)
                 self._loop()
         except ReaderGoneError:
             self.log.info("reader_gone")

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
@@ -19,6 +20,7 @@ from gyrodrift.config.watch import ConfigWatch
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, register, unregister
+from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.log import open_log
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.filtering import Filtering
@@ -152,7 +154,8 @@ def test_the_service_changes_over_to_it_and_keeps_yaw(tmp_path: Path) -> None:
     """A second at 1 deg/s by the one filter, a second with 0.5 deg/s taken off by the other: 1.5 deg."""
     plain = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
     watch, output = ConfigWatch(config_of(tmp_path, plain)), Kept()
-    filtering = Filtering(cast("Any", None), [output], open_log("error", "json"), watch)
+    link = SimpleNamespace(device=DeviceDescription(), name="")
+    filtering = Filtering(cast("Any", link), [output], open_log("error", "json"), watch)
 
     def second_from(start_s: int) -> None:
         times_s = [start_s + n / RATE_HZ for n in range(RATE_HZ + 1)]

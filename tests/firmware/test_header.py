@@ -6,6 +6,7 @@ from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
 from firmware_support import SKETCH, STRICT, UNO, compiled, run
 from golden_frames import HELLO, SAMPLES, NativeSample
@@ -17,10 +18,13 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 from firmware_sim.wire import native
 from firmware_sim.wire.native import sample_frame
-from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.link.protocols.native import LEAST_DPS_PER_LSB, MOST_DPS_PER_LSB, NativeDecoder
 
 i16 = st.integers(-(2**15), 2**15 - 1)
 i32 = st.integers(-(2**31), 2**31 - 1)
+SCALES = (float(np.nextafter(np.float32(LEAST_DPS_PER_LSB), np.float32(1.0))), MOST_DPS_PER_LSB)
+"""Of a count, that a decoder believes; a float of four bytes."""
+
 u16 = st.integers(0, 2**16 - 1)
 u32 = st.integers(0, 2**32 - 1)
 RIG = Rig(base=Base(bias_dps=0.3))
@@ -77,15 +81,16 @@ def test_any_sample_has_the_bytes_of_the_simulated_device(
     assert header.sample(flags, seq, t_us, rate, temp, counts) == sample_frame(flags, seq, t_us, rate, temp, counts)
 
 
-@given(u16, st.floats(width=32, min_value=0.0, exclude_min=True, max_value=1e6), u32, st.binary(max_size=24))
+@given(u16, st.floats(width=32, min_value=SCALES[0], max_value=SCALES[1]), u32, st.binary(max_size=24))
 def test_any_hello_is_read_back(header: Header, rate_hz: int, scale: float, cpr: int, name: bytes) -> None:
-    """What of a name is longer than 16 is cut off, and it ends at its first zero."""
+    """What of a name is longer than 16 is cut off, it ends at its first zero, and what is not to be seen is marked."""
     decoder = NativeDecoder()
     assert decoder.push(header.hello(rate_hz, scale, cpr, name)) == []
     assert decoder.counters.damaged == 0
     heard = decoder.device
     assert (heard.sample_rate_hz, heard.dps_per_lsb, heard.encoder_cpr) == (rate_hz or None, scale, cpr or None)
-    assert heard.device_id == name.partition(b"\0")[0][:16].decode("ascii", "replace")
+    said = name.partition(b"\0")[0][:16].decode("ascii", "replace")
+    assert heard.device_id == "".join(each if each.isprintable() else "\ufffd" for each in said)
 
 
 def test_the_stream_that_decoders_are_damaged_with_is_the_same(header: Header) -> None:

@@ -58,6 +58,7 @@ def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Addres
     """And the others still get everything."""
     with connected(tcp) as client, connected(tcp) as other:
         client.until("HELLO")
+        other.until("HELLO")
         client.connection.sendall(b'{"class":"WATCH","rate_hz":10,"fields":["t_host_s","yaw_deg"]}\n')
         assert client.json() == {"class": "WATCH", "rate_hz": 10, "fields": ["t_host_s", "yaw_deg"]}
         outputs.samples([corrected(seq) for seq in range(101)])

@@ -44,7 +44,7 @@ def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
     return RestlevelCoefficients(
         window_s=params.window_s,
         stationarity_sigmas=params.quiet,
-        turn_on_var=max(LEAST_VAR, params.turn_on_dps * params.turn_on_dps),
+        turn_on_var=max(LEAST_VAR, params.turn_on_dps * params.turn_on_dps) if params.turn_on_dps > 0.0 else 0.0,
         rate_walk_var=params.walk_dps_rts * params.walk_dps_rts,
         rate_ramp_dps_s=params.drift_dps_s,
         start_odds=params.still_start / (1.0 - params.still_start),
