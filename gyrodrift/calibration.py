@@ -162,6 +162,11 @@ def moment(date: str) -> datetime:
     return found if found.tzinfo else found.replace(tzinfo=UTC)
 
 
+def of_this_device(given: Calibration | None, device_id: str | None, port: str) -> Calibration | None:
+    """The calibration, where it is that of the device at a port; None where it is another one's, or there is none."""
+    return given if given is not None and given.is_for(device_identity(device_id, port)) else None
+
+
 def device_identity(device_id: str | None, port: str) -> str:
     """What a device is known by: the name it sends, or else that of its adapter; empty where it has neither."""
     return device_id or (Path(port).name if port.startswith(BY_ID) else "")

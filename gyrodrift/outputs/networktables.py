@@ -85,6 +85,8 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
             self._clock.note(each.sample.t_device_s, now_s)
         for each in self._thinning.due(samples):
             self._publish(each)
+        if samples and self._connected is not None:
+            self._connected.set(value=True)
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - the name says all
         """A link that is lost is told at once."""

@@ -1,6 +1,6 @@
 """Yaw of what is being recorded, for the person who looks on; the file has the samples as they came."""
 
-from gyrodrift.calibration import NO_CALIBRATION, Calibration, device_identity
+from gyrodrift.calibration import NO_CALIBRATION, Calibration, of_this_device
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Sample
@@ -23,9 +23,7 @@ class LiveYaw:
             step(coefficients, state, sample.t_device_s, rate_dps, sample.still, sample.temp_c)
 
     def _applied_to(self, link: Link) -> Calibration:
-        given = self._calibration
-        is_applied = given is not None and given.is_for(device_identity(link.device.device_id, link.name))
-        return given if given is not None and is_applied else NO_CALIBRATION
+        return of_this_device(self._calibration, link.device.device_id, link.name) or NO_CALIBRATION
 
     @property
     def text(self) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from structlog.typing import FilteringBoundLogger
 
-from gyrodrift.calibration import device_identity
+from gyrodrift.calibration import of_this_device
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
 from gyrodrift.filters.filter import FilterMemory
@@ -109,9 +109,9 @@ class MemoryKeeper:
 
     def _calibrated(self) -> str:
         """The calibration that rates are put right by as this run begins."""
-        given, link = self.filtering.calibrating.given, self.filtering.link
-        is_applied = given is not None and given.is_for(device_identity(link.device.device_id, link.name))
-        return given.date if given is not None and is_applied else ""
+        link = self.filtering.link
+        applied = of_this_device(self.filtering.calibrating.given, link.device.device_id, link.name)
+        return "" if applied is None else applied.date
 
     def _use(self, file: MemoryFile, memory: FilterMemory, first: Sample) -> None:
         age_s = file.age_s(self._begun_s)

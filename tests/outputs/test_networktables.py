@@ -72,10 +72,22 @@ def test_a_client_sees_yaw_and_when_it_was_measured(port: Path, tmp_path: Path) 
             assert not until(seen, joined=True)["connected"]
             device.send_all(csv_at_100_hz(100), never)
             last = serve.take_lines(100)[-1]
-            found = until(seen, yaw_deg=last["yaw_deg"], connected=True)
+            found = until(seen, yaw_deg=last["yaw_deg"])
     assert found["corrected_dps"] == last["corrected_dps"]
     assert found["time_s"] == near(found["stamp_s"], 1e-5)
     assert 0.0 < time.time() - found["time_s"] < 3600.0
+
+
+def test_a_gyro_that_speaks_is_connected_and_one_that_is_silent_is_not(port: Path, tmp_path: Path) -> None:
+    """With its first samples, not with the next status."""
+    with serving(port, "--output", "networktables:port=0") as (serve, device):
+        _, number = address_of(serve, "networktables")
+        with other_end("client", number, tmp_path) as seen:
+            assert not until(seen, joined=True)["connected"]
+            lines = iter(csv_at_100_hz(10_000).splitlines(keepends=True))
+            speaking = (each for each in seen if device.send_all(next(lines), never))
+            until(speaking, connected=True)
+            until(seen, connected=False)
 
 
 def test_the_robot_is_published_to_as_soon_as_it_is_there(port: Path, tmp_path: Path) -> None:

@@ -31,7 +31,9 @@ class Going:
     """A recording that is going on, as far as the line looks at it."""
 
     def __init__(self, stream: TextIO) -> None:
-        self.link = SimpleNamespace(name="/dev/gyro", counters=SimpleNamespace(gaps=0), decoder=None)
+        self.link = SimpleNamespace(
+            name="/dev/gyro", counters=SimpleNamespace(gaps=0), decoder=None, device=SimpleNamespace(device_id=None)
+        )
         self.recorder = SimpleNamespace(samples=0, size_bytes=0, left_bytes=36_000_000_000)
         self.line = LiveLine(
             cast("Link", self.link), cast("Recorder", self.recorder), LiveYaw(RESTLEVEL, RestlevelParams()), stream
