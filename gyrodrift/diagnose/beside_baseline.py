@@ -10,16 +10,22 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Mask
-from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
+from gyrodrift.diagnose.inference.fit import without
+from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, chance_of, noise_variance_of
+from gyrodrift.diagnose.inference.verdict import Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.diagnose.simulate.whole_set import Sized, change_of
 from gyrodrift.diagnose.stages import (
     DiagnosisRequest,
+    Inferred,
+    Simulated,
     adopted,
     inferred_of,
     recordings_of,
@@ -46,11 +52,17 @@ NO_STEPS_DPS = 1e-4
 """The same of a rate."""
 
 
+ADOPTED_FROM = 0.8
+"""Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both."""
+
+
 class ExplainedBaseline(NamedTuple):
-    """The rig with what the baseline shows, what is still common, and what there is to say."""
+    """The rig with what the baseline shows, what is still common, its recordings beside that rig, and what to say."""
 
     rig: Rig
     baseline: Baseline
+    subjects: list[Subject]
+    tables: tuple[ResponseTable, ...]
     remarks: list[str]
 
 
@@ -74,7 +86,8 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base))
     own = asked._replace(rig=rig)
     simulated = simulated_of(own, paths, of_baseline)
-    causes = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
+    named = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
+    causes = [one for one in named if one.probability >= ADOPTED_FROM]
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
@@ -90,7 +103,7 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
         )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    return ExplainedBaseline(rig, baseline, [*remarks, *differ])
+    return ExplainedBaseline(rig, baseline, subjects, tables, [*remarks, *differ])
 
 
 def beside(
@@ -98,6 +111,40 @@ def beside(
 ) -> tuple[ResponseTable, ...]:
     """Tables of recordings with what is common to the baseline taken away."""
     return tuple(against(tables, [subject.design for subject in subjects], baseline))
+
+
+def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred) -> tuple[Verdict, list[str]]:
+    """The verdict with those causes alone that recordings show more of than the baseline; and what is said of others.
+
+    simulated
+        The recordings as they are, with nothing of the baseline taken away.
+    """
+    found, surrogate, verdict = inferred.causes, inferred.surrogate, inferred.verdict
+    as_rms = np.array([rms_scale(subject.design) for subject in simulated.subjects])
+    was_as_rms = np.array([rms_scale(subject.design) for subject in before.subjects])
+    sigma = (surrogate.evidence.sigma / as_rms).mean(axis=0)
+    all_change = surrogate.prediction(found).change
+    names, said = [], []
+    for named in verdict.causes:
+        cause = named.cause
+        if cause.response.phases_deg is not None:
+            continue  # fitted to each recording, so that all show it
+        others = surrogate.prediction(without(found, cause)).change
+        change = (all_change - others) / as_rms
+        changed = change_of([Sized(cause.candidate, cause.size)], before.subjects, before.tables) / was_as_rms
+        today = amounts_of((_gaps_of(simulated.tables) - others) / as_rms, change, sigma)
+        then = amounts_of(_gaps_of(before.tables) / was_as_rms, changed, sigma)
+        if chance_of(today, then, noise_variance_of(change, sigma)) > CHANCE:
+            names.append(named.effect.name)
+            said.append(
+                f"baseline: recordings of this device differ by as much {named.effect.name} from one to the next"
+            )
+    return (less(verdict, names, surrogate.evidence), said) if names else (verdict, [])
+
+
+def _gaps_of(tables: Sequence[ResponseTable]) -> Floats:
+    """(sessions, F) differences of recordings and simulator, less what replaying leaves."""
+    return np.array([table.difference - table.nulls.mean(axis=0) for table in tables])
 
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from firmware_sim.rig import Base
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.beside_baseline import beside, explained_baseline
+from gyrodrift.diagnose.beside_baseline import beside, explained_baseline, new_since
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
@@ -47,17 +47,20 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     paths, recordings, remarks = recordings_of(asked.paths, asked.progress)
     against = contradictions(recordings, asked.rig.base)
     asked = asked._replace(rig=with_facts(asked.rig, against))
-    baseline = None
     if asked.baseline:
         explained = explained_baseline(asked, recordings)
-        remarks += explained.remarks
-        asked, baseline = asked._replace(rig=explained.rig), explained.baseline
-    simulated = simulated_of(asked, paths, recordings)
-    if baseline is not None:
-        simulated = simulated._replace(tables=beside(simulated.tables, simulated.subjects, baseline))
-    inferred = inferred_of(simulated, asked.jobs, asked.progress)
+        asked = asked._replace(rig=explained.rig)
+        seen = simulated_of(asked, paths, recordings)
+        simulated = seen._replace(tables=beside(seen.tables, seen.subjects, explained.baseline))
+        inferred = inferred_of(simulated, asked.jobs, asked.progress)
+        verdict, of_chance = new_since(explained, seen, inferred)
+        remarks += [*explained.remarks, *of_chance]
+    else:
+        simulated = simulated_of(asked, paths, recordings)
+        inferred = inferred_of(simulated, asked.jobs, asked.progress)
+        verdict = inferred.verdict
     surrogate, subjects = inferred.surrogate, simulated.subjects
-    verdict = _set_aside(inferred.verdict, subjects)
+    verdict = _set_aside(verdict, subjects)
     asked.progress(WHAT_NEXT, 0, 0)
     following = what_next(verdict, surrogate, subjects, simulated.untestable, asked.rig)
     designs = [subject.design for subject in subjects]

@@ -16,6 +16,7 @@ from gyrodrift.diagnose.beside_baseline import (
     beside,
     compared_of,
     explained_baseline,
+    new_since,
     rig_shown_by,
 )
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
@@ -119,3 +120,38 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
     verdict = inferred_of(simulated._replace(tables=tables), 1).verdict
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
     assert verdict.causes[0].parameters[0].value == pytest.approx(3.0, rel=0.1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("before", "today", "named"),
+    [
+        ((-1.0, 0.0, 1.0), (0.4, 1.6, 1.0), []),
+        ((-0.1, 0.0, 0.1), (1.1, 0.9, 1.0), ["scale_factor"]),
+    ],
+    ids=["varies", "changed"],
+)
+def test_a_gain_is_new_where_it_varies_less_than_it_changed(
+    tmp_path: Path, before: tuple[float, ...], today: tuple[float, ...], named: list[str]
+) -> None:
+    """One percent on average: of a device whose gain is another in every recording, and of one that is steady."""
+    paths: dict[str, list[Path]] = {}
+    for name, percents in (("before", before), ("today", today)):
+        paths[name] = [tmp_path / f"{name}-{number}.csv" for number in range(len(percents))]
+        for number, (path, percent) in enumerate(zip(paths[name], percents, strict=True)):
+            effects = (parse_effect(f"scale_factor:error_percent={percent}"),) if percent else ()
+            write_simulation(
+                path, Simulation(Rig(base=BASE, effects=effects), MOTION, 8, len(name) + number, minutes=1.0)
+            )
+    withheld = frozenset(CATALOGUE) - {"scale_factor"}
+    asked = DiagnosisRequest(
+        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
+    )
+    kept, recordings, _ = recordings_of(asked.paths)
+    explained = explained_baseline(asked, recordings)
+    simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
+    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
+    inferred = inferred_of(simulated._replace(tables=tables), 1)
+    verdict, _ = new_since(explained, simulated, inferred)
+    assert [cause.effect.name for cause in verdict.causes] == named
+    assert verdict.kind == ("effect" if named else "none")

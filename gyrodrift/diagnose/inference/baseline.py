@@ -7,7 +7,7 @@ difference (as in G. K. Smyth, Linear models and empirical Bayes methods, 2004).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import norm as normal
@@ -52,7 +52,7 @@ class Baseline:
     count: int
 
     def scatter(self, differences: Floats) -> Floats:
-        """(F,) standard deviation to reckon with, in each of some recordings of the device, of what is left of it.
+        """(F,) standard deviation, in each of some recordings of the device, of what is left of it.
 
         Their mean is compared with that of the baseline; what this one is off by is the same in all of them.
 
@@ -60,12 +60,27 @@ class Baseline:
             (sessions, F) of the recordings that are compared with the baseline, as RMS. How they differ from one
             another is chance too, but for coefficients: a scale error of one size differs as much as motions do.
         """
-        count = len(differences)
-        own = np.where(LINEAR, 0.0, np.square(differences - differences.mean(axis=0)).sum(axis=0))
-        degrees = np.where(LINEAR, self.count - 1.0, self.count + count - 2.0) + PRIOR_RUNS
-        variance = (self.squares + own + PRIOR_RUNS * self.prior) / degrees * (1.0 + count / self.count)
-        found: Floats = np.where(self.compared, _coverage(degrees) * np.sqrt(variance), NOT_COMPARED)
+        variance, _ = self._variance(differences, ~LINEAR)
+        return np.where(self.compared, np.sqrt(variance), NOT_COMPARED)
+
+    def doubt(self, differences: Floats) -> Floats:
+        """(F,) standard deviation beyond `scatter` by which a feature has to be off to stand out by itself.
+
+        How wide a scatter is that few recordings tell is not known well; and where nothing says that it is one effect
+        in many motions, how the later recordings differ from one another is chance in all features.
+        """
+        variance, degrees = self._variance(differences, np.ones(len(LINEAR), bool))
+        wide = np.square(_coverage(degrees)) * variance
+        found: Floats = np.sqrt(np.maximum(wide - np.square(self.scatter(differences)), 0.0))
         return found
+
+    def _variance(self, differences: Floats, is_chance: Mask) -> tuple[Floats, Floats]:
+        """(F,) variance with what `differences` scatter by where that is chance, and its degrees of freedom."""
+        count = len(differences)
+        own = np.where(is_chance, np.square(differences - differences.mean(axis=0)).sum(axis=0), 0.0)
+        degrees = np.where(is_chance, self.count + count - 2.0, self.count - 1.0) + PRIOR_RUNS
+        variance = (self.squares + own + PRIOR_RUNS * self.prior) / degrees * (1.0 + count / self.count)
+        return variance, degrees
 
 
 def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix], compared: Mask) -> Baseline:
@@ -103,16 +118,14 @@ def against(
 
     The scatter joins the relevance thresholds: below it nothing is told.
     """
-    scatter = baseline.scatter(differences_of(tables, designs))
+    differences = differences_of(tables, designs)
+    scatter, doubt = baseline.scatter(differences), baseline.doubt(differences)
     return [
-        ResponseTable(
-            name=table.name,
+        replace(
+            table,
             difference=table.difference - baseline.common * rms_scale(design),
             thresholds=np.hypot(table.thresholds, scatter * rms_scale(design)),
-            runs=table.runs,
-            nulls=table.nulls,
-            responses=table.responses,
-            smoother=table.smoother,
+            doubt=doubt * rms_scale(design),
         )
         for table, design in zip(tables, designs, strict=True)
     ]

@@ -53,7 +53,8 @@ def out_of_catalogue(surrogate: Surrogate, found: CauseSet) -> list[Deviation]:
     found_deviations = []
     for cause in found.causes:
         if cause.is_out_of_catalogue:
-            z = pooled_z(surrogate.standardised_residuals(without(found.causes, cause)))
+            left = surrogate.standardised_residuals(without(found.causes, cause))
+            z = pooled_z(left) / surrogate.evidence.caution
             number = NUMBER[cause.name.removeprefix("?")]
             found_deviations.append(_deviation(number, float(z[number])))
     return found_deviations

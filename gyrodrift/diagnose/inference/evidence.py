@@ -42,6 +42,8 @@ class Evidence:
         (sessions, F) spread of that where there is no gap, and the relevance threshold, together.
     nulls
         (sessions, runs, F) differences without a gap, in units of sigma.
+    caution
+        (F,) by how many times further a feature has to be off to stand out, since sigma itself is not known well.
     stands_out
         Pooled z beyond which a feature deviates: chance makes one of all features do so in FAMILY_WISE_ERROR.
     discrepancies
@@ -53,6 +55,7 @@ class Evidence:
     sigma: Floats
     nulls: Floats
     responses: tuple[Response, ...]
+    caution: Floats | float = 1.0
     discrepancies: dict[Response, Floats] = field(init=False, repr=False)
     stands_out: float = field(init=False)
 

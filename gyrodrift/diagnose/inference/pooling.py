@@ -40,6 +40,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         sigma=sigma,
         nulls=(np.array([table.nulls for table in tables]) - centre) / sigma[:, None],
         responses=tuple(_response(tables, candidate, difference / sigma**2) for candidate in one_each),
+        caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
     )
 
 

@@ -124,7 +124,7 @@ def without_idle(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> t
 
 def is_worth_pairs(surrogate: Surrogate, found: CauseSet) -> bool:
     """Whether something is left that two causes together could explain."""
-    left = pooled_z(surrogate.standardised_residuals(found.causes))
+    left = pooled_z(surrogate.standardised_residuals(found.causes)) / surrogate.evidence.caution
     return float(np.abs(left).max()) > PAIRS_FROM * surrogate.evidence.stands_out
 
 

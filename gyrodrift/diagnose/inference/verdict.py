@@ -1,6 +1,6 @@
 """From scores to words: which causes are named, with what probability, what is unexplained, and what kind it is."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
@@ -19,6 +19,7 @@ from gyrodrift.diagnose.inference.deviations import (
     shared,
     worst_first,
 )
+from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.gap import SimToRealGap, gap_of, no_gap
 from gyrodrift.diagnose.inference.parameters import Parameter, effect_of, parameters_of
@@ -114,7 +115,7 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     """Judge what was found."""
     surrogate, evidence = result.surrogate, result.surrogate.evidence
     after_z = held_out_z(surrogate, result.found)
-    before, after = pooled_z(evidence.z), pooled_z(after_z)
+    before, after = pooled_z(evidence.z) / evidence.caution, pooled_z(after_z) / evidence.caution
     deviates = np.abs(before) > evidence.stands_out
     explained = explained_share(deviates, before, after) if deviates.any() else 1.0
     others = out_of_catalogue(surrogate, result.found)
@@ -158,6 +159,16 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
     if aside and not kept:
         kind = Kind.NONE if verdict.kind is Kind.EFFECT else Kind.UNKNOWN
     return replace(verdict, kind=kind, causes=kept, negligible=aside)
+
+
+def less(verdict: Verdict, names: Collection[str], evidence: Evidence) -> Verdict:
+    """The verdict without some of its causes, which are chance."""
+    kept = tuple(one for one in verdict.causes if one.effect.name not in names)
+    if kept:
+        return replace(verdict, causes=kept)
+    kind = Kind.UNKNOWN if verdict.where else Kind.NONE
+    gap = gap_of(evidence, evidence.z) if verdict.where else no_gap(evidence)
+    return replace(verdict, kind=kind, causes=(), unexplained=verdict.where, gap=gap, after_z=evidence.z)
 
 
 def kind_of(deviates: Mask, explained: float, *, has_causes: bool, has_unexplained: bool) -> Kind:

@@ -99,6 +99,21 @@ def test_what_the_baseline_is_off_by_does_not_average_out() -> None:
     assert of_mean[1] == pytest.approx(of_mean[0] * np.sqrt((1 / 9 + 1 / 3) / (1 + 1 / 3)))
 
 
+def test_what_stands_out_by_itself_has_to_be_further_off_the_fewer_recordings_there_are() -> None:
+    """The scatter of three recordings is not known well, that of forty is; what is explained as a whole need not."""
+    values = np.random.default_rng(7).normal(0.0, 1.0, 40)
+    asked = [
+        baseline_of([table({"wander_20s": float(value)}) for value in values[:count]], [SHORT] * count, ALL)
+        for count in (3, 40)
+    ]
+    few, many = (float(each.doubt(ONE)[WANDER] / each.scatter(ONE)[WANDER]) for each in asked)
+    assert few > 2.0 * many
+    (today,) = against([table({"wander_20s": 30.0})], [SHORT], asked[0])
+    evidence = evidence_of([today], [])
+    assert np.broadcast_to(evidence.caution, len(FEATURES))[WANDER] > 1.5
+    assert evidence.z[0, WANDER] > 3.0
+
+
 def test_one_recording_is_a_baseline_too() -> None:
     """Its scatter is a share of what it shows, widened since that is all that is known of it."""
     baseline = baseline_of([table({"rate": 4.0})], [SHORT], ALL)

@@ -1,0 +1,44 @@
+"""Whether a cause is new since a baseline: how much of it each recording shows, and Student's test between two sets.
+
+A device varies from one recording to the next most of all in what effects do: its gain, its bias, its delay. How far
+single features scatter does not say that they do so together. The amount of one effect in each recording does, in its
+own unit, whatever the motion: two sets of amounts are compared (Student, The probable error of a mean, 1908).
+"""
+
+import numpy as np
+from scipy.stats import t as student
+
+from gyrodrift.arrays import Floats
+
+CHANCE = 0.02
+"""Probability at which two sets of amounts differ by chance. What is asked was chosen among all effects, but explains
+the features of the later set by itself already."""
+
+TINY = 1e-12
+"""Least square of a change, in units of sigma: an effect that a recording cannot show has no amount there."""
+
+
+def amounts_of(differences: Floats, changes: Floats, sigma: Floats) -> Floats:
+    """(sessions,) how many times each recording shows a change, by weighted least squares.
+
+    differences, changes
+        (sessions, F) features of recordings less those of the rig, and what a cause changes them by.
+    sigma
+        (F,) what each feature scatters by.
+    """
+    weighted = changes / np.square(sigma)
+    found: Floats = (weighted * differences).sum(axis=1) / np.maximum((weighted * changes).sum(axis=1), TINY)
+    return found
+
+
+def noise_variance_of(changes: Floats, sigma: Floats) -> float:
+    """Of an amount, where features scatter by sigma and independently."""
+    return float(1.0 / max(np.square(changes / sigma).sum(axis=1).mean(), TINY))
+
+
+def chance_of(today: Floats, before: Floats, noise_variance: float) -> float:
+    """Probability that two sets of amounts of one device differ by so much; it varies at least as noise does."""
+    squares = sum(float(np.square(each - each.mean()).sum()) for each in (today, before))
+    degrees = max(1, len(today) + len(before) - 2)
+    variance = max(squares / degrees, noise_variance) * (1.0 / len(today) + 1.0 / len(before))
+    return float(2.0 * student.sf(abs(today.mean() - before.mean()) / np.sqrt(variance), degrees))

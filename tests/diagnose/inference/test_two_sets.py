@@ -1,0 +1,47 @@
+"""How much of an effect each recording shows, and whether two sets of recordings show it alike."""
+
+import numpy as np
+import pytest
+
+from gyrodrift.diagnose.inference.two_sets import amounts_of, chance_of, noise_variance_of
+
+FEATURES = 20
+SIGMA = np.linspace(0.5, 2.0, FEATURES)
+
+
+def test_an_amount_does_not_depend_on_the_motion() -> None:
+    """Recordings whose motion shows an effect ten times as well as that of others show the same amount of it."""
+    rng = np.random.default_rng(3)
+    changes = rng.normal(size=(3, FEATURES)) * np.array([1.0, 10.0, 3.0])[:, None]
+    assert amounts_of(0.7 * changes, changes, SIGMA) == pytest.approx([0.7, 0.7, 0.7])
+
+
+def test_an_effect_that_a_recording_cannot_show_has_no_amount_there() -> None:
+    """Nor does it raise: a gain in a recording that rests."""
+    changes = np.vstack([np.ones(FEATURES), np.zeros(FEATURES)])
+    assert amounts_of(np.ones((2, FEATURES)), changes, SIGMA).tolist() == pytest.approx([1.0, 0.0])
+
+
+def test_noise_scatters_amounts_by_the_variance_that_is_stated() -> None:
+    """Of four thousand recordings of nothing but noise."""
+    rng = np.random.default_rng(5)
+    changes = np.tile(rng.normal(size=FEATURES), (4000, 1))
+    found = amounts_of(SIGMA * rng.normal(size=changes.shape), changes, SIGMA)
+    assert float(found.var()) == pytest.approx(noise_variance_of(changes, SIGMA), rel=0.1)
+
+
+@pytest.mark.parametrize(("today", "before"), [(3, 3), (2, 3), (6, 4), (3, 1)])
+def test_a_device_that_varies_is_held_to_have_changed_no_more_often_than_is_said(today: int, before: int) -> None:
+    """Gains that scatter by 2 % from one recording to the next, far more than noise explains."""
+    rng, sets = np.random.default_rng(7), 4000
+    found = [chance_of(rng.normal(5, 2, today), rng.normal(5, 2, before), 1e-4) for _ in range(sets)]
+    for chance in (0.02, 0.1):
+        assert np.mean(np.array(found) < chance) == pytest.approx(chance, rel=0.3)
+
+
+def test_what_all_of_one_set_show_and_none_of_the_other_is_no_chance() -> None:
+    """Three recordings each; and the wider they scatter, the sooner it is."""
+    today, before = np.array([1.0, 0.9, 1.1]), np.array([0.0, 0.1, -0.1])
+    assert chance_of(today, before, 1e-4) < 0.001
+    assert chance_of(today + np.array([0.5, 0.0, -0.5]), before, 1e-4) > 0.01
+    assert chance_of(today, before, 4.0) > 0.1
