@@ -106,7 +106,23 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the segment began; what was turned since is taken back.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    odds = c.start_odds if is_from_start(s, seconds) else c.rest_odds
+    if is_from_start(s, seconds):
+        _branch(c, s, mean_dps, mean_var, c.start_odds)
+        for h in s.hypotheses:  # whatever a part has at power-on, `still_start` has said what that is worth
+            if h.is_at_rest:
+                h.is_unexpected_bias = False
+    else:
+        _branch(c, s, mean_dps, mean_var, c.rest_odds)
+
+
+def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
+    """The same for a short segment from the start, which the present block has ended by setting out."""
+    mean_var = s.noise.angle_walk_var / (seconds * s.ended.short_start_blocks)
+    _branch(c, s, s.ended.mean_dps, mean_var, c.rest_odds)
+
+
+def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
+    """By the mean of a segment and its variance, with these prior odds of a rest."""
     odds *= noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):

@@ -9,6 +9,7 @@ from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
+    branch_at_end,
     doubt_loud_rests,
     enter_segment,
     leave_segment,
@@ -140,6 +141,8 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
     doubt_loud_rests(s)
+    if s.ended.short_start_blocks > 0:
+        branch_at_end(c, s, seconds)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
     if segment.blocks == 1:
