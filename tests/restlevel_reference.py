@@ -247,13 +247,21 @@ class ReferenceFilter:
         self.blocks_ago += 1
         if sets_out:
             self.branch(mean_was, self.walk / (was * b.seconds), self.p.rest_share)
+        is_gentle = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
         if sets_out or was >= 5 > len(self.segment):
             self.blocks_ago, self.ended_mean, self.was_long = 1, mean_was, was * b.seconds >= 15.0
-            self.ended_gently = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
-            for h in self.hypotheses:
-                h.weight *= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
-            self.normalise()
+            self.ended_gently = is_gentle
+            self.weigh_curves(0.002 if is_gentle else 1.0, "is_at_rest")
             self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
+        elif self.blocks_ago == 2 and self.ended_gently and not is_gentle:
+            self.ended_gently = False
+            self.weigh_curves(1.0 / 0.002, "was_at_rest")
+
+    def weigh_curves(self, factor: float, when: str) -> None:
+        """Rests with a bias that was not expected, now or just before, count for so much."""
+        for h in self.hypotheses:
+            h.weight *= factor if h.is_unexpected_bias and getattr(h, when) else 1.0
+        self.normalise()
 
     def predict(self, b: ReferenceBlock) -> None:
         """Every hypothesis, by one block."""
@@ -464,8 +472,6 @@ class ReferenceFilter:
             return
         is_start = self.is_from_start(b, self.number, self.means)
         self.branch(self.mean, var, self.p.still_start if is_start else self.p.rest_share)
-        for h in self.hypotheses:
-            h.is_unexpected_bias = h.is_unexpected_bias and not (is_start and h.is_at_rest)
 
     def is_from_start(self, b: ReferenceBlock, blocks: int, means: list[float]) -> bool:
         """Whether nothing has moved in these blocks, and there are few of them."""
@@ -481,7 +487,7 @@ class ReferenceFilter:
             back = replace(gone_back(h), was_at_rest=False)
             found, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
             density = self.level_density(mean_dps - h.mean[1], h.cov[1, 1])
-            place = min(set(range(12)) - {other.place for other in everyone})
+            place = min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0})
             everyone.append(
                 replace(
                     found,

@@ -76,6 +76,15 @@ def leave_segment(s: RestlevelState) -> None:
     normalise(s)
 
 
+def forgive_exit(s: RestlevelState) -> None:
+    """The segment that ended gently went on abruptly: its exit only fell on the end of a block, and is no curve's."""
+    for h in s.hypotheses:
+        if h.was_at_rest and may_be_curve(h, s.ended):
+            h.weight /= CURVE_PENALTY
+    s.ended.ended_gently = False
+    normalise(s)
+
+
 def doubt_loud_rests(s: RestlevelState) -> None:
     """Where the noise has turned out smaller, what was taken for a rest so far was louder than this sensor at rest."""
     if not s.noise.has_dropped:
@@ -106,13 +115,7 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the segment began; what was turned since is taken back.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    if is_from_start(s, seconds):
-        _branch(c, s, mean_dps, mean_var, c.start_odds)
-        for h in s.hypotheses:  # whatever a part has at power-on, `still_start` has said what that is worth
-            if h.is_at_rest:
-                h.is_unexpected_bias = False
-    else:
-        _branch(c, s, mean_dps, mean_var, c.rest_odds)
+    _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
 
 
 def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:

@@ -78,6 +78,12 @@ def track_segment(
     ended.blocks_ago += 1
 
 
+def goes_on_abruptly(s: RestlevelState, step_dps: float, seconds: float) -> bool:
+    """Whether the last segment ended gently with the block before, and the present one turns away from it."""
+    is_gentle = s.wander.was_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
+    return s.ended.blocks_ago == 2 and s.ended.ended_gently and not is_gentle
+
+
 def is_from_start(s: RestlevelState, seconds: float) -> bool:
     """Whether a segment that is being confirmed began soon after the start, and nothing has moved before it."""
     segment = s.segment
