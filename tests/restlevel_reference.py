@@ -223,6 +223,8 @@ class ReferenceFilter:
         self.number += 1
         self.means = [*self.means, mean_dps] if self.number > 2 else [mean_dps]
         was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b) and b.said != "moves"
+        sets_out = 3 <= was < 5 and was * b.seconds >= 5.0 * self.p.window_s and not is_stationary
+        sets_out = sets_out and self.is_from_start(b, self.number - 1, self.means[:-1])
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds
         spread = np.sqrt(var * (1.0 + 1.0 / max(1, min(was, 10))) + ramp**2 + self.flicker)
         agrees = not self.segment or abs(mean_dps - self.mean) < 4.0 * spread
@@ -243,13 +245,23 @@ class ReferenceFilter:
             if len(a) == 5 and abs(0.5 * (a[4] + a[3] - a[1] - a[0])) >= 2.0 * np.sqrt(var + 4.0 * ramp**2):
                 self.segment = []
         self.blocks_ago += 1
-        if was >= 5 > len(self.segment):
+        if sets_out:
+            self.branch(mean_was, self.walk / (was * b.seconds), self.p.rest_share)
+        is_gentle = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
+        if sets_out or was >= 5 > len(self.segment):
             self.blocks_ago, self.ended_mean, self.was_long = 1, mean_was, was * b.seconds >= 15.0
-            self.ended_gently = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
-            for h in self.hypotheses:
-                h.weight *= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
-            self.normalise()
+            self.ended_gently = is_gentle
+            self.weigh_curves(0.002 if is_gentle else 1.0, "is_at_rest")
             self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
+        elif self.blocks_ago == 2 and self.ended_gently and not is_gentle:
+            self.ended_gently = False
+            self.weigh_curves(1.0 / 0.002, "was_at_rest")
+
+    def weigh_curves(self, factor: float, when: str) -> None:
+        """Rests with a bias that was not expected, now or just before, count for so much."""
+        for h in self.hypotheses:
+            h.weight *= factor if h.is_unexpected_bias and getattr(h, when) else 1.0
+        self.normalise()
 
     def predict(self, b: ReferenceBlock) -> None:
         """Every hypothesis, by one block."""
@@ -458,17 +470,24 @@ class ReferenceFilter:
                 h.weight /= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
             self.normalise()
             return
-        is_still = max(self.means) - min(self.means) < 6.0 * np.sqrt(self.walk / b.seconds)
-        share = self.p.still_start if self.number < 15 and is_still else self.p.rest_share
+        is_start = self.is_from_start(b, self.number, self.means)
+        self.branch(self.mean, var, self.p.still_start if is_start else self.p.rest_share)
+
+    def is_from_start(self, b: ReferenceBlock, blocks: int, means: list[float]) -> bool:
+        """Whether nothing has moved in these blocks, and there are few of them."""
+        return blocks < 15 and max(means) - min(means) < 6.0 * np.sqrt(self.walk / b.seconds)
+
+    def branch(self, mean_dps: float, var: float, share: float) -> None:
+        """Each hypothesis becomes one of a rest and one of a spin."""
         odds = share / (1.0 - share) * self.quietness()
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
             if h.is_at_rest:
                 continue
             back = replace(gone_back(h), was_at_rest=False)
-            found, log_likelihood = first_kalman_update(back, self.mean, var, self.p)
-            density = self.level_density(self.mean - h.mean[1], h.cov[1, 1])
-            place = min(set(range(12)) - {other.place for other in everyone})
+            found, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
+            density = self.level_density(mean_dps - h.mean[1], h.cov[1, 1])
+            place = min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0})
             everyone.append(
                 replace(
                     found,

@@ -76,6 +76,15 @@ def leave_segment(s: RestlevelState) -> None:
     normalise(s)
 
 
+def forgive_exit(s: RestlevelState) -> None:
+    """The segment that ended gently went on abruptly: its exit only fell on the end of a block, and is no curve's."""
+    for h in s.hypotheses:
+        if h.was_at_rest and may_be_curve(h, s.ended):
+            h.weight /= CURVE_PENALTY
+    s.ended.ended_gently = False
+    normalise(s)
+
+
 def doubt_loud_rests(s: RestlevelState) -> None:
     """Where the noise has turned out smaller, what was taken for a rest so far was louder than this sensor at rest."""
     if not s.noise.has_dropped:
@@ -106,7 +115,17 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     The rest begins where the segment began; what was turned since is taken back.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    odds = c.start_odds if is_from_start(s, seconds) else c.rest_odds
+    _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
+
+
+def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
+    """The same for a short segment from the start, which the present block has ended by setting out."""
+    mean_var = s.noise.angle_walk_var / (seconds * s.ended.short_start_blocks)
+    _branch(c, s, s.ended.mean_dps, mean_var, c.rest_odds)
+
+
+def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
+    """By the mean of a segment and its variance, with these prior odds of a rest."""
     odds *= noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):

@@ -10,6 +10,10 @@ from gyrodrift.filters.restlevel.wander import forget_levels, see_agreement, see
 CONFIRMED_BLOCKS = 5
 """Blocks after which a segment is confirmed: the turning point of a gentle curve is over by then."""
 
+SHORT_BLOCKS = 3
+"""A slow sensor may set out before its first rest is confirmed. That has so many blocks at least, and lasts as long as
+a fast sensor takes to confirm one."""
+
 GATE_SIGMAS = 4.0
 """A block whose mean is further from the segment's than this begins another segment."""
 
@@ -50,6 +54,7 @@ def track_segment(
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
     is_now_stationary = is_stationary(c, s.block, s.noise) and s.witness.moving == 0
+    is_short_start = not is_now_stationary and _is_short_start(c, s, seconds)
     s.blocks += 1
     if s.blocks <= 2:  # switching on may disturb the first block
         segment.least_dps = segment.most_dps = mean_dps
@@ -65,11 +70,18 @@ def track_segment(
     else:
         segment.blocks = 0
     segment.last_mean_dps = mean_dps
-    if blocks_before >= CONFIRMED_BLOCKS > segment.blocks:
+    ended.short_start_blocks = blocks_before if is_short_start else 0
+    if is_short_start or blocks_before >= CONFIRMED_BLOCKS > segment.blocks:
         ended.mean_dps, ended.blocks_ago = mean_before_dps, 0
         ended.was_long = blocks_before * seconds >= LONG_SEGMENT_S
         ended.ended_gently = is_now_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
     ended.blocks_ago += 1
+
+
+def goes_on_abruptly(s: RestlevelState, step_dps: float, seconds: float) -> bool:
+    """Whether the last segment ended gently with the block before, and the present one turns away from it."""
+    is_gentle = s.wander.was_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
+    return s.ended.blocks_ago == 2 and s.ended.ended_gently and not is_gentle
 
 
 def is_from_start(s: RestlevelState, seconds: float) -> bool:
@@ -96,6 +108,13 @@ def continues(
     innovation_dps = segment.mean_dps - ended.mean_dps
     is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
     return is_soon and abs(innovation_dps) < sigmas * sqrt(gate_var)
+
+
+def _is_short_start(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool:
+    """Whether the segment up to the present block is a rest from the start, if that block sets out from it."""
+    blocks = s.segment.blocks
+    is_long_enough = blocks >= SHORT_BLOCKS and blocks * seconds >= CONFIRMED_BLOCKS * c.window_s
+    return is_long_enough and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
 
 
 def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:

@@ -110,7 +110,7 @@ class RateSegment:
 
 @dataclass(slots=True)
 class EndedSegment:
-    """The last confirmed constant-rate segment that has ended.
+    """The last constant-rate segment that has ended: a confirmed one, or a short rest from the start.
 
     mean_dps
         Its mean, deg/s.
@@ -120,12 +120,15 @@ class EndedSegment:
         The rate left it slowly and without becoming noisy, as it leaves the flat part of a curve.
     blocks_ago
         Blocks since it ended; 1 for the block that ended it.
+    short_start_blocks
+        Its blocks where the present block has ended it before it was confirmed, as a rest from the start; else 0.
     """
 
     mean_dps: float = 0.0
     was_long: bool = False
     ended_gently: bool = False
     blocks_ago: int = 1 << 30
+    short_start_blocks: int = 0
 
 
 @dataclass(slots=True)

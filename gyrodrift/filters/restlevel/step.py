@@ -9,8 +9,10 @@ from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
+    branch_at_end,
     doubt_loud_rests,
     enter_segment,
+    forgive_exit,
     leave_segment,
     predict,
     resume,
@@ -25,7 +27,13 @@ from gyrodrift.filters.restlevel.model import (
     RestlevelState,
 )
 from gyrodrift.filters.restlevel.recall import recall_noise
-from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, continues, track_segment, update_mean
+from gyrodrift.filters.restlevel.segments import (
+    CONFIRMED_BLOCKS,
+    continues,
+    goes_on_abruptly,
+    track_segment,
+    update_mean,
+)
 from gyrodrift.filters.restlevel.temperature import follow_temperature, learn_when_sure
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
@@ -140,8 +148,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
     doubt_loud_rests(s)
-    if s.ended.blocks_ago == 1:
-        leave_segment(s)
+    _leave(c, s, step_dps, seconds)
     if segment.blocks == 1:
         enter_segment(s)
     follow_temperature(s, seconds)
@@ -170,3 +177,13 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     block.turned_deg = 0.0
     block.sum_dps = 0.0
     block.sum_squares = 0.0
+
+
+def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds: float) -> None:
+    """The segment before may have ended with this block, or gone on ending."""
+    if s.ended.short_start_blocks > 0:
+        branch_at_end(c, s, seconds)
+    if s.ended.blocks_ago == 1:
+        leave_segment(s)
+    if goes_on_abruptly(s, step_dps, seconds):
+        forgive_exit(s)

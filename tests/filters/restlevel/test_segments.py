@@ -4,7 +4,13 @@ import pytest
 
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest, noise_odds
-from gyrodrift.filters.restlevel.segments import continues, is_from_start, track_segment, update_mean
+from gyrodrift.filters.restlevel.segments import (
+    continues,
+    goes_on_abruptly,
+    is_from_start,
+    track_segment,
+    update_mean,
+)
 from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
 from gyrodrift.filters.restlevel.step import coefficients
 
@@ -136,6 +142,32 @@ def test_a_slope_is_no_segment() -> None:
     assert s.segment.blocks == 4
     track(s, 0.2)
     assert s.segment.blocks == 0
+
+
+@pytest.mark.parametrize(("seconds", "rests"), [(0.3, 0), (1.2, 3)])
+def test_a_slow_sensor_that_sets_out_had_a_rest_from_the_start(seconds: float, rests: int) -> None:
+    """Three blocks of a slow one last 3.6 s, those of a fast one less than a second."""
+    s = RestlevelState()
+    track(s, 0.5, 0.5, 0.5, seconds=seconds)
+    track(s, 8.0, variance=4.0, seconds=seconds)
+    assert s.ended.short_start_blocks == rests
+    track(s, 8.0, variance=4.0, seconds=seconds)
+    assert s.ended.short_start_blocks == 0
+
+
+@pytest.mark.parametrize(
+    ("next_dps", "variance", "expected"), [(0.65, 1e-4, False), (3.0, 1e-4, True), (0.65, 4.0, True)]
+)
+def test_an_exit_that_falls_on_the_end_of_a_block_is_abrupt(
+    next_dps: float, variance: float, *, expected: bool
+) -> None:
+    """A tenth of a deg/s in the first block of it says little; the next one tells a curve from a start."""
+    s = RestlevelState()
+    track(s, *[0.5] * 9, 0.6, variance=1e-4)
+    assert s.ended.ended_gently
+    step_dps = next_dps - s.segment.last_mean_dps
+    track(s, next_dps, variance=variance)
+    assert goes_on_abruptly(s, step_dps, 0.3) == expected
 
 
 def test_a_segment_ends_gently_where_the_rate_slides_away() -> None:
