@@ -1,13 +1,10 @@
 """The server of the Foxglove SDK: samples, the filter's state and the link's statistics for the Foxglove app.
 
-The SDK runs threads of its own and keeps the queues of its clients; it drops the oldest messages of a slow one.
+The SDK runs threads of its own; what it sends reaches clients through `foxglove_session`.
 """
 
 import asyncio
-import errno
 import json
-import os
-import re
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
@@ -16,20 +13,22 @@ from math import isnan
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from gyrodrift.outputs.foxglove_schemas import SAMPLE_SCHEMA, schema_of
+from gyrodrift.outputs.foxglove_session import PROTOCOL, FoxgloveSession
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus, ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.outputs.output import Output, OutputError, OutputHost
+from gyrodrift.outputs.status import ClientStatus, ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
 if TYPE_CHECKING:
     from foxglove import Channel, Context
-    from foxglove.websocket import ChannelView, Client, Parameter, ServerListener, WebSocketServer
+    from foxglove.websocket import ChannelView, Client, Parameter, ServerListener
+    from foxglove.websocket import WebSocketServer as SdkServer
 
 BACKLOG = 4096
-"""Messages that wait for a client who does not read: 1 MiB of samples of 250 bytes."""
+"""Messages that the SDK keeps for us while we do other things."""
 
 STOP_S = 1.0
 
@@ -52,7 +51,9 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
         super().__init__(options, host)
         self._listener = FoxgloveListener()
         self._thinning = Thinning(options.rate_hz)
-        self._server: WebSocketServer | None = None
+        self._server = WebSocketServer(self._session, host.log, subprotocols=[PROTOCOL])
+        self._relays: set[asyncio.Task[None]] = set()
+        self._sdk: SdkServer | None = None
         self._context: Context | None = None  # the SDK forgets channels whose context nobody holds
         self._channels: dict[str, Channel] = {}
 
@@ -71,57 +72,63 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
             topic: foxglove.Channel(topic, schema=schema, context=context) for topic, schema in schemas.items()
         }
         try:
-            self._server = foxglove.start_server(
+            self._sdk = foxglove.start_server(
                 name="gyrodrift",
-                host=self.options.host,
-                port=self.options.port,
+                host=LOOPBACK,
+                port=0,
                 capabilities=[Capability.Parameters],
                 server_listener=cast("ServerListener", self._listener),  # it has those that can be called here
                 context=context,
                 message_backlog_size=BACKLOG,
             )
         except RuntimeError as error:
-            raise cannot_listen(_os_error(error), self.options.host, self.options.port) from error
-        warn_of_others(self.host.log, self.options.host)
-        self.address = shown(self.options.host, self._server.port)
+            raise OutputError(f"the Foxglove SDK does not start: {error}") from error
+        self.address = await self._server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send samples, where somebody has subscribed."""
         if not self._listener.has_subscribed("/gyro/sample"):
             return
         channel = self._channels["/gyro/sample"]
-        due = self._thinning.due(samples)
-        for each in due:
+        for each in self._thinning.due(samples):
             channel.log(_sample(each), log_time=int(each.sample.t_host_s * 1e9))
-        self._listener.count("/gyro/sample", len(due))
 
     def note(self, status: ServiceStatus) -> None:
         """Send state and statistics, and the parameters where they are others now."""
         values = parameters_of(status.config)
-        if self._server is not None and values != self._listener.values:
+        if self._sdk is not None and values != self._listener.values:
             self._listener.values = values
-            self._server.publish_parameter_values(self._listener.parameters())
+            self._sdk.publish_parameter_values(self._listener.parameters())
         for topic, record in (("/gyro/state", status.filter), ("/gyro/link_stats", status.link)):
             if self._listener.has_subscribed(topic):
                 self._channels[topic].log(_known(record))
-                self._listener.count(topic, 1)
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Those that have subscribed; the SDK tells their number and not their address."""
-        return self._listener.statuses()[:MOST_CLIENTS]
+        """Who is connected."""
+        return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Messages handed to the SDK for each client; it does not tell what it dropped."""
-        return self._listener.sent, 0
+        """Messages."""
+        return self._server.counts()
 
     async def close(self) -> None:
         """Close the connections."""
-        if self._server is not None:
-            await _stopped(self._server)
-            self._server = None
+        await self._server.close()
+        if self._relays:
+            await asyncio.wait(self._relays)
+        if self._sdk is not None:
+            await _stopped(self._sdk)
+            self._sdk = None
         for channel in self._channels.values():
             channel.close()
         self._channels, self._context = {}, None
+
+    def _session(self, client: WebSocketClient) -> FoxgloveSession:
+        assert self._sdk is not None  # noqa: S101 - clients come while it is open
+        session = FoxgloveSession(client, self._sdk.port)
+        self._relays.add(session.task)
+        session.task.add_done_callback(self._relays.discard)
+        return session
 
 
 class FoxgloveListener:
@@ -129,32 +136,15 @@ class FoxgloveListener:
 
     values
         Parameters by name.
-    sent
-        Messages to all clients.
     """
 
     def __init__(self) -> None:
         self.values: dict[str, float | str] = {}
-        self.sent = 0
-        self._subscriptions: dict[tuple[int, str], int] = {}
+        self._subscriptions: dict[tuple[int, str], None] = {}
 
     def has_subscribed(self, topic: str) -> bool:
         """Somebody has, to this one."""
         return any(each == topic for _, each in list(self._subscriptions))
-
-    def count(self, topic: str, messages: int) -> None:
-        """So many were sent to each who has subscribed to this one."""
-        for client, each in list(self._subscriptions):
-            if each == topic and (client, each) in self._subscriptions:
-                self._subscriptions[client, each] += messages
-                self.sent += messages
-
-    def statuses(self) -> list[ClientStatus]:
-        """Of each client."""
-        sent: dict[int, int] = {}
-        for (client, _), messages in list(self._subscriptions.items()):
-            sent[client] = sent.get(client, 0) + messages
-        return [ClientStatus(f"client {client}", messages) for client, messages in sent.items()]
 
     def parameters(self, names: Sequence[str] = ()) -> "list[Parameter]":
         """These of the parameters, or all."""
@@ -168,7 +158,7 @@ class FoxgloveListener:
 
     def on_subscribe(self, client: "Client", channel: "ChannelView") -> None:
         """Begin to send."""
-        self._subscriptions[client.id, channel.topic] = 0
+        self._subscriptions[client.id, channel.topic] = None
 
     def on_unsubscribe(self, client: "Client", channel: "ChannelView") -> None:
         """No longer send; also when it is gone."""
@@ -195,7 +185,7 @@ class FoxgloveListener:
         """Likewise."""
 
 
-async def _stopped(server: "WebSocketServer") -> None:
+async def _stopped(server: "SdkServer") -> None:
     """Stop it; the SDK waits for ever for a client who does not read, and then a thread is left that waits for it."""
     loop, has_stopped = asyncio.get_running_loop(), asyncio.Event()
 
@@ -225,10 +215,3 @@ def _sample(corrected: Corrected) -> bytes:
 
 def _known(record: Any) -> bytes:
     return json.dumps({name: value for name, value in asdict(record).items() if value is not None}).encode()
-
-
-def _os_error(error: RuntimeError) -> OSError:
-    """The SDK gives the number in its text."""
-    number = re.search(r"os error (\d+)", str(error))
-    code = int(number[1]) if number else errno.EADDRNOTAVAIL
-    return OSError(code, os.strerror(code))

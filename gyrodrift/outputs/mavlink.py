@@ -4,10 +4,11 @@ MAVLink's axes are forward, right, down: yaw is clockwise positive there, counte
 Definitions: https://mavlink.io/en/messages/common.html#ODOMETRY, #ATTITUDE_QUATERNION_COV and #HEARTBEAT.
 """
 
-from collections.abc import Sequence
+import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, isnan, nan, pi, radians, remainder, sin
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MinLen
 
@@ -33,6 +34,12 @@ ROLL, PITCH, YAW = 15, 18, 20
 
 POSITION = (0, 6, 11)
 """Likewise, of position and of velocity."""
+
+JUMPS = {
+    "frd": frozenset({"yaw_zeroed", "device_reset", "link_restored"}),
+    "ned": frozenset({"heading_set", "device_reset", "link_restored"}),
+}
+"""Events after which yaw of a frame is not the continuation of what was sent before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,12 +104,14 @@ class MavlinkOutput(Output[MavlinkOptions]):
         self._to: DatagramSender | SerialLine = DatagramSender()
         self._thinning = Thinning(options.rate_hz)
         self._has_told_of_north = False
+        self._resets = 0
 
     async def open(self) -> None:
         """Look the receiver up, or open the line."""
         from pymavlink.dialects.v20 import common
 
         self._common = common
+        self._resets = int(time.time()) % 256  # another one than before a restart, after which yaw begins anew
         self._link = common.MAVLink(None, self.options.system, self.options.component)
         if self.options.device is None:
             self._to = sender = DatagramSender()
@@ -123,6 +132,11 @@ class MavlinkOutput(Output[MavlinkOptions]):
             else:
                 self._send(self._attitude(each, yaw))
                 self._send(self._attitude_covariance(each, yaw))
+
+    def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - the name says all
+        """Count what makes yaw jump."""
+        if event in JUMPS[self.options.frame]:
+            self._resets = (self._resets + 1) % 256
 
     def note(self, status: ServiceStatus) -> None:
         """Send the heartbeat, which is due once a second."""
@@ -158,6 +172,7 @@ class MavlinkOutput(Output[MavlinkOptions]):
             yawspeed=yaw.rate_rad_s,
             pose_covariance=_triangle(self._tilt_variance_rad2, yaw.variance_rad2),
             velocity_covariance=_triangle(UNKNOWN_VARIANCE, yaw.rate_variance_rad2_s2),
+            reset_counter=self._resets,
             estimator_type=common.MAV_ESTIMATOR_TYPE_UNKNOWN if has_sigma else common.MAV_ESTIMATOR_TYPE_NAIVE,
             quality=0 if isnan(sample.confidence) else max(1, round(100.0 * sample.confidence)),
         )

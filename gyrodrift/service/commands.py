@@ -44,11 +44,13 @@ class ServiceCommands:
     def _zero(self, words: list[str]) -> Mapping[str, Any]:
         _none(words, "zero")
         self.filtering.zero()
+        self.reporting.feed.hear("yaw_zeroed", {})
         return {"yaw_deg": self.filtering.yaw_deg}
 
     def _heading(self, words: list[str]) -> Mapping[str, Any]:
         heading_deg = number(words, "heading DEG, clockwise from north") % 360.0
         self.filtering.set_heading(heading_deg)
+        self.reporting.feed.hear("heading_set", {"heading_deg": heading_deg})
         return {"heading_deg": heading_deg}
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:

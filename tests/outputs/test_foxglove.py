@@ -2,14 +2,18 @@
 
 import json
 import socket
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from clients_support import fed, node_client
 from outputs_support import address_of, csv_at_100_hz, events, serving
-from support import never
-from websockets.sync.client import connect
+from support import PATIENCE_S, never
+from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
+
+from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: pip install 'gyrodrift[foxglove]'")
 
@@ -46,26 +50,60 @@ def test_a_port_that_is_taken_is_told(port: Path) -> None:
             assert "is taken by" in events(serve, "output_failed")[0]["reason"]
 
 
-def test_who_does_not_read_keeps_the_service_from_nothing(port: Path, tmp_path: Path) -> None:
-    """Neither from closing this output, nor from serving others after it."""
-    config = tmp_path / "c.yaml"
+def test_who_does_not_read_is_told_how_many_it_lost(port: Path, tmp_path: Path) -> None:
+    """What comes is in order, `status` and the client agree; closing this output and serving others go on meanwhile."""
+    config, count = tmp_path / "c.yaml", 8_000
     config.write_text(HDR + "outputs: [{name: foxglove, port: 0}]\n")
-    with serving(port, "--config", config) as (serve, device), socket.socket() as connection:
+    with (
+        serving(port, "--config", config, "--control", tmp_path / "control") as (serve, device),
+        socket.socket() as connection,
+    ):
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         host, number = address_of(serve, "foxglove")
         connection.connect((host, number))
         with connect(
             f"ws://{host}:{number}", sock=connection, subprotocols=[Subprotocol("foxglove.sdk.v1")], max_queue=1
         ) as client:
-            while (told := json.loads(client.recv()))["op"] != "advertise":
+            while (told := json.loads(client.recv(PATIENCE_S)))["op"] != "advertise":
                 pass
-            asks = [{"id": i, "channelId": each["id"]} for i, each in enumerate(told["channels"])]
-            client.send(json.dumps({"op": "subscribe", "subscriptions": asks}))
-            client.recv()
-            for first in range(0, 10_000, 500):
+            topics = {each["topic"]: each["id"] for each in told["channels"]}
+            ask = {"id": 1, "channelId": topics["/gyro/sample"]}
+            client.send(json.dumps({"op": "subscribe", "subscriptions": [ask]}))
+            device.send_all(csv_at_100_hz(100), never)
+            serve.take_lines(90)
+            for first in range(100, count, 500):
                 device.send_all(csv_at_100_hz(500, first=first), never)
                 serve.take_lines(490)
+            dropped = client_of(tmp_path / "control")["dropped"]
+            got, missed = read_to(client, count - 200)
+            assert missed >= dropped > 0
+            assert got == sorted(got)
+            assert missed == got[-1] - got[0] + 1 - len(got)
             config.write_text(HDR + "outputs: [{name: tcp, port: 0}]\n")
             address_of(serve, "tcp")
             client.socket.shutdown(socket.SHUT_RDWR)
         assert serve.stop() == 0
+
+
+def read_to(client: ClientConnection, last: int) -> tuple[list[int], int]:
+    """Counters of the samples up to one, and how many messages the server says were dropped."""
+    got: list[int] = []
+    missed = 0
+    while not got or got[-1] < last:
+        message = client.recv(PATIENCE_S)
+        if isinstance(message, bytes):
+            got.append(json.loads(message[13:])["seq"])
+        elif (told := json.loads(message))["op"] == "status":
+            missed = int(told["message"].split()[0])
+    return got, missed
+
+
+def client_of(control: Path) -> dict[str, Any]:
+    """The only client, as `ctl status` has it once something was dropped for it."""
+    until_s = time.monotonic() + PATIENCE_S
+    with ControlClient(control, PATIENCE_S) as service:
+        while not (output := service.ask("status")["outputs"][0])["dropped"]:
+            assert time.monotonic() < until_s, output
+            time.sleep(0.1)
+    (client,) = output["clients"]
+    return dict(client)

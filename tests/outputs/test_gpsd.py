@@ -5,9 +5,11 @@ import json
 import os
 import select
 import shutil
+import signal
 import struct
 import subprocess
 import termios
+import time
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -206,6 +208,34 @@ def test_cgps_shows_it(outputs: HubThread, gpsd: Address) -> None:
                 break
             assert running.poll() is None, screen
         running.terminate()
+
+
+def test_xgps_takes_it(outputs: HubThread, gpsd: Address) -> None:
+    """On a screen in memory; its window is there and it goes on watching while reports come."""
+    found = [shutil.which(name) for name in ("xgps", "xvfb-run", "xwininfo")]
+    if None in found:
+        pytest.skip("xgps, xvfb-run or xwininfo is not installed: apt-get install gpsd-clients xvfb x11-utils")
+    xgps, screen, windows = map(str, found)
+    shell = f"{xgps} {gpsd[0]}:{gpsd[1]} & while sleep 0.5; do {windows} -root -tree; done"
+    command = [screen, "-a", "sh", "-c", shell]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
+    ) as running:
+        assert running.stdout is not None
+        os.set_blocking(running.stdout.fileno(), False)
+        try:
+            shown, sent = b"", 0
+            until_s = time.monotonic() + 3 * PATIENCE_S
+            for seq in count(0, 10):
+                outputs.samples([corrected(seq)])
+                (status,) = outputs.statuses()
+                shown += running.stdout.read() or b""
+                sent = max((each.sent for each in status.clients), default=0)
+                if b'"xgps' in shown and sent > 20:
+                    break
+                assert time.monotonic() < until_s, (shown, sent)
+        finally:
+            os.killpg(running.pid, signal.SIGTERM)
 
 
 def test_gpspipe_reads_a_running_service(tmp_path: Path) -> None:

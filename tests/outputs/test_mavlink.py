@@ -18,6 +18,7 @@ from support import PATIENCE_S, never
 
 from gyrodrift.outputs.mavlink import POSITION, UNKNOWN_VARIANCE, YAW
 from gyrodrift.outputs.status import LinkStatus, ServiceStatus
+from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("pymavlink", reason="pymavlink is not installed: pip install 'gyrodrift[mavlink]'")
 
@@ -98,6 +99,30 @@ def test_ned_is_the_heading_and_waits_for_it() -> None:
 
 
 @pytest.mark.parametrize(
+    ("frame", "event", "step"),
+    [
+        ("frd", "yaw_zeroed", 1),
+        ("frd", "heading_set", 0),
+        ("ned", "heading_set", 1),
+        ("ned", "yaw_zeroed", 0),
+        ("frd", "device_reset", 1),
+        ("ned", "link_restored", 1),
+        ("frd", "gap", 0),
+    ],
+)
+def test_what_makes_yaw_jump_is_counted(frame: str, event: str, step: int) -> None:
+    """An autopilot begins its estimate anew where the counter changes, and nowhere else."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},frame={frame}")
+        outputs.opened()
+        outputs.samples([corrected(0)])
+        before = station.next("ODOMETRY").reset_counter
+        outputs.event(event)
+        outputs.samples([corrected(100)])
+        assert station.next("ODOMETRY").reset_counter == (before + step) % 256
+
+
+@pytest.mark.parametrize(
     ("link", "state"),
     [
         (LinkStatus(is_open=True, silent_s=0.1), common.MAV_STATE_ACTIVE),
@@ -116,7 +141,7 @@ def test_the_heartbeat_says_whether_samples_come(link: LinkStatus, state: int) -
 
 
 def test_a_serial_line_gets_the_same() -> None:
-    """And one that nobody reads drops whole messages."""
+    """And one that nobody reads drops whole messages, which the counter of those that come tells."""
     master, slave = pty.openpty()
     try:
         with hub() as outputs:
@@ -126,11 +151,20 @@ def test_a_serial_line_gets_the_same() -> None:
             while not (status := outputs.statuses()[0]).dropped:
                 pass
             assert status.sent + status.dropped == 1000
-            got = common.MAVLink(None).parse_buffer(os.read(master, 1 << 16))
+            reader = common.MAVLink(None)
+            got: list[Any] = []
+            while len(got) < status.sent - 1:  # of the last one a part waits still
+                got += reader.parse_buffer(os.read(master, 1 << 16)) or []
+            outputs.samples([corrected(2000)])
+            after = got
+            while after[-1].get_seq() <= len(got):  # the rest of one that was begun comes first
+                after = reader.parse_buffer(os.read(master, 1 << 16)) or after
     finally:
         os.close(master)
         os.close(slave)
     assert {each.get_type() for each in got} == {"ODOMETRY"}
+    assert [each.get_seq() for each in got] == [number % 256 for number in range(len(got))]
+    assert after[-1].get_seq() == 1000 % 256
 
 
 def test_a_line_that_goes_is_tried_again() -> None:
@@ -168,15 +202,25 @@ def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
     """Through `mavutil`, as programs of others listen: heartbeats, and yaw that falls as the device turns left."""
     with closing(mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect="common")) as station:
         tty, output = tmp_path / "tty", f"mavlink:port={station.port.getsockname()[1]}"
-        with serving(tty, "--protocol", "csv", "--filter", "hdr", "--output", output) as (serve, device):
+        control = tmp_path / "control"
+        options = ("--protocol", "csv", "--filter", "hdr", "--output", output, "--control", control)
+        with serving(tty, *options) as (serve, device):
             serve.until(lambda it: "output_open" in it.log, "an open output")
             device.send_all(csv_at_100_hz(300), never)
             turned = station.recv_match(
                 type="ODOMETRY", condition="ODOMETRY.q[3] < -0.1", blocking=True, timeout=PATIENCE_S
             )
             assert station.recv_match(type="HEARTBEAT", blocking=True, timeout=PATIENCE_S) is not None
+            with ControlClient(control, PATIENCE_S) as person:
+                assert person.ask("zero")["ok"]
+            device.send_all(csv_at_100_hz(20, first=300), never)
+            zeroed = station.recv_match(
+                type="ODOMETRY", condition="abs(ODOMETRY.q[3]) < 0.05", blocking=True, timeout=PATIENCE_S
+            )
     assert turned is not None
     assert turned.yawspeed < 0.0
+    assert zeroed is not None
+    assert zeroed.reset_counter == (turned.reset_counter + 1) % 256
 
 
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")

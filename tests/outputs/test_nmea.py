@@ -172,7 +172,9 @@ def connected_soon(port: int) -> Iterator[Reader]:
         yield Reader(connection)
 
 
-@pytest.mark.skipif(SIGNALK is None, reason="signalk-server is not installed: npm install --global signalk-server")
+@pytest.mark.skipif(
+    SIGNALK is None, reason="signalk-server is not installed (270 MB, 150 s): npm install --global signalk-server"
+)
 def test_signalk_server_shows_heading_and_rate_of_turn(outputs: HubThread, tmp_path: Path) -> None:
     """In its own units: radians, to starboard."""
     number, nmea = free_port(), free_port()

@@ -5,6 +5,7 @@ It answers plain HTTP requests of the same port where an output wants that, whic
 
 import asyncio
 import socket
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 GOING_AWAY = 1001
 POLICY_VIOLATION = 1008
 """Close codes of RFC 6455, section 7.4.1."""
+
+MOST_URGENT = 256
+"""Messages that go before all others and wait at a time."""
 
 LONGEST_REASON = 120
 """Bytes that a close frame may give as a reason are 123."""
@@ -54,6 +58,7 @@ class WebSocketClient:
         self.peer = shown(*connection.remote_address[:2])
         self.sent = 0
         self._backlog: Backlog[Any] = Backlog(limits.queue_bytes)
+        self._urgent: deque[str | bytes] = deque()
         self._has_some = asyncio.Event()
 
     @property
@@ -66,16 +71,24 @@ class WebSocketClient:
         self._backlog.append(message)
         self._has_some.set()
 
+    def send_first(self, message: str | bytes) -> bool:
+        """Send what a client cannot do without, before what waits; False where too much of that waits already."""
+        if len(self._urgent) >= MOST_URGENT:
+            return False
+        self._urgent.append(message)
+        self._has_some.set()
+        return True
+
     async def write(self, told: Callable[[int], str | bytes]) -> None:
         """Send what waits, for ever."""
         while True:
             await self._has_some.wait()
-            while self._backlog:
+            while self._urgent or self._backlog:
                 untold = self._backlog.tell()
                 notice = told(untold) if untold else ""
                 if notice:
                     await self.connection.send(notice)
-                message, _ = self._backlog.pop()
+                message = self._urgent.popleft() if self._urgent else self._backlog.pop()[0]
                 await self.connection.send(message)
                 self.sent += 1
             self._has_some.clear()

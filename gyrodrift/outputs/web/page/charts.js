@@ -9,6 +9,8 @@ const RIGHT_PX = 28; // for half of the last time
 const PAD = 0.08;
 const ZOOM = 1.2;
 const LEAST_ROWS = 200;
+const PIXEL_PARTS = 4; // charts are drawn anew when the newest point has moved by so small a part of a pixel,
+const SLOWEST_MS = 250; // or after this time
 
 const known = new Map();
 
@@ -172,6 +174,8 @@ export class Charts {
     this.onMove = onMove;
     this.windowS = windowS;
     this.endS = null; // live
+    this.dueMs = 0; // when it is worth drawing again
+    this.later = null;
     this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
     new ResizeObserver(() => this.fit()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.repaint());
@@ -181,7 +185,7 @@ export class Charts {
   fit() {
     this.widthPx = this.place.clientWidth;
     for (const chart of this.charts) chart.fit();
-    this.onMove();
+    this.move();
   }
 
   repaint() {
@@ -189,9 +193,29 @@ export class Charts {
     for (const chart of this.charts) chart.plot.redraw();
   }
 
+  // A person or the window moved them: not a moment later.
+  move() {
+    this.dueMs = 0;
+    this.onMove();
+  }
+
+  // Whether it is time; where not, they are drawn when it is. An hour moves by a pixel in seconds.
+  isDue() {
+    const nowMs = performance.now();
+    if (nowMs >= this.dueMs) {
+      this.dueMs = nowMs + Math.min(SLOWEST_MS, (1000 * this.windowS) / this.widthPx / PIXEL_PARTS);
+      return true;
+    }
+    this.later ??= setTimeout(() => {
+      this.later = null;
+      this.onMove();
+    }, this.dueMs - nowMs);
+    return false;
+  }
+
   draw() {
     const toS = this.endS ?? this.history.lastS;
-    if (!Number.isFinite(toS)) return;
+    if (!Number.isFinite(toS) || !this.isDue()) return;
     const fromS = toS - this.windowS;
     const view = this.history.view(fromS, toS, Math.max(LEAST_ROWS, this.widthPx));
     for (const chart of this.charts) chart.draw(this.history, view, fromS, toS);
@@ -202,7 +226,7 @@ export class Charts {
     const { firstS, lastS } = this.history;
     this.windowS = Math.min(3600, Math.max(2, windowS));
     this.endS = endS >= lastS ? null : Math.max(endS, Math.min(lastS, firstS + this.windowS));
-    this.onMove();
+    this.move();
   }
 
   // Drag sideways to look back; turn the wheel to see more or less.
