@@ -13,7 +13,8 @@ from support import PATIENCE_S, Command, ours
 from firmware_sim.pty import LinkInUseError, PtyDevice
 from firmware_sim.wire.csv import csv_line
 from gyrodrift.config.model import load_config
-from gyrodrift.session.files import load_session
+from gyrodrift.session.files import load_session, session_paths
+from gyrodrift.session.mcap.interrupted import interrupted
 from gyrodrift.session.mcap.repair import repair
 
 WRITER = """
@@ -90,7 +91,10 @@ def killed_serve(folder: Path, moment_s: float) -> int:
             in_time = sum(each_s < time.monotonic() - 1.0 for each_s in times_s) - len("held")
     finally:
         device.close()
-    (path,) = out.glob("*.mcap")
+    paths = session_paths([out]) if in_time > 0 else list(interrupted(out))
+    if not paths:
+        return 0
+    (path,) = paths
     kept = load_session(path)
     assert in_time <= len(kept.rate_dps) <= said
     assert kept.rate_dps.tolist() == [number % 50 / 4.0 for number in range(len(kept.rate_dps))]
