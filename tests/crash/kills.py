@@ -91,10 +91,11 @@ def killed_serve(folder: Path, moment_s: float) -> int:
             in_time = sum(each_s < time.monotonic() - 1.0 for each_s in times_s) - len("held")
     finally:
         device.close()
-    paths = session_paths([out]) if in_time > 0 else list(interrupted(out))
-    if not paths:
+    if in_time <= 0:  # there may be a file, a beginning of one, or none
+        for path in interrupted(out):
+            repair(path)
         return 0
-    (path,) = paths
+    (path,) = session_paths([out])
     kept = load_session(path)
     first = said_before_it_listened(kept.rate_dps.tolist())
     assert in_time <= first + len(kept.rate_dps) <= said
