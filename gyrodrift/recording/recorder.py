@@ -211,12 +211,13 @@ class Recorder:
         if self._writer is not None:
             return self._writer
         device = self._device = self._link.decoder.device if self._link.decoder else DeviceDescription()
+        about = self._about()  # what it continues is the file before
         self._disk = self._new_file(device.device_id or "", datetime.now(UTC))
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
             self._disk,
             {
-                "recording": self._about(),
+                "recording": about,
                 **self._about_tables,
                 **self.options.beginning(),
                 **_device_tables(device),
