@@ -33,12 +33,13 @@ blind: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.blind run --set bench --out .blind/bench $(if $(BLIND_SEED),--seed $(BLIND_SEED))
 	$(BIN)/python -m tests.blind score .blind/bench
 
-# What it survives, counted: every fault of the simulated device; HOURS of device time at 1 kHz; too much of everything.
+# What it survives, counted: every fault of the simulated device; HOURS of device time at 1 kHz, with PACE=1 in real
+# time; too much of everything.
 faults: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.robustness faults $(if $(FAULT_SEED),--seed $(FAULT_SEED))
 
 soak: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.robustness soak --hours $(or $(HOURS),24) $(if $(MINUTES),--minutes $(MINUTES))
+	$(BIN)/python -m tests.robustness soak --hours $(or $(HOURS),24) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(PACE),--pace $(PACE))
 
 overload: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.robustness overload
@@ -54,10 +55,12 @@ KILLS := 20
 crash: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.crash --kills $(KILLS)
 
-# The packages of .venv against the public list of known holes.
+# The packages of .venv against the public list of known holes. A package that the list cannot tell of is a failure too.
+AUDIT := $(VENV)/audit
 audit: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet pip-audit
-	$(BIN)/python -m pip_audit --local --skip-editable
+	@$(BIN)/python -m venv $(AUDIT) && $(AUDIT)/bin/python -m pip install --quiet pip-audit
+	@$(BIN)/python -m pip freeze --exclude-editable --exclude pip --exclude setuptools > $(AUDIT)/packages.txt
+	$(AUDIT)/bin/pip-audit --strict --disable-pip --no-deps --requirement $(AUDIT)/packages.txt
 
 pictures: $(VENV)/ready-to-test
 	$(BIN)/gyrodrift demo --svg docs/demo.svg

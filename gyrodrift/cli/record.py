@@ -50,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     baud = options.baud(arguments.baud)
 
+    from gyrodrift.files import check_writable
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log, unwaiting_stderr
@@ -72,6 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         about = options.config_tables(arguments.config, config) if arguments.config else {}
+        check_writable(arguments.out)
         recorder = Recorder(RecordOptions(*what, about), link)
         repair_interrupted(arguments.out, log)
         events.listeners.append(recorder.on_event)

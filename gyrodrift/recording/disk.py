@@ -5,7 +5,9 @@ import os
 import shutil
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
+from io import FileIO
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
@@ -19,6 +21,12 @@ LOOK_S = 0.5
 
 MOST_WAITING_BYTES = 64 << 20
 
+HANGS_S = 5.0
+"""A disk that has taken nothing for so long is not waited for when everything ends."""
+
+JOIN_S = 0.1
+"""How often one who waits for the disk looks whether it takes something."""
+
 
 class RecordingError(DataError):
     """The recording cannot go on; what was written stays."""
@@ -27,37 +35,45 @@ class RecordingError(DataError):
 class DiskFile:
     """A new file; what is written to it is handed to the system at once and synced every few seconds.
 
-    `left_bytes` is what the disk has left for this user, as of the last look; None where the folder is gone. Nobody but
-    the thread asks a disk that may hang.
+    `other_path` gives another free path where somebody else has just taken `path`. `left_bytes` is what the disk has
+    left for this user, as of the last look; None where the folder is gone, or before the first look. Nobody but the
+    thread asks a disk that may hang, not even for the file itself.
 
     A file into which not a byte could be written is taken away again: a full disk is tried again and again.
 
     Raises
     ------
-    OSError
-        From the constructor, where the file cannot be made.
     RecordingError
         From `write`, `check` and `join`, where the disk is full or gone, too slow, or the file was removed.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, other_path: Callable[[], Path]) -> None:
         self.path = path
+        self.is_there = False
         self.failure: RecordingError | None = None
-        self._file = path.open("xb+", buffering=0)
-        fcntl.flock(self._file, fcntl.LOCK_EX)  # who looks for interrupted files holds it for a moment
+        self.left_bytes: int | None = None
+        self._other_path = other_path
         self._queue: SimpleQueue[bytes | None] = SimpleQueue()
         self._handed_over = self._written = 0
-        self._synced_s = time.monotonic()
+        self._looked_s = self._synced_s = time.monotonic()
         self._is_dirty = False
-        self.left_bytes = disk_left_bytes(path.parent)
-        self._looked_s = self._synced_s
         self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
         self._thread.start()
+
+    @property
+    def is_taking(self) -> bool:
+        """Whether something has been written."""
+        return self._written > 0
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Handed over and not yet written."""
+        return self._handed_over - self._written
 
     def write(self, content: bytes) -> None:
         """Hand over bytes; this never waits."""
         self.check()
-        if self._handed_over - self._written > MOST_WAITING_BYTES:
+        if self.waiting_bytes > MOST_WAITING_BYTES:
             raise RecordingError(f"{self.path}: recording stopped: the disk is too slow for this stream")
         self._handed_over += len(content)
         self._queue.put(content)
@@ -76,26 +92,45 @@ class DiskFile:
         """Whether the thread has ended."""
         return not self._thread.is_alive()
 
-    def join(self) -> None:
-        """Wait until everything is on the disk."""
-        self._thread.join()
+    def join(self, patience_s: float | None = None) -> None:
+        """Wait until everything is on the disk, for as long as it takes anything; HANGS_S where it takes nothing."""
+        patience_s = HANGS_S if patience_s is None else patience_s
+        written, since_s = self._written, time.monotonic()
+        while self._thread.is_alive() and time.monotonic() - since_s < patience_s:
+            self._thread.join(JOIN_S)
+            if self._written != written:
+                written, since_s = self._written, time.monotonic()
         self.check()
+        if self._thread.is_alive():
+            raise RecordingError(f"{self.path}: the disk hangs: {self.waiting_bytes} bytes are not written")
 
     def _run(self) -> None:
         try:
-            _sync_folder(self.path.parent)
-            while self._take():
-                pass
+            with self._opened() as self._file:
+                _sync_folder(self.path.parent)
+                while self._take():
+                    pass
         except OSError as error:
             kept = f"; {self._written} bytes of it are written and stay readable" if self._written else ""
-            if not self._written:
+            kept += f", {self.waiting_bytes} behind them are lost" if self._written and self.waiting_bytes else ""
+            if not self._written and self.is_there:
                 with suppress(OSError):
                     self.path.unlink()
             self.failure = RecordingError(f"{self.path}: recording stopped: {error.strerror}{kept}")
         except RecordingError as error:
             self.failure = error
-        finally:
-            self._file.close()
+
+    def _opened(self) -> FileIO:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        while True:
+            try:
+                file = FileIO(self.path, "xb+")
+            except FileExistsError:
+                self.path = self._other_path()
+                continue
+            fcntl.flock(file, fcntl.LOCK_EX)  # who looks for interrupted files holds it for a moment
+            self.left_bytes, self.is_there = disk_left_bytes(self.path.parent), True
+            return file
 
     def _take(self) -> bool:
         """Write one piece if there is one; False when it was the last."""

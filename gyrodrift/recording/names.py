@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Collection
 from datetime import datetime
 from pathlib import Path
 
@@ -9,12 +10,17 @@ LONGEST_WORD = 80
 """Characters of a word; file systems take names of 255 bytes."""
 
 
-def recording_path(folder: Path, begun: datetime, device: str, profile: str) -> Path:
-    """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC."""
+def recording_path(
+    folder: Path, begun: datetime, device: str, profile: str, taken: Collection[Path] = frozenset()
+) -> Path:
+    """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC.
+
+    Those in `taken` are as good as there.
+    """
     words = [f"{begun:%Y-%m-%dT%H-%M-%SZ}", _plain(device), _plain(profile)]
     stem = "_".join(word for word in words if word)
     path, number = folder / f"{stem}.mcap", 1
-    while os.path.lexists(path):  # a link to nowhere takes a name too
+    while path in taken or os.path.lexists(path):  # a link to nowhere takes a name too
         number += 1
         path = folder / f"{stem}_{number}.mcap"
     return path

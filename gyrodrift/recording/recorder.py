@@ -8,18 +8,16 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.files import check_writable
 from gyrodrift.link.calendar import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.recording.disk import DiskFile, RecordingError, disk_left_bytes
+from gyrodrift.recording.disk import MOST_WAITING_BYTES, DiskFile, RecordingError, disk_left_bytes
 from gyrodrift.recording.names import recording_path
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
@@ -56,22 +54,22 @@ class RecordOptions:
 
 
 class Recorder:
-    """Records a link into a folder.
+    """Records a link into a folder; `gyrodrift.files.check_writable` says before whether that can be.
+
+    `unflushed` counts the samples that no file has yet.
 
     A file begins with the first sample, so that it can carry the name of the device.
 
     Raises
     ------
-    UsageError
-        From the constructor, where the folder cannot be written to.
     RecordingError
-        From everything else, where the recording cannot go on.
+        From everything but the constructor, where the recording cannot go on.
     """
 
     def __init__(self, options: RecordOptions, link: Link, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.options = options
-        self.samples = 0
-        self.paths: list[Path] = []
+        self.samples = self.unflushed = 0
+        self._ended_paths: list[Path] = []
         self._about_tables = options.about
         self._finished_bytes = 0
         self._link = link
@@ -84,10 +82,25 @@ class Recorder:
         self._waiting: list[tuple[bytes, float]] = []
         self._waiting_s = 0.0
         self._events: deque[tuple[str, float, dict[str, Any]]] = deque(maxlen=MOST_EVENTS)
-        check_writable(options.folder)
         self._left_bytes = disk_left_bytes(options.folder)
         if options.keeps_raw:
             link.tap = self.take_raw
+
+    @property
+    def paths(self) -> list[Path]:
+        """The files so far, in the order of time."""
+        current = [] if self._disk is None else [self._disk]
+        return self._ended_paths + [disk.path for disk in self._finishing + current]
+
+    @property
+    def is_writing(self) -> bool:
+        """Whether a file is there and takes what comes."""
+        return self._disk is not None and self._disk.is_taking
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no file is left that a disk has yet to take."""
+        return self._disk is None and all(disk.is_finished for disk in self._finishing)
 
     @property
     def size_bytes(self) -> int:
@@ -97,13 +110,14 @@ class Recorder:
     @property
     def left_bytes(self) -> int | None:
         """What the disk has left, as of the last file's last look; None where the folder is gone."""
-        if self._disk is not None:
+        if self._disk is not None and self._disk.is_there:
             self._left_bytes = self._disk.left_bytes
         return self._left_bytes
 
     def take(self, samples: list[Sample]) -> None:
         """Record samples."""
         if samples:
+            self.unflushed += len(samples)
             self._begun().add_all(samples)
             self.samples += len(samples)
 
@@ -134,7 +148,8 @@ class Recorder:
 
     def tick(self, _now_s: float) -> None:
         """What is due a few times a second: hand over what has come, begin a new file."""
-        self._finishing = [disk for disk in self._finishing if not _is_over(disk)]
+        while self._finishing and _is_over(self._finishing[0]):
+            self._ended_paths.append(self._finishing.pop(0).path)
         if self._writer is None:
             if self._waiting and self._monotonic() - self._waiting_s >= NAMELESS_S:
                 self._begun()
@@ -143,6 +158,7 @@ class Recorder:
             self._disk.check()
         self._keep_device(self._writer)
         self._writer.flush()
+        self.unflushed = 0
         if self._is_full(self._writer):
             self._end()
 
@@ -160,35 +176,53 @@ class Recorder:
             self._end()
         finally:
             self.abandon()
-            with ExitStack() as waiting:  # for each, whatever became of the others
-                for disk in self._finishing:
-                    waiting.callback(disk.join)
+            self._join_all()
 
     def abandon(self) -> None:
         """Let go of the file as it is."""
         self._link.tap = None
         if self._disk is not None:
-            self._disk.finish()
-            self._finishing.append(self._disk)
+            self._let_go(self._disk)
+
+    def _let_go(self, disk: DiskFile) -> None:
+        disk.finish()
+        self._finishing.append(disk)
         self._disk = self._writer = None
+
+    def _join_all(self) -> None:
+        """Wait for each file, whatever became of the others; a disk that hangs is waited for once."""
+        failures = []
+        hung: list[DiskFile] = []
+        for disk in self._finishing:
+            try:
+                disk.join(0.0 if hung else None)
+            except RecordingError as error:
+                failures.append(error)
+                hung += [] if disk.is_finished else [disk]
+        if len(hung) > 1:
+            lost = sum(disk.waiting_bytes for disk in hung)
+            place = self.options.folder
+            raise RecordingError(f"{place}: the disk hangs: {lost} bytes of {len(hung)} files are not written")
+        if failures:
+            raise failures[0]
 
     def _begun(self) -> McapWriter:
         """The file that is being written; a new one where there is none."""
         if self._writer is not None:
             return self._writer
         device = self._device = self._link.decoder.device if self._link.decoder else DeviceDescription()
-        self._disk = self._new_file(device.device_id or "")
+        about = self._about()  # what it continues is the file before
+        self._disk = self._new_file(device.device_id or "", datetime.now(UTC))
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
             self._disk,
             {
-                "recording": self._about(),
+                "recording": about,
                 **self._about_tables,
                 **self.options.beginning(),
                 **_device_tables(device),
             },
         )
-        self.paths.append(self._disk.path)
         for content, t_host_s in self._waiting:
             self._writer.add_read(content, t_host_s)
         for event, t_host_s, fields in self._events:
@@ -197,15 +231,15 @@ class Recorder:
         self._events.clear()
         return self._writer
 
-    def _new_file(self, device: str) -> DiskFile:
-        while True:
-            path = recording_path(self.options.folder, datetime.now(UTC), device, self.options.profile)
-            try:
-                return DiskFile(path)
-            except FileExistsError:
-                continue  # another recording has just taken the name
-            except OSError as error:
-                raise RecordingError(f"{path}: recording stopped: {error.strerror}") from error
+    def _new_file(self, device: str, begun: datetime) -> DiskFile:
+        folder, taken = self.options.folder, set(self.paths)
+        if sum(disk.waiting_bytes for disk in self._finishing) > MOST_WAITING_BYTES:
+            raise RecordingError(f"{folder}: recording stopped: the disk is too slow for this stream")
+
+        def path() -> Path:
+            return recording_path(folder, begun, device, self.options.profile, taken)
+
+        return DiskFile(path(), path)
 
     def _about(self) -> dict[str, str]:
         """What is known of this recording when a file begins."""
@@ -246,10 +280,9 @@ class Recorder:
             return
         self._writer.add_metadata("link", self._link_counters())
         self._writer.finish()
-        self._disk.finish()
+        self.unflushed = 0
         self._finished_bytes += self._writer.size
-        self._finishing.append(self._disk)
-        self._disk = self._writer = None
+        self._let_go(self._disk)
 
     def _link_counters(self) -> dict[str, str]:
         """What the link has seen up to now."""

@@ -8,7 +8,8 @@ from typing import Any
 
 from structlog.typing import FilteringBoundLogger
 
-from gyrodrift.errors import DataError, GyrodriftError
+from gyrodrift.errors import DataError
+from gyrodrift.files import check_writable
 from gyrodrift.link.link import Link
 from gyrodrift.recording.disk import RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
@@ -22,6 +23,8 @@ RETRY_S = 10.0
 class ResilientRecorder:
     """Takes samples like a `Recorder`, but a failure ends up in the log and not with the caller.
 
+    `unrecorded` counts the samples that came while nothing could be recorded.
+
     Raises
     ------
     UsageError
@@ -32,18 +35,24 @@ class ResilientRecorder:
     link: Link
     log: FilteringBoundLogger
     recorder: Recorder | None = field(init=False)
+    unrecorded: int = 0
     _failed_s: float = 0.0
+    _given_up: Recorder | None = None
+    _is_tried: bool = False
 
     def __post_init__(self) -> None:
+        check_writable(self.options.folder)
         self.recorder = Recorder(self.options, self.link)
 
     def take(self, samples: list[Sample]) -> None:
         """Record samples."""
-        if self.recorder is not None:
-            try:
-                self.recorder.take(samples)
-            except RecordingError as error:
-                self._fail(self.recorder, error)
+        if self.recorder is None:
+            self.unrecorded += len(samples)
+            return
+        try:
+            self.recorder.take(samples)
+        except RecordingError as error:
+            self._fail(self.recorder, error)
 
     def on_event(self, event: str, fields: dict[str, Any]) -> None:
         """Record something that happened on the link."""
@@ -72,10 +81,15 @@ class ResilientRecorder:
             self.recorder.tick(now_s)
         except RecordingError as error:
             self._fail(self.recorder, error)
+            return
+        if self._is_tried and self.recorder.is_writing:
+            self._is_tried = False
+            self.log.info("recording_resumed", folder=str(self.options.folder), unrecorded=self.unrecorded)
 
     def stats(self) -> dict[str, Any]:
         """For the log."""
-        return self.recorder.stats() if self.recorder else {"recorded": None}
+        stats = self.recorder.stats() if self.recorder else {"recorded": None}
+        return stats | ({"unrecorded": self.unrecorded} if self.unrecorded else {})
 
     def close(self) -> None:
         """Finish the file."""
@@ -88,17 +102,17 @@ class ResilientRecorder:
     def _fail(self, recorder: Recorder, error: RecordingError) -> None:
         self.log.error("recording_failed", reason=str(error), next_try_s=RETRY_S)
         self._failed_s = time.monotonic()
+        self.unrecorded += recorder.unflushed
         recorder.abandon()
-        self.recorder = None
+        self._given_up, self.recorder = recorder, None
 
     def _retry(self, now_s: float) -> None:
+        """Another recorder, which tells on its own where it cannot go on; none while a disk still hangs."""
         self._failed_s = now_s
-        try:
-            self.recorder = Recorder(self.options, self.link)
-        except GyrodriftError as error:
-            self.log.error("recording_failed", reason=str(error), next_try_s=RETRY_S)  # noqa: TRY400 - a reason, no bug
-        else:
-            self.log.info("recording_resumed", folder=str(self.options.folder))
+        if self._given_up is not None and not self._given_up.is_over:
+            self.log.error("recording_failed", reason=f"{self.options.folder}: the disk hangs", next_try_s=RETRY_S)
+            return
+        self.recorder, self._given_up, self._is_tried = Recorder(self.options, self.link), None, True
 
 
 def repair_interrupted(folder: Path, log: FilteringBoundLogger) -> None:

@@ -21,6 +21,9 @@ from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_m
 SAVE_S = 60.0
 """How often the memory is written while the service runs; a kill costs no more than this."""
 
+HANGS_S = 5.0
+"""How long the end waits for a disk; the file is written under another name first, so that nothing half is left."""
+
 
 @dataclass(slots=True)
 class MemoryKeeper:
@@ -76,10 +79,13 @@ class MemoryKeeper:
         return {}
 
     def close(self) -> None:
-        """Write what was learned last."""
+        """Write what was learned last, if the disk takes it."""
         self._join()
-        self._save()
-        self._join()
+        if self._writing is None:
+            self._save()
+            self._join()
+        if self._writing is not None:
+            self.log.error("memory_not_written", reason=f"{self.path}: the disk hangs")
 
     def status(self) -> dict[str, str]:
         """For `ctl status`."""
@@ -146,7 +152,7 @@ class MemoryKeeper:
         if known is None:
             return
         memory = MemoryFile(self.device, kind.name, now_s, asdict(known), self._calibration)
-        self._writing = threading.Thread(target=self._write, args=(memory,), name="memory")
+        self._writing = threading.Thread(target=self._write, args=(memory,), name="memory", daemon=True)
         self._writing.start()
 
     def _write(self, memory: MemoryFile) -> None:
@@ -157,8 +163,8 @@ class MemoryKeeper:
 
     def _join(self) -> None:
         if self._writing is not None:
-            self._writing.join()
-            self._writing = None
+            self._writing.join(HANGS_S)
+            self._writing = self._writing if self._writing.is_alive() else None
         for reason in self._failed:
             self.log.error("memory_not_written", reason=reason)
         self._failed.clear()

@@ -69,7 +69,8 @@ def _unknown_ending(path: Path) -> str:
 def session_paths(paths: Iterable[Path]) -> list[Path]:
     """The sessions that paths stand for: a file is itself, a folder the sessions in it by name.
 
-    A folder without sessions stands for those of the folders in it. Other files, and hidden ones, are passed over.
+    A folder without sessions stands for those of the folders in it. Other files, hidden ones, and recordings that were
+    cut off before anything was written into them are passed over.
 
     Raises
     ------
@@ -95,4 +96,16 @@ def _seen_in(folder: Path) -> list[Path]:
 
 
 def _sessions_in(folder: Path) -> list[Path]:
-    return [p for p in _seen_in(folder) if p.suffix in ENDINGS]
+    return [p for p in _seen_in(folder) if p.suffix in ENDINGS and not _is_bare(p)]
+
+
+def _is_bare(path: Path) -> bool:
+    from gyrodrift.session.mcap.interrupted import is_bare  # noqa: PLC0415 - likewise
+
+    if path.suffix != ".mcap" or not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            return is_bare(file)
+    except OSError:  # is told by who reads it
+        return False

@@ -300,5 +300,5 @@ def test_a_damaged_file_in_the_folder_does_not_keep_it_from_recording(port: Path
         device.wait_for_reader(never)
         device.send_all(lines(0, 100), never)
         assert record.end() == 0
-    assert record.log.count("event=not_repaired") == 2
+    assert record.log.count("event=not_repaired") == 1  # in d nothing has begun
     assert len(read_mcap(Path(record.out.strip())).rate_dps) == 50

@@ -25,9 +25,20 @@ def until(is_done: Callable[[], bool]) -> None:
     raise AssertionError("it never happened")
 
 
+def never_asked() -> Path:
+    raise AssertionError("nobody has taken the path")
+
+
+def disk_file(path: Path) -> DiskFile:
+    """One that is there and is to be named so."""
+    file = DiskFile(path, never_asked)
+    until(lambda: file.is_there)
+    return file
+
+
 def test_what_is_handed_over_is_in_the_file_before_it_is_closed(tmp_path: Path) -> None:
     """So that a kill loses none of it."""
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"abc")
     file.write(b"def")
     until(lambda: (tmp_path / "f").read_bytes() == b"abcdef")
@@ -43,7 +54,7 @@ def test_it_is_synced_every_few_seconds_and_at_the_end(tmp_path: Path, monkeypat
     monkeypatch.setattr(os, "fsync", lambda fd: synced.append(os.fstat(fd).st_size))
     monkeypatch.setattr(disk, "SYNC_S", 0.02)
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"x" * 10)
     until(lambda: 10 in synced)
     before = len(synced)
@@ -54,16 +65,42 @@ def test_it_is_synced_every_few_seconds_and_at_the_end(tmp_path: Path, monkeypat
 
 
 def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
-    """Somebody's recording."""
+    """Somebody's recording, which came between: another name is asked for."""
     (tmp_path / "f").write_bytes(b"precious")
-    with pytest.raises(FileExistsError):
-        DiskFile(tmp_path / "f")
-    assert (tmp_path / "f").read_bytes() == b"precious"
+    file = DiskFile(tmp_path / "f", lambda: tmp_path / "g")
+    file.write(b"abc")
+    file.finish()
+    file.join()
+    assert file.path == tmp_path / "g"
+    assert [(tmp_path / name).read_bytes() for name in "fg"] == [b"precious", b"abc"]
+
+
+def test_who_makes_a_file_does_not_wait_for_the_disk_to_make_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A frozen disk makes none: what is written waits, and at the end no longer than a disk may hang."""
+    monkeypatch.setattr(disk, "HANGS_S", 0.05)
+    go_on = threading.Event()
+
+    def other_path() -> Path:
+        go_on.wait(PATIENCE_S)
+        return tmp_path / "g"
+
+    (tmp_path / "f").touch()
+    file = DiskFile(tmp_path / "f", other_path)
+    file.write(b"abc")
+    file.check()
+    file.finish()
+    with pytest.raises(RecordingError, match="the disk hangs: 3 bytes are not written"):
+        file.join()
+    go_on.set()
+    until(lambda: file.is_finished)
+    assert (tmp_path / "g").read_bytes() == b"abc"
 
 
 def test_nobody_else_takes_it_for_an_interrupted_one(tmp_path: Path) -> None:
     """It is locked while it is written."""
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     with (tmp_path / "f").open("rb") as other, pytest.raises(Exception, match="is being written"):
         lock(tmp_path / "f", other)
     file.finish()
@@ -88,7 +125,7 @@ def test_a_disk_that_hangs_keeps_nobody_waiting_up_to_a_bound(tmp_path: Path, mo
     """Then it is told; what was taken is written when the disk goes on, in pieces of whatever size it takes."""
     monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 100)
     go_on = threading.Event()
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file._file = SlowFile(file._file, go_on)  # type: ignore[assignment]  # as far as it is used
     for _ in range(6):
         file.write(b"0123456789" * 2)
@@ -111,7 +148,7 @@ def test_who_asks_what_a_disk_has_left_does_not_wait_for_it(tmp_path: Path, monk
 
     monkeypatch.setattr(disk, "disk_left_bytes", hang)
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     until(lambda: len(asked) == 2)
     assert file.left_bytes == 1000
     go_on.set()
@@ -122,18 +159,17 @@ def test_who_asks_what_a_disk_has_left_does_not_wait_for_it(tmp_path: Path, monk
 
 def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) -> None:
     """With the reason of the system."""
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"good")
     until(lambda: (tmp_path / "f").stat().st_size == 4)
-    real = file._file
-    file._file = Path("/dev/full").open("wb", buffering=0)  # noqa: SIM115 - it closes what it writes to
-    file.write(b"bad")
-    until(lambda: file.is_finished)
+    with Path("/dev/full").open("wb", buffering=0) as full:
+        file._file = full
+        file.write(b"bad")
+        until(lambda: file.is_finished)
     with pytest.raises(RecordingError, match="No space left on device; 4 bytes of it are written"):
         file.write(b"more")
     with pytest.raises(RecordingError, match="No space left"):
         file.join()
-    real.close()
     assert (tmp_path / "f").read_bytes() == b"good"
 
 
@@ -143,7 +179,7 @@ def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     path = tmp_path / "out" / "f"
     path.parent.mkdir()
-    file = DiskFile(path)
+    file = disk_file(path)
     file.write(b"all of it")
     until(lambda: path.stat().st_size == 9)
     path.unlink()
@@ -166,7 +202,7 @@ def test_who_makes_a_file_does_not_wait_for_the_folder_to_be_synced(
         synced.set()
 
     monkeypatch.setattr(os, "fsync", slow)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"abc")
     assert not synced.is_set()
     go_on.set()
@@ -179,7 +215,7 @@ def test_the_name_of_a_new_file_is_synced_too(tmp_path: Path, monkeypatch: pytes
     """A file without a name is lost in a power cut, however well its bytes were synced."""
     synced: list[str] = []
     monkeypatch.setattr(os, "fsync", lambda fd: synced.append(str(Path(f"/proc/self/fd/{fd}").readlink())))
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"abc")
     file.finish()
     file.join()
@@ -198,7 +234,7 @@ def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: 
         real(file, how)
 
     monkeypatch.setattr(fcntl, "flock", looked_at)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.write(b"abc")
     file.finish()
     file.join()
@@ -209,7 +245,7 @@ def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: 
 def test_a_failure_is_told_to_who_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With nothing to write; before it, asking is silent."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file.check()
     (tmp_path / "f").unlink()
     until(lambda: file.is_finished)
@@ -223,7 +259,7 @@ def test_a_removed_file_is_put_back_with_what_was_still_waiting(
     """All that was handed over until then."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     go_on = threading.Event()
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     file._file = SlowFile(file._file, go_on)  # type: ignore[assignment]  # as far as it is used
     for _ in range(5):
         file.write(b"0123456789")
@@ -240,7 +276,7 @@ def test_a_file_whose_name_was_taken_meanwhile_is_told_and_nothing_is_written_ov
 ) -> None:
     """Somebody else's file stands there now."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
-    file = DiskFile(tmp_path / "f")
+    file = disk_file(tmp_path / "f")
     (tmp_path / "g").write_bytes(b"another's")
     (tmp_path / "g").replace(tmp_path / "f")
     until(lambda: file.is_finished)

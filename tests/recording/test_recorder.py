@@ -1,11 +1,12 @@
 """A recorder in one process: its files, their names, and what it makes of a disk that fails."""
 
-import errno
 import json
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
 from datetime import datetime
+from io import FileIO
 from pathlib import Path
 
 import pytest
@@ -73,9 +74,10 @@ def test_a_name_that_another_recording_takes_first_costs_nothing(
     """Between finding a free name and taking it there is a moment."""
     found: list[Path] = []
 
-    def raced(folder: Path, begun: datetime, device: str, profile: str) -> Path:
-        path = recording_path(folder, begun, device, profile)
+    def raced(folder: Path, begun: datetime, device: str, profile: str, taken: set[Path]) -> Path:
+        path = recording_path(folder, begun, device, profile, taken)
         if not found:
+            out.mkdir(exist_ok=True)
             path.write_bytes(b"another's")
         found.append(path)
         return path
@@ -116,7 +118,7 @@ def test_closing_waits_for_every_file_whatever_became_of_the_others(
     recording = Recorder(RecordOptions(out, rotate_bytes=1), link)
     joined: list[Path] = []
 
-    def join(file: DiskFile) -> None:
+    def join(file: DiskFile, _patience_s: float | None) -> None:
         file._thread.join()
         joined.append(file.path)
         raise RecordingError(f"{file.path}: no")
@@ -176,17 +178,50 @@ def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> Non
         assert rates == [float(i) for i in range(len(rates))]
 
 
-def test_a_folder_that_takes_no_files_is_told(out: Path, link: Link, monkeypatch: pytest.MonkeyPatch) -> None:
-    """When the first sample comes, as every failure of a recording is."""
-
-    def refuse(_path: Path) -> DiskFile:
-        raise OSError(errno.EROFS, "Read-only file system")
-
+def test_a_folder_that_takes_no_files_is_told(out: Path, link: Link) -> None:
+    """When the thread has found out, as every failure of a recording is."""
     recording = Recorder(RecordOptions(out), link)
-    monkeypatch.setattr(recorder, "DiskFile", refuse)
-    with pytest.raises(RecordingError, match="recording stopped: Read-only file system"):
-        recording.take(samples(0, 1))
-    recording.abandon()
+    with small_disk(out, "64k"):
+        subprocess.run(["mount", "-o", "remount,ro", out], check=True)
+        with pytest.raises(RecordingError, match=r"recording stopped: Read-only file system$"):
+            record_until_it_fails(recording, 1)
+        recording.abandon()
+
+
+def take_turns(recording: Recorder) -> None:
+    """Many short files."""
+    for first in range(10, 1000, 10):
+        recording.take(samples(first, 10))
+        recording.tick(0.0)
+
+
+def test_a_frozen_disk_holds_up_nobody_while_files_take_turns(
+    out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Samples are taken up to the bound of all files together; then it is told, and the end waits no longer."""
+    go_on = threading.Event()
+
+    def frozen(path: Path, mode: str) -> FileIO:
+        go_on.wait(PATIENCE_S)
+        return FileIO(path, mode)
+
+    monkeypatch.setattr(disk, "FileIO", frozen)
+    monkeypatch.setattr(disk, "HANGS_S", 0.01)
+    monkeypatch.setattr(recorder, "MOST_WAITING_BYTES", 20_000)
+    recording = Recorder(RecordOptions(out, rotate_bytes=1), link)
+    recording.take(samples(0, 10))
+    recording.tick(0.0)
+    with pytest.raises(RecordingError, match="the disk is too slow for this stream"):
+        take_turns(recording)
+    assert not recording.is_over
+    with pytest.raises(RecordingError, match=r"the disk hangs: \d{4,} bytes of \d+ files are not written"):
+        recording.close()
+    go_on.set()
+    until(lambda: recording.is_over)
+    rates = [rate for path in recording.paths for rate in read_mcap(path).rate_dps.tolist()]
+    assert rates == [float(i) for i in range(len(rates))]
+    assert len(rates) >= 20
+    assert len(recording.paths) == len(set(recording.paths)) > 2
 
 
 def test_raw_bytes_that_nobody_understands_go_to_the_disk_whatever_the_calendar_says(

@@ -18,6 +18,7 @@ def main(argv: list[str] | None = None) -> int:
     soak = commands.add_parser("soak", help="hours of device time at 1 kHz, with reloads, reconnects and clients")
     soak.add_argument("--hours", type=float, default=24.0, help="of device time (default 24)")
     soak.add_argument("--minutes", type=float, default=float("inf"), help="of real time at most (default: no end)")
+    soak.add_argument("--pace", type=float, default=float("inf"), help="1 is real time (default: as fast as it goes)")
     soak.set_defaults(act=_soak)
     overload = commands.add_parser("overload", help="too many samples, busy processors, stops, a clock that is set")
     overload.set_defaults(act=_overload)
@@ -50,7 +51,7 @@ def _faults(arguments: argparse.Namespace) -> int:
 def _soak(arguments: argparse.Namespace) -> int:
     from robustness.soak import soak  # noqa: PLC0415 - likewise
 
-    result = soak(round(arguments.hours * 3600), arguments.minutes * 60)
+    result = soak(round(arguments.hours * 3600), arguments.minutes * 60, arguments.pace)
     broken = list(result.broken_promises())
     print("\n".join([result.text(), *(f"broken: {each}" for each in broken)]))
     return len(broken)

@@ -1,4 +1,4 @@
-"""A soak: hours of device time at 1 kHz as fast as they go, with reloads, pulled cables, and clients that come and go.
+"""A soak: hours of device time at 1 kHz, as fast as they go or at a pace, with reloads, pulled cables and clients.
 
 Memory, descriptors and threads of the service have to stay flat, every sample has to be taken, and yaw has to be that
 of the filter over the same samples.
@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
+from math import inf, isinf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -41,6 +42,12 @@ WARM_S = 120
 """Of device time, before which memory may still grow."""
 
 CONFIGS = ("filter: restlevel\nsample_rate_hz: 1000\n", "filter: restlevel\nsample_rate_hz: 1000.5\n")
+PIECES = 100
+"""Into which a second is cut at a pace: a device speaks as it measures."""
+
+LATEST_S = 0.1
+"""What a device that was held up makes up for; after a pulled cable it goes on from now."""
+
 PATIENCE_S = 60.0
 SLACK_BYTES = 8 << 20
 
@@ -63,6 +70,7 @@ class SoakResult:
     reloads: int = 0
     reconnects: int = 0
     clients: int = 0
+    unsent: int = 0
     yaw_deg: float = 0.0
     footprints: list[Footprint] = field(default_factory=list)
     status: dict[str, Any] = field(default_factory=dict)
@@ -70,8 +78,9 @@ class SoakResult:
     def broken_promises(self) -> Iterator[str]:
         """What must not be, and was."""
         link, served = self.status["link"], self.status["filter"]
-        if link["samples"] != self.device_s * RATE_HZ or link["missing"] or link["device_resets"]:
-            yield f"{link['samples']} of {self.device_s * RATE_HZ} samples, {link['missing']} missing"
+        sent = self.device_s * RATE_HZ - self.unsent
+        if link["samples"] != sent or link["missing"] != self.unsent or link["device_resets"]:
+            yield f"{link['samples']} of {sent} samples, {link['missing']} of {self.unsent} told as missing"
         if abs(served["yaw_deg"] - self.yaw_deg) > 1e-9:
             yield f"yaw is {served['yaw_deg']}, that of the filter alone {self.yaw_deg}"
         if served["rejected"] or self.status["config"]["refused"]:
@@ -89,7 +98,8 @@ class SoakResult:
         most = max(each.resident_bytes for each in self.footprints)
         return (
             f"{self.device_s / 3600:.2f} h of device time at {RATE_HZ} Hz in {self.elapsed_s / 60:.1f} min: "
-            f"{self.status['link']['samples']} samples, {self.status['link']['missing']} missing; "
+            f"{self.status['link']['samples']} samples, {self.status['link']['missing']} missing, "
+            f"{self.unsent} that the port had no room for\n"
             f"{self.reloads} reloads, {self.reconnects} reconnects, {self.clients} clients\n"
             f"memory {first.resident_bytes / 1e6:.1f} MB at first, {most / 1e6:.1f} at most, "
             f"{last.resident_bytes / 1e6:.1f} at the end; descriptors {first.descriptors} to {last.descriptors}, "
@@ -99,9 +109,9 @@ class SoakResult:
 
 
 class Soak:
-    """A service, its device and its clients."""
+    """A service, its device and its clients; `pace` is in seconds of the device for one of ours, inf as fast as can."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, pace: float = inf) -> None:
         self.result = SoakResult()
         self._config, self._control, self._port = folder / "c.yaml", folder / "control", folder / "gyro"
         self._unix = folder / "out"
@@ -109,7 +119,9 @@ class Soak:
         self._count = 0
         self._coefficients, self._state = FILTER.coefficients(FILTER.params()), FILTER.state()
         self._clients: deque[socket.socket] = deque()
-        self._folder = folder
+        self._folder, self._pace = folder, pace
+        self._due_s = 0.0
+        self._raw: list[int] = []
 
     def run(self, seconds: int, most_s: float) -> SoakResult:
         """So many seconds of device time, or as many as `most_s` of real time take."""
@@ -129,7 +141,7 @@ class Soak:
             for second in range(seconds):
                 if time.monotonic() - begun_s > most_s:
                     break
-                assert device.send_all(self._spoken(), lambda: service.poll() is not None), "the service has ended"
+                self._speak(device, service)
                 self.result.device_s += 1
                 self._trouble(second + 1, device, service)
             self.result.status = self._settled()
@@ -147,17 +159,39 @@ class Soak:
         words += ["--control", self._control, "--output", f"unix:path={self._unix}", "--rate", "1"]
         return [sys.executable, "-m", "gyrodrift", *map(str, words)]
 
-    def _spoken(self) -> bytes:
-        """The next second, filtered here too."""
-        frames = [hello_frame(BASE)]
+    def _speak(self, device: PtyDevice, service: "subprocess.Popen[bytes]") -> None:
+        """The next second: whole, as the reader takes it; or piece by piece when it is due, what finds no room lost."""
+        if isinf(self._pace):
+            assert device.send_all(self._spoken(RATE_HZ), lambda: service.poll() is not None), "the service has ended"
+            self._filter(RATE_HZ)
+            return
+        assert service.poll() is None, "the service has ended"
+        self._due_s = max(self._due_s, time.monotonic() - LATEST_S)
+        for _ in range(PIECES):
+            self._due_s += 1 / (PIECES * self._pace)
+            time.sleep(max(0.0, self._due_s - time.monotonic()))
+            if device.send(self._spoken(RATE_HZ // PIECES)):
+                self._filter(RATE_HZ // PIECES)
+            else:
+                self.result.unsent += RATE_HZ // PIECES
+                self._count += RATE_HZ // PIECES
+
+    def _spoken(self, samples: int) -> bytes:
+        """The next frames; a HELLO before each second."""
+        frames = [hello_frame(BASE)] if self._count % RATE_HZ == 0 else []
         is_turning = self.result.device_s % TURN_EVERY_S >= TURN_EVERY_S - TURN_S
-        step, coefficients, state, scale = FILTER.step, self._coefficients, self._state, _single(BASE.dps_per_lsb)
-        for count in range(self._count, self._count + RATE_HZ):
-            raw = round(self._dice.gauss(BIAS_LSB, NOISE_LSB)) + (TURN_LSB if is_turning else 0)
+        turn_lsb = TURN_LSB if is_turning else 0
+        self._raw = [round(self._dice.gauss(BIAS_LSB, NOISE_LSB)) + turn_lsb for _ in range(samples)]
+        for count, raw in enumerate(self._raw, self._count):
             frames.append(sample_frame(0, count, count * 1000, raw, 0, 0))
-            step(coefficients, state, count * 1000 / 1e6, raw * scale)
-        self._count += RATE_HZ
         return b"".join(frames)
+
+    def _filter(self, samples: int) -> None:
+        """Take what was spoken here too."""
+        step, coefficients, state, scale = FILTER.step, self._coefficients, self._state, _single(BASE.dps_per_lsb)
+        for count, raw in enumerate(self._raw, self._count):
+            step(coefficients, state, count * 1000 / 1e6, raw * scale)
+        self._count += samples
 
     def _trouble(self, second: int, device: PtyDevice, service: "subprocess.Popen[bytes]") -> None:
         if second % RELOAD_EVERY_S == 0:
@@ -202,16 +236,16 @@ class Soak:
         while time.monotonic() < until_s:
             with suppress(UsageError), ControlClient(self._control, 10.0) as client:
                 status = client.ask("status")
-                if status["link"]["samples"] >= self._count:
+                if status["link"]["samples"] >= self._count - self.result.unsent:
                     break
             time.sleep(0.2)
         return status
 
 
-def soak(seconds: int, most_s: float) -> SoakResult:
+def soak(seconds: int, most_s: float, pace: float = inf) -> SoakResult:
     """Run one in a folder of its own."""
     with TemporaryDirectory() as folder:
-        return Soak(Path(folder)).run(seconds, most_s)
+        return Soak(Path(folder), pace).run(seconds, most_s)
 
 
 def _single(value: float) -> float:

@@ -1,13 +1,15 @@
 """`serve --memory`: what is kept across restarts, whose it is, and what becomes of a file that is damaged."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from outputs_support import serving
-from support import Command, never
+from support import PATIENCE_S, Command, never, speaking_on
 
 RESTING, MOVING = 2000, 500
 
@@ -136,6 +138,37 @@ def test_where_nothing_can_be_written_it_is_said_at_once(port: Path, tmp_path: P
     with Command("serve", "--port", "/dev/null", "--memory", tmp_path / "file" / "m.json") as serve:
         assert serve.end() != 0
     assert "Traceback" not in serve.log
+
+
+HANGS = """
+import os, sys, time
+from gyrodrift.cli import main
+from gyrodrift.service import memory_keeper
+memory_keeper.HANGS_S = 0.2
+os.fsync = lambda fd: time.sleep(1e6)
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_disk_that_hangs_does_not_hold_up_the_end(port: Path, tmp_path: Path) -> None:
+    """The memory stays as it was, and that is told."""
+    memory = tmp_path / "m.json"
+    rested(port, memory)
+    before = memory.read_bytes()
+    with speaking_on(port) as device:
+        words = [sys.executable, "-c", HANGS, "serve", "--port", str(port), "--memory", str(memory)]
+        serve = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        device.wait_for_reader(never)
+        assert serve.stdout is not None
+        for at in range(0, RESTING, 500):
+            device.send_all(lines(at, np.zeros(500)), never)
+            for _ in range(500):
+                serve.stdout.readline()
+        serve.terminate()
+        _, log = serve.communicate(timeout=PATIENCE_S)
+    assert serve.returncode == 0
+    assert f"{memory}: the disk hangs" in log
+    assert memory.read_bytes() == before
 
 
 def test_the_status_tells_of_the_memory(port: Path, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from gyrodrift.session.files import session_paths
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     for name in ("b.mcap", "a.csv", "rig.yaml", ".hidden.mcap", "c.mcap.tail"):
-        (tmp_path / name).touch()
+        (tmp_path / name).write_bytes(b"x")
     (tmp_path / "empty").mkdir()
     return tmp_path
 
@@ -37,6 +37,6 @@ def test_a_folder_of_folders_is_the_sessions_in_those(folder: Path) -> None:
     """Where it holds none of its own: a set of cases, a folder each."""
     deeper = folder / "empty" / "case"
     deeper.mkdir()
-    (deeper / "a.mcap").touch()
+    (deeper / "a.mcap").write_bytes(b"x")
     assert session_paths([folder / "empty"]) == [deeper / "a.mcap"]
     assert len(session_paths([folder])) == 2

@@ -13,12 +13,24 @@ from typing import IO
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
 
+MOST_BARE_BYTES = 1 << 16
+"""Of zeros, that a power cut leaves of a file into which little was written."""
+
 
 def is_closed(file: IO[bytes]) -> bool:
     """Whether it ends as a finished MCAP file does."""
     size = os.fstat(file.fileno()).st_size
     tail = os.pread(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
     return tail.startswith(CLOSED_TAIL) and tail.endswith(MAGIC)
+
+
+def is_bare(file: IO[bytes]) -> bool:
+    """Whether a recording was cut off before a record of it was written: nothing, or zeros, behind the first word.
+
+    Such a file is left alone, since it may be another program's, which is about to write.
+    """
+    head = os.pread(file.fileno(), MOST_BARE_BYTES + 1, 0)
+    return len(head) <= MOST_BARE_BYTES and MAGIC.startswith(head.rstrip(b"\0"))
 
 
 def lock(path: Path, file: IO[bytes]) -> None:
@@ -50,7 +62,7 @@ def interrupted(folder: Path) -> Iterator[Path]:
 
 def _is_left_open(path: Path) -> bool:
     with path.open("rb") as file:
-        if is_closed(file):
+        if is_closed(file) or is_bare(file):
             return False
         try:
             lock(path, file)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
     LATEST_NS,
@@ -57,6 +58,8 @@ def read_mcap(path: Path) -> Session:
     """
     try:
         with path.open("rb") as file:
+            if is_bare(file):
+                raise DataError(f"{path}: nothing was recorded before it was cut off; it can be deleted")
             if file.read(len(MAGIC)) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file: it does not begin as one")
             session = _read_ours(path, file)

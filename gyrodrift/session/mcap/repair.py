@@ -15,7 +15,7 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.mcap.interrupted import is_closed, lock
+from gyrodrift.session.mcap.interrupted import is_bare, is_closed, lock
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
@@ -72,6 +72,8 @@ def repair(path: Path) -> Repaired | None:
 
 
 def _close(path: Path, file: IO[bytes]) -> Repaired:
+    if is_bare(file):
+        raise DataError(f"{path}: cannot be repaired: nothing was recorded into it; it can be deleted")
     if file.read(len(MAGIC)) != MAGIC:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
     walk = Walk(file)

@@ -20,6 +20,7 @@ from mcap.writer import Writer
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
+from gyrodrift.session.files import session_paths
 from gyrodrift.session.mcap import interrupted as looking
 from gyrodrift.session.mcap.interrupted import interrupted
 from gyrodrift.session.mcap.layout import MESSAGE
@@ -124,6 +125,23 @@ def test_a_closed_file_stays_as_it_is(tmp_path: Path) -> None:
     assert (path.stat().st_mtime_ns, path.read_bytes()) == (before, written(is_finished=True))
 
 
+@pytest.mark.parametrize("content", [b"", b"\x89MC", b"\x89MCAP0\r\n", bytes(4096)], ids=["none", "3", "8", "zeros"])
+def test_a_recording_that_had_not_begun_is_in_nobodys_way(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes
+) -> None:
+    """As a kill leaves it in the first moment, and a power cut; it stays, since it may be another program's."""
+    bare, whole = tmp_path / "s.mcap", tmp_path / "t.mcap"
+    bare.write_bytes(content)
+    whole.write_bytes(written(is_finished=True))
+    assert main(["info", str(tmp_path)]) == 0
+    assert session_paths([tmp_path]) == [whole]
+    assert list(interrupted(tmp_path)) == []
+    for words in (["info", str(bare)], ["repair", str(bare)]):
+        assert main(words) == 4
+        assert "nothing was recorded" in capsys.readouterr().err
+    assert bare.read_bytes() == content
+
+
 def test_zeros_of_a_power_cut_are_cut_off(tmp_path: Path) -> None:
     """A page that was given to the file and never written."""
     path = tmp_path / "s.mcap"
@@ -212,7 +230,7 @@ def of_another_program() -> bytes:
     ("content", "message"),
     [
         (of_another_program(), "it was written by another program"),
-        (b"", "it does not begin as an MCAP file"),
+        (b"", "nothing was recorded into it"),
         (b"t_device_s,rate_dps\n", "it does not begin as an MCAP file"),
     ],
 )
@@ -306,7 +324,7 @@ def test_torn_inside_its_first_records_it_is_closed_or_left_alone(tmp_path: Path
     for length in range(len(content)):
         path.write_bytes(content[:length])
         if length < header_end:
-            with pytest.raises(DataError, match=r"does not begin as an MCAP|before it says which program"):
+            with pytest.raises(DataError, match=r"nothing was recorded|before it says which program"):
                 repair(path)
             assert path.read_bytes() == content[:length]
         else:
