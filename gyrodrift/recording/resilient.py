@@ -6,10 +6,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.errors import DataError, GyrodriftError
 from gyrodrift.link.link import Link
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.recording.disk import RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.sample import Sample
