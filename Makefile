@@ -19,9 +19,10 @@ test: $(VENV)/ready-to-test
 types: $(VENV)/ready-to-test
 	$(BIN)/mypy
 
-# Each process keeps to one thread of linear algebra, as the commands do: more would wait for each other.
+# Each process keeps to one thread of linear algebra, as the commands do: more would wait for each other. What is
+# compiled to bytecode is kept, whatever the environment says: tests start a thousand commands.
 tests: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
+	PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
 	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600

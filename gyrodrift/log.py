@@ -5,10 +5,9 @@ import sys
 from io import TextIOBase
 from typing import Any, TextIO, cast
 
-import structlog
-
 from gyrodrift.errors import UsageError
 from gyrodrift.log_stream import UnwaitingStream
+from gyrodrift.logger import FilteringBoundLogger, structlog
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 FORMATS = ("auto", "text", "json")
@@ -25,9 +24,7 @@ def unwaiting_stderr(style: str) -> UnwaitingStream:
     return UnwaitingStream(sys.stderr, told)
 
 
-def open_log(
-    level: str = "info", style: str = "auto", stream: TextIOBase | None = None
-) -> structlog.typing.FilteringBoundLogger:
+def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None = None) -> FilteringBoundLogger:
     """Set up the log of this process and give its logger; `level` is the least that is written, to stderr unless told.
 
     Raises
@@ -56,7 +53,7 @@ def open_log(
         logger_factory=structlog.PrintLoggerFactory(log_to),
         cache_logger_on_first_use=True,
     )
-    logger: structlog.typing.FilteringBoundLogger = structlog.get_logger()
+    logger: FilteringBoundLogger = structlog.get_logger()
     return logger
 
 

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 BASE = (
-    "arrays calibration callable_room cluster compile errors files installation log log_stream nearest parallel"
+    "arrays calibration callable_room cluster compile errors files installation log log_stream logger nearest parallel"
     " progress sample"
 )
 """Single files at the top of the package: they know each other and no room."""
@@ -149,6 +149,12 @@ def test_only_one_file_knows_pyserial(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)
+def test_only_one_file_imports_structlog(path: Path) -> None:
+    """The one that keeps it light."""
+    assert not of("structlog", imports_of(path)) or name_of(path) == "gyrodrift.logger"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name_of)
 def test_a_file_opens_with_what_it_is(path: Path) -> None:
     """The first line of a module is its docstring."""
     assert ast.get_docstring(ast.parse(path.read_text()))
@@ -162,5 +168,5 @@ def test_the_service_stays_light(statement: str) -> None:
     """Neither the command line nor the service with all it may load brings numerical or plotting packages."""
     code = f"import sys; {statement}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numpy", "scipy", "matplotlib", "pandas", "numba", "firmware_sim"}
+    heavy = {"numpy", "scipy", "matplotlib", "pandas", "numba", "firmware_sim", "rich", "twisted"}
     assert not heavy & set(done.stdout.split())

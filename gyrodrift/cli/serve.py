@@ -14,10 +14,9 @@ from gyrodrift.cli import options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
-    from structlog.typing import FilteringBoundLogger
-
     from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.link.events import LinkEvents
+    from gyrodrift.logger import FilteringBoundLogger
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.service.commands import ServiceCommands
     from gyrodrift.service.control import Control

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
+from gyrodrift.logger import FilteringBoundLogger
 
 WARNINGS = frozenset(
     {

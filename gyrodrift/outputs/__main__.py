@@ -8,9 +8,8 @@ import socket
 import sys
 from contextlib import suppress
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.log import open_log
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.hub import Hub
 
 DESCRIPTORS = 4096

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.options import OutputSpec

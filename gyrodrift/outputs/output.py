@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
-from structlog.typing import FilteringBoundLogger
-
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.sample import Corrected
 

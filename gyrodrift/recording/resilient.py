@@ -6,11 +6,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.errors import DataError
 from gyrodrift.files import check_writable
 from gyrodrift.link.link import Link
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.recording.disk import RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.sample import Sample

@@ -9,11 +9,10 @@ from datetime import UTC, datetime
 from math import nan
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, device_identity
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Sample
 
 

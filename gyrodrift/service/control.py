@@ -14,9 +14,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.errors import UsageError
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.unix_socket import bind_unix
 from gyrodrift.outputs.output import OutputError
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING, Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.link.link import Link
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.calibrating import Calibrating
 from gyrodrift.service.reference import YawReference

@@ -11,10 +11,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.service.listener import SampleListener
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal

@@ -8,12 +8,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
 from gyrodrift.calibration import of_this_device
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_writable
 from gyrodrift.filters.filter import FilterMemory
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Sample
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory

@@ -15,8 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from structlog.typing import FilteringBoundLogger
-
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status

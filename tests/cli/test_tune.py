@@ -178,7 +178,6 @@ def test_other_methods_are_there_to_compare_with(eight: Path, tmp_path: Path, me
     assert numbers(tmp_path)["method"] == method
 
 
-@pytest.mark.timeout(300)
 def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_been(
     eight: Path, tmp_path: Path
 ) -> None:

@@ -12,7 +12,7 @@ from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.evaluation.score import score_of
 
-pytestmark = [pytest.mark.xdist_group("restlevel_kernel"), pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.xdist_group("restlevel_kernel"), pytest.mark.timeout(1800)]
 
 METHODS = ("euler", "start", "restlevel")
 HARM, FLOOR_DEG = 1.5, 0.5

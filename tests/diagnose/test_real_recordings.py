@@ -11,7 +11,7 @@ from support import Recordings, beginning
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 
 
 def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options: str) -> dict[str, Any]:

@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from structlog.typing import FilteringBoundLogger
-
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.output import OutputError
 
 LISTENING = "0A"

@@ -2,7 +2,7 @@
 
 import asyncio
 
-from structlog.typing import FilteringBoundLogger
+from gyrodrift.logger import FilteringBoundLogger
 
 EVERY_S = 1.0
 

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
-from structlog.typing import FilteringBoundLogger
-
+from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
