@@ -512,6 +512,42 @@ class ReferenceFilter:
         return float(0.03 + 4.0 * wanders * near + (1.0 - self.quietness()) * loud)
 
 
+def begun(
+    p: RestlevelParams, remembered: Sequence[tuple[float, float, float]], yaw_deg: float
+) -> list[ReferenceHypothesis]:
+    """What is known before the first block."""
+    kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
+    known = len(remembered)
+    unknown = 1.0 - sum(weight for weight, _, _ in remembered)
+    found = [
+        ReferenceHypothesis(
+            k, weight, np.array([yaw_deg, bias]), np.diag([0.0, var + p.walk_dps_rts**2]), knows_bias=True
+        )
+        for k, (weight, bias, var) in enumerate(remembered)
+    ]
+    for k, (weight, share) in enumerate(kinds):
+        mean, cov = np.array([yaw_deg, 0.0]), np.diag([0.0, share * p.turn_on_dps**2])
+        found.append(ReferenceHypothesis(known + k, unknown * weight, mean, cov, p.turn_on_dps == 0.0))
+    return found
+
+
+def first_measured(blocks: list[ReferenceBlock], rate_dps: Floats) -> int:
+    """Number of the block, one of the first two with steps, whose fine steps say that zeros were no rates; else −1."""
+    mute = [b for b in blocks if b.resolution_dps == 0.0]
+    if not mute or rate_dps[mute[-1].end] != 0.0:
+        return -1
+    with_steps = range(len(mute), min(len(mute) + 2, len(blocks)))
+    return next((number for number in with_steps if blocks[number].resolution_dps <= 0.03), -1)
+
+
+def measuring_at_last(mute: ReferenceFilter, hypotheses: list[ReferenceHypothesis]) -> ReferenceFilter:
+    """A sensor that has said zero alone so far: what others say stays, what was learned of it does not."""
+    witness = ("was_said", "is_believed", "refuted", "doubt", "against", "before_dps", "since_s", "was_certain")
+    warmth = ("temp_c", "judged", "refused", "is_refusing", "points", "line", "coefficients")
+    kept = [*witness, *warmth, "last", "travelled"]
+    return ReferenceFilter(mute.p, hypotheses, has_steps=True, **{name: getattr(mute, name) for name in kept})
+
+
 def reference(
     t_s: Floats,
     rate_dps: Floats,
@@ -521,19 +557,13 @@ def reference(
     temp_c: Floats | None = None,
 ) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
-    kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
-    known = len(remembered)
-    unknown = 1.0 - sum(weight for weight, _, _ in remembered)
-    begun = [
-        ReferenceHypothesis(k, weight, np.array([0.0, bias]), np.diag([0.0, var + p.walk_dps_rts**2]), knows_bias=True)
-        for k, (weight, bias, var) in enumerate(remembered)
-    ]
-    for k, (weight, share) in enumerate(kinds):
-        cov = np.diag([0.0, share * p.turn_on_dps**2])
-        begun.append(ReferenceHypothesis(known + k, unknown * weight, np.zeros(2), cov, p.turn_on_dps == 0.0))
-    one = ReferenceFilter(p, begun)
+    one = ReferenceFilter(p, begun(p, remembered, 0.0))
     rows = []
-    for b in blocks_of(t_s, rate_dps, p.window_s, still):
+    blocks = blocks_of(t_s, rate_dps, p.window_s, still)
+    first = first_measured(blocks, rate_dps)
+    for number, b in enumerate(blocks):
+        if number == first:
+            one = measuring_at_last(one, begun(p, remembered, collapsed(one.hypotheses)[0]))
         mean_dps = b.turned_deg / b.seconds
         one.follow(b, mean_dps)
         if len(one.segment) == 1:

@@ -265,6 +265,31 @@ def test_samples_that_repeat_at_first_do_not_end_its_learning(
     assert np.abs(yaw_deg - true_deg)[-3000:].max() < 2.0
 
 
+@pytest.mark.parametrize("lsb_dps", [0.0, 0.0076, 0.0175])
+@pytest.mark.parametrize("zeros", [35, 509, 510, 3001])
+def test_zeros_while_a_device_starts_are_no_rest(zeros: int, lsb_dps: float) -> None:
+    """However long they last: what comes then is the bias of 0.6 deg/s of a device at rest, and no spin."""
+    t_s, rate_dps, true_deg = measured(np.zeros(12_000), 0.6, zeros)
+    rate_dps = np.round(rate_dps / lsb_dps) * lsb_dps if lsb_dps else rate_dps
+    rate_dps[:zeros] = 0.0
+    yaw_deg, sigma_deg, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert found_dps[-1] == pytest.approx(0.6, abs=0.01)
+    assert np.abs(yaw_deg - true_deg)[-6000:].max() < 3.0 * sigma_deg[-1] < 1.5
+
+
+@pytest.mark.parametrize("lsb_dps", [0.0076, 0.061])
+@pytest.mark.parametrize("zeros", [35, 510, 1503])
+def test_an_independent_reading_agrees_where_a_device_says_zero_at_first(zeros: int, lsb_dps: float) -> None:
+    """Of fine steps, where that is forgotten, and of coarse ones, where it may be a rest."""
+    t_s, rate_dps, _ = measured(held((0.0, 20.0), *TURNS * 2), 0.4, zeros)
+    rate_dps = np.round(rate_dps / lsb_dps) * lsb_dps
+    rate_dps[:zeros] = 0.0
+    found = reference(t_s, rate_dps, RestlevelParams())
+    yaw_deg, _, bias_dps = estimates(t_s, rate_dps, RestlevelParams())
+    np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
+
+
 def test_a_part_that_is_quieter_than_its_steps_loses_nothing_but_a_share_of_one() -> None:
     """Half an hour of turns and rests of a part with steps of 0.061 and a noise of 0.009 deg/s."""
     dice = np.random.default_rng(4)

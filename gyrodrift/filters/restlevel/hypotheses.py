@@ -11,11 +11,11 @@ from math import exp
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
-from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest, noise_odds
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
-from gyrodrift.filters.restlevel.state import EndedSegment, Hypothesis
-from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, level_density
+from gyrodrift.filters.restlevel.state import NEVER, EndedSegment, Hypothesis
+from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density
 
 CURVE_PENALTY = 0.002
 """What is left of the probability of a short rest with an unexpected bias that ended gently: a curve, even for once."""
@@ -47,6 +47,22 @@ def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
         uncalibrated = unknown * (1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO)
         _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
     collapse(s)
+
+
+def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
+    """What was said so far was no rate: all is as with the first block, but yaw stays."""
+    s.yaw_deg = s.moments.yaw_deg
+    for h in s.hypotheses:
+        h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
+        h.knows_bias = h.is_at_rest = h.was_at_rest = h.is_unexpected_bias = False
+        h.held_back = 1.0
+    begin(c, s)
+    forget_noise(s.noise)
+    forget_levels(s.wander)
+    s.wander.was_stationary = False
+    s.segment.blocks = s.blocks = 0
+    s.ended.blocks_ago, s.ended.short_start_blocks = NEVER, 0
+    s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
 
 def _begin_one(s: RestlevelState, h: Hypothesis, weight: float, bias_var: float) -> None:

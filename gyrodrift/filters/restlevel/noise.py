@@ -14,6 +14,10 @@ UNSEEN_VAR = 0.03**2
 COARSEST_VAR = 0.125**2
 """The same of the coarsest part: a larger step is the beginning of a motion."""
 
+FINE_DPS = 0.03
+"""A sensor of steps as fine as this is never without noise at rest, so that zeros over and over are no rest: it has yet
+to begin to measure."""
+
 START_BLOCKS = 5
 LOUD_VAR = 1.2**2
 """Where a sensor has said one thing for so many blocks, its first steps are noise if they are no louder than this,
@@ -77,6 +81,30 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     if not noise.is_walk_measured:
         noise.angle_walk_var = 2.0 * noise.sample_var / block.samples * block.seconds
     return variance < noise.sample_var * limit
+
+
+def begins_to_measure(noise: NoiseModel, rate_dps: float) -> bool:
+    """Whether the block that has just ended is the first of a sensor that said nothing but zero until then.
+
+    Its steps may show in the next block only, where its first one came at the end of this one.
+    """
+    if noise.resolution_dps < 0.0:
+        noise.mute_blocks = noise.mute_blocks + 1 if rate_dps == 0.0 else 0
+        return False
+    was_mute = noise.mute_blocks
+    noise.mute_blocks = -1 if was_mute > 0 else 0
+    if was_mute == 0 or noise.resolution_dps > FINE_DPS:
+        return False
+    noise.mute_blocks = 0
+    return True
+
+
+def forget_noise(noise: NoiseModel) -> None:
+    """All that is known but the resolution: the sensor has yet to show it."""
+    noise.sample_var = noise.last_block_var = noise.angle_walk_var = -1.0
+    noise.stationary_blocks = 0
+    noise.has_steps, noise.is_walk_measured = True, False
+    noise.flicker_var = 0.0
 
 
 def noise_odds(noise: NoiseModel) -> float:

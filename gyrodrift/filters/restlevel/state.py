@@ -6,6 +6,9 @@ a structured array, on which the same source runs compiled.
 
 from dataclasses import dataclass, field
 
+NEVER = 1 << 30
+"""Blocks ago."""
+
 
 @dataclass(slots=True)
 class BlockStats:
@@ -49,6 +52,8 @@ class NoiseModel:
         Whether N² has been measured at a rest; before that it is what white noise makes of `sample_var`.
     has_dropped
         It has just been found to be smaller than what it was taken for.
+    mute_blocks
+        Blocks so far in which nothing but zero was said; −1 where the block before was the first with a step.
     flicker_var
         Bias instability, (deg/s)²: how far block means at rest wander beyond what N² explains.
     """
@@ -61,6 +66,7 @@ class NoiseModel:
     angle_walk_var: float = -1.0
     is_walk_measured: bool = False
     has_dropped: bool = False
+    mute_blocks: int = 0
     flicker_var: float = 0.0
 
 
@@ -127,7 +133,7 @@ class EndedSegment:
     mean_dps: float = 0.0
     was_long: bool = False
     ended_gently: bool = False
-    blocks_ago: int = 1 << 30
+    blocks_ago: int = NEVER
     short_start_blocks: int = 0
 
 

@@ -8,6 +8,7 @@ from math import nan, sqrt
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
+    begin_anew,
     branch,
     branch_at_end,
     doubt_loud_rests,
@@ -26,6 +27,7 @@ from gyrodrift.filters.restlevel.model import (
     RestlevelParams,
     RestlevelState,
 )
+from gyrodrift.filters.restlevel.noise import begins_to_measure
 from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import (
     CONFIRMED_BLOCKS,
@@ -144,6 +146,8 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     s.lived_s += seconds
     mean_dps = block.turned_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
+    if begins_to_measure(s.noise, s.rate_dps):
+        begin_anew(c, s)
     if s.blocks == 0:
         recall_noise(s, seconds)
     track_segment(c, s, mean_dps, step_dps, seconds)
