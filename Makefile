@@ -78,16 +78,19 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 
 # What the firmware is compiled with and runs on in tests: a compiler for AVR, the Arduino core and a simulated AVR.
 FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
+# Clients that the outputs are proved with. RUNLEVEL=1 asks Debian not to start the services among them.
+CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils
 
 # MAVProxy is a client that tests run; without what its maps and plots need.
 $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mavlink,mqtt,networktables,nmea,prometheus,websocket,test]'
 	@$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2
 	@if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients || echo "no clients of npm: their tests are skipped" >&2; fi
-	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) > /dev/null 2>&1; then \
-	  as_root=$$( [ "$$(id -u)" = 0 ] || echo sudo -n ); \
-	  { $$as_root apt-get update -qq && $$as_root apt-get install -qq -y --no-install-recommends $(FIRMWARE); } > /dev/null 2>&1 || \
-	  echo "not all of $(FIRMWARE): tests of the firmware are skipped; apt-get install them" >&2; fi
+	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) $(CLIENTS) > /dev/null 2>&1; then \
+	  as_root=$$( [ "$$(id -u)" = 0 ] || echo sudo -n ); $$as_root apt-get update -qq > /dev/null 2>&1; \
+	  for package in $(FIRMWARE) $(CLIENTS); do dpkg --status $$package > /dev/null 2>&1 || \
+	    $$as_root env RUNLEVEL=1 DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $$package > /dev/null 2>&1 || \
+	    echo "no $$package: tests that need it are skipped; apt-get install it" >&2; done; fi
 	@touch $@ $(VENV)/ready
 
 # Debian and Ubuntu keep the venv module in a package of its own.
