@@ -19,10 +19,9 @@ test: $(VENV)/ready-to-test
 types: $(VENV)/ready-to-test
 	$(BIN)/mypy
 
-# Each process keeps to one thread of linear algebra, as the commands do: more would wait for each other. What is
-# compiled to bytecode is kept, whatever the environment says: tests start a thousand commands.
+# Each process keeps to one thread of linear algebra, as the commands do: more would wait for each other.
 tests: $(VENV)/ready-to-test
-	PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
 	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600

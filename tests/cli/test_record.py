@@ -205,7 +205,7 @@ def test_two_recordings_into_one_folder_do_not_meet(tmp_path: Path, out: Path) -
 def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -> None:
     """Here a limit on the size of files stands for it: the system refuses to write more."""
     limited = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (40000, 40000)); "
-    start = "from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
+    start = "sys.dont_write_bytecode = True; from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", limited + start, "record", "--port", str(port), "--out", str(out)]
     with speaking_on(port) as device:
         record = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -1,5 +1,6 @@
 """A small part of the crashes, in every run: kills of what writes, and writers that get no room."""
 
+import os
 import resource
 import subprocess
 from collections.abc import Callable
@@ -60,7 +61,8 @@ def run(words: tuple[str, ...], session: Path, out: Path, before: Callable[[], o
 
 
 def limited() -> None:
-    """No file of more than 8 kB, as a quota has it."""
+    """No file of more than 8 kB, as a quota has it; and no bytecode, of which half a file would stay for others."""
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))
 
 

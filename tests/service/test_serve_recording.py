@@ -105,8 +105,11 @@ def send_until_it_fails(serve: Command, device: Any) -> int:
     return sent
 
 
-def test_a_file_that_must_not_grow_is_told_and_every_sample_is_still_a_line(port: Path, out: Path) -> None:
-    """A limit on the size of files stands for a full disk."""
+def test_a_file_that_must_not_grow_is_told_and_every_sample_is_still_a_line(
+    port: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A limit on the size of files stands for a full disk; half a file of bytecode must not stay for others."""
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
     with speaking_on(port) as device, Command("serve", "--port", port, "--record", out) as serve:
         resource.prlimit(serve.process.pid, resource.RLIMIT_FSIZE, (SMALL, SMALL))
         device.wait_for_reader(never)

@@ -125,7 +125,7 @@ def foreign(topic: str, schema: str) -> bytes:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "is no MCAP file"),
+        (b"", "nothing was recorded before it was cut off"),
         (b"t_device_s,rate_dps\n", "is no MCAP file"),
         (recorded([]), "has no samples"),
         (b"\x89MCAP0\r\n" + b"\xff" * 100, "is damaged: the record at byte 8 claims to have"),
