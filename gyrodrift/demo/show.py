@@ -6,6 +6,7 @@ import os
 import re
 import select
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -30,6 +31,9 @@ SUMMARY_ROWS = 5
 """Below the last view: the summary and the prompt."""
 
 DEVICE = "gyro"
+
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""What asks a demo to end."""
 
 SVG_WITHOUT_WEB_FONTS = re.sub(r"@font-face \{\{.*?\}\}", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
 """A picture that asks nobody for a font when it is looked at."""
@@ -63,10 +67,13 @@ def run_demo(
         port = Path(folder) / DEVICE
         device = ["-m", "firmware_sim", "--quiet", "--wait", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
-        _wait_for(port, stack.enter_context(_process(device, None, log)))
+        with _undisturbed():
+            simulator = stack.enter_context(_process(device, None, log))
+        _wait_for(port, simulator)
         config_path = config or shipped_config("gyrodrift.yaml")
         serve = ["-m", "gyrodrift", "serve", "--port", str(port), "--config", str(config_path)]
-        service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE, log))
+        with _undisturbed():
+            service = stack.enter_context(_process([*serve, "--log-level", "warning"], subprocess.PIPE, log))
         _watch(_lines(service), error, duration_s, screen)
     if error.elapsed_s < duration_s:
         raise LinkError(f"the demo ended after {error.elapsed_s:.1f} of {duration_s:g} s: serve stopped; see above")
@@ -174,6 +181,20 @@ def _process(arguments: list[str], stdout: int | None, log: BinaryIO | None) -> 
             process.wait()
         if process.stdout:
             process.stdout.close()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """An end that is asked for meanwhile comes after the block: what is half begun has nobody who would end it."""
+    asked: list[int] = []
+    before = {ending: signal.signal(ending, lambda number, _: asked.append(number)) for ending in ENDINGS}
+    try:
+        yield
+    finally:
+        for ending, handler in before.items():
+            signal.signal(ending, handler)
+    if asked:
+        raise KeyboardInterrupt
 
 
 def _wait_for(port: Path, simulator: "subprocess.Popen[bytes]") -> None:

@@ -51,7 +51,6 @@ NO_STEPS_CPR = 3_600_000
 NO_STEPS_DPS = 1e-4
 """The same of a rate."""
 
-
 ADOPTED_FROM = 0.8
 """Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both."""
 

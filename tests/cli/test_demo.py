@@ -1,14 +1,19 @@
 """`gyrodrift demo`: a simulated device, a real service, and the yaw error against the encoder."""
 
 import io
+import os
 import re
 import signal
+import subprocess
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.console import Console
 from support import Command, Terminal, ours
 
+from gyrodrift.demo.show import run_demo
 from gyrodrift.demo.view import Size, draw
 from gyrodrift.demo.yaw_error import YawError
 
@@ -97,6 +102,26 @@ def test_a_terminal_that_is_closed_leaves_no_process_behind(ending: signal.Signa
         terminal.process.send_signal(ending)
         assert terminal.end() == 130
     assert not any(Path(f"/proc/{pid}").exists() for pid in begun)
+
+
+@pytest.mark.parametrize("nth", [0, 1], ids=["device", "service"])
+def test_an_end_while_a_process_begins_leaves_none_behind(nth: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the moment when it runs and nobody has noted it yet."""
+    begun: list[subprocess.Popen[bytes]] = []
+    popen = subprocess.Popen
+
+    def interrupted(*given: Any, **named: Any) -> "subprocess.Popen[bytes]":
+        begun.append(popen(*given, **named))
+        if len(begun) == nth + 1:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.0)  # here Python sees to its signals
+        return begun[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_demo(60.0, None, None, "turntable", 1.0, 1, None, is_quiet=True)
+    assert len(begun) == nth + 1
+    assert all(process.returncode is not None for process in begun)
 
 
 def children_of(pid: int) -> list[str]:

@@ -58,9 +58,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     variance = _variance(block, noise)
     is_starting = noise.stationary_blocks < START_BLOCKS
     if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < LOUD_VAR):
-        noise.sample_var = noise.last_block_var = -1.0  # what was learned of one value over and over is no noise
-        noise.stationary_blocks = 0
-        noise.has_steps, noise.is_walk_measured = True, False
+        _forget_blocks(noise)  # what was learned of one value over and over is no noise
         variance = _variance(block, noise)
     error = sqrt(2.0 / block.samples)  # of a variance, relative
     if noise.sample_var < 0.0:
@@ -101,9 +99,8 @@ def begins_to_measure(noise: NoiseModel, rate_dps: float) -> bool:
 
 def forget_noise(noise: NoiseModel) -> None:
     """All that is known but the resolution: the sensor has yet to show it."""
-    noise.sample_var = noise.last_block_var = noise.angle_walk_var = -1.0
-    noise.stationary_blocks = 0
-    noise.has_steps, noise.is_walk_measured = True, False
+    _forget_blocks(noise)
+    noise.angle_walk_var = -1.0
     noise.flicker_var = 0.0
 
 
@@ -137,6 +134,13 @@ def learn_at_rest(
     seen_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
     walk_var = noise.angle_walk_var + WALK_GAIN * rest_weight * (seen_var - noise.angle_walk_var)
     noise.angle_walk_var = max(walk_var, _rounding_var(noise) / block.samples * seconds)
+
+
+def _forget_blocks(noise: NoiseModel) -> None:
+    """How large the noise of a sample is, now that the sensor shows its steps."""
+    noise.sample_var = noise.last_block_var = -1.0
+    noise.stationary_blocks = 0
+    noise.has_steps, noise.is_walk_measured = True, False
 
 
 def _variance(block: BlockStats, noise: NoiseModel) -> float:
