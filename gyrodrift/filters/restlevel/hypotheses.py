@@ -55,10 +55,11 @@ def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
     for h in s.hypotheses:
         h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
         h.knows_bias = h.is_at_rest = h.was_at_rest = h.is_unexpected_bias = False
-        h.held_back = 1.0
+        h.held_back = h.turn_odds = 1.0
     begin(c, s)
     forget_noise(s.noise)
     forget_levels(s.wander)
+    s.turns.seconds, s.turns.turned_deg, s.turns.seen = 0.0, 0.0, 0
     s.wander.was_stationary = False
     s.segment.blocks = s.blocks = 0
     s.ended.blocks_ago, s.ended.short_start_blocks = NEVER, 0
@@ -155,6 +156,7 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.bias_dps = h.bias_dps
         rest.bias_var = h.bias_var
         rest.knows_bias = h.knows_bias
+        rest.turn_odds = h.turn_odds
         rest.is_at_rest, rest.was_at_rest = True, False
         density = level_density(s.noise, s.wander, mean_dps - h.bias_dps, h.bias_var)
         rest.held_back = 1.0 if h.knows_bias else density / SPINS_PER_DPS

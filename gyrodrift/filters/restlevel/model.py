@@ -11,6 +11,7 @@ from gyrodrift.filters.restlevel.state import (
     EndedSegment,
     Hypothesis,
     MixtureMoments,
+    MeanTurns,
     NoiseModel,
     RateSegment,
     RateWander,
@@ -163,6 +164,7 @@ class RestlevelState:
     travelled_deg: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
+    turns: MeanTurns = field(default_factory=MeanTurns)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)
     remembered: list[RememberedBias] = field(default_factory=_remembered_places)

@@ -187,6 +187,7 @@ class Hypothesis:
     is_unexpected_bias: bool = False
     moving_s: float = 0.0
     held_back: float = 1.0
+    turn_odds: float = 1.0
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 
 
@@ -293,6 +294,34 @@ class SureRest:
     first_dps_sigma: float = 0.0
     first_c: float = 0.0
     first_s: float = 0.0
+
+
+TURN_PLACES = 32
+"""Mean turns that the median is taken over."""
+
+
+@dataclass(slots=True)
+class MeanTurn:
+    """A mean rate, deg/s."""
+
+    dps: float = 0.0
+
+
+def _mean_turns() -> list[MeanTurn]:
+    return [MeanTurn() for _ in range(TURN_PLACES)]
+
+
+@dataclass(slots=True)
+class MeanTurns:
+    """Mean turns."""
+
+    seconds: float = 0.0
+    turned_deg: float = 0.0
+    seen: int = 0
+    latest: list[MeanTurn] = field(default_factory=_mean_turns)
+    ordered: list[MeanTurn] = field(default_factory=_mean_turns)
+    middle_dps: float = 0.0
+    middle_var: float = 0.0
 
 
 TEMP_POINTS = 64

@@ -37,6 +37,7 @@ from gyrodrift.filters.restlevel.segments import (
     update_mean,
 )
 from gyrodrift.filters.restlevel.temperature import follow_temperature, learn_when_sure
+from gyrodrift.filters.restlevel.turns import follow_turns, see_turn, weigh_turns
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 LEAST_VAR = 1e-24
@@ -171,6 +172,10 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
             resume(c, s, seconds)
         else:
             branch(c, s, seconds)
+            see_turn(s, segment.mean_dps)
+    if segment.blocks < CONFIRMED_BLOCKS:
+        follow_turns(s, block.turned_deg, seconds)
+    weigh_turns(s)
     collapse(s)
     learn_when_sure(c, s, seconds, is_certain)
     s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
