@@ -15,7 +15,7 @@ from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.state import NEVER, EndedSegment, Hypothesis
-from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density
+from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density, loud_density
 
 CURVE_PENALTY = 0.002
 """What is left of the probability of a short rest with an unexpected bias that ended gently: a curve, even for once."""
@@ -29,6 +29,7 @@ LOUD_REST = 0.1
 """What is left of the probability of all rests so far where the noise drops: they were motion, but for one in ten with
 a motor or a fan that ran on."""
 
+SETTLED_S = 4.0
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
 
@@ -88,6 +89,8 @@ def leave_segment(s: RestlevelState) -> None:
     for h in s.hypotheses:
         if h.is_at_rest and may_be_curve(h, s.ended):
             h.weight *= CURVE_PENALTY
+        if h.is_at_rest and s.ended.ended_gently:
+            _exchange(h)
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
     normalise(s)
@@ -98,6 +101,8 @@ def forgive_exit(s: RestlevelState) -> None:
     for h in s.hypotheses:
         if h.was_at_rest and may_be_curve(h, s.ended):
             h.weight /= CURVE_PENALTY
+        if h.weight > 0.0 and h.was_at_rest:
+            _exchange(h)
     s.ended.ended_gently = False
     normalise(s)
 
@@ -143,6 +148,7 @@ def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -
 
 def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
     """By the mean of a segment and its variance, with these prior odds of a rest."""
+    prior = odds
     odds *= noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):
@@ -160,7 +166,10 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.is_at_rest, rest.was_at_rest = True, False
         density = level_density(s.noise, s.wander, mean_dps - h.bias_dps, h.bias_var)
         rest.held_back = 1.0 if h.knows_bias else density / SPINS_PER_DPS
+        density += max(0.0, prior - 1.0) * loud_density(s.noise, mean_dps - h.bias_dps, h.bias_var)
         rest.weight = h.weight * odds / density * exp(first_kalman_update(c, rest, mean_dps, mean_var))
+        rest.recent_dps = rest.settled_dps = rest.bias_dps
+        rest.recent_var = rest.settled_var = rest.bias_var
     merge_and_prune(s)
 
 
@@ -171,6 +180,8 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         if h.weight > 0.0 and h.was_at_rest:
             was_unexpected_bias = h.is_unexpected_bias
             _go_back(h, h)
+            if s.ended.ended_gently:
+                _exchange(h)
             first_kalman_update(c, h, mean_dps, mean_var)
             h.is_at_rest, h.is_unexpected_bias = True, was_unexpected_bias
             if may_be_curve(h, s.ended):
@@ -186,6 +197,8 @@ def zero_velocity_update(
     mean_var = noise.angle_walk_var / seconds
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     rest_weight = excess_var = 0.0
+    lasted_s = s.segment.blocks * seconds
+    is_settling = lasted_s // SETTLED_S > (lasted_s - seconds) // SETTLED_S
     for h in s.hypotheses:
         if h.weight == 0.0 or not h.is_at_rest:
             continue
@@ -200,6 +213,9 @@ def zero_velocity_update(
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
         h.moving_s = 0.0
+        if is_settling:
+            h.settled_dps, h.settled_var = h.recent_dps, h.recent_var
+            h.recent_dps, h.recent_var = h.bias_dps, h.bias_var
     normalise(s)
     learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
 
@@ -207,6 +223,12 @@ def zero_velocity_update(
 def may_be_curve(h: Hypothesis, ended: EndedSegment) -> bool:
     """Whether the segment that has ended may have been a curve, for a hypothesis that takes it for a rest."""
     return h.is_unexpected_bias and ended.ended_gently
+
+
+def _exchange(h: Hypothesis) -> None:
+    """x"""
+    h.bias_dps, h.settled_dps = h.settled_dps, h.bias_dps
+    h.bias_var, h.settled_var = h.settled_var, h.bias_var
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:

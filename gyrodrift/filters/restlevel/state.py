@@ -187,6 +187,10 @@ class Hypothesis:
     is_unexpected_bias: bool = False
     moving_s: float = 0.0
     held_back: float = 1.0
+    recent_dps: float = 0.0
+    recent_var: float = 0.0
+    settled_dps: float = 0.0
+    settled_var: float = 0.0
     turn_odds: float = 1.0
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 

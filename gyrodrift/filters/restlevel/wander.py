@@ -74,8 +74,12 @@ def level_density(noise: NoiseModel, wander: RateWander, away_dps: float, bias_v
         How far the level lies from the bias, and the variance of the bias.
     """
     by_chance = CHANCE_LEVELS * wander_probability(wander) * _cauchy_pdf(away_dps, wander.step_dps**2 + bias_var)
-    loud = (1.0 - noise_odds(noise)) * _cauchy_pdf(away_dps, noise.sample_var + bias_var)
-    return SPINS_PER_DPS + by_chance + loud
+    return SPINS_PER_DPS + by_chance + loud_density(noise, away_dps, bias_var)
+
+
+def loud_density(noise: NoiseModel, away_dps: float, bias_var: float) -> float:
+    """The part of motions that are louder than a sensor."""
+    return (1.0 - noise_odds(noise)) * _cauchy_pdf(away_dps, noise.sample_var + bias_var)
 
 
 def _cauchy_pdf(x: float, squared_width: float) -> float:
