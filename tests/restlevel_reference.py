@@ -75,6 +75,9 @@ class ReferenceHypothesis:
     moving_s: float = 0.0
     is_unexpected_bias: bool = False
     held_back: float = 1.0
+    recent: tuple[float, float] = (0.0, 0.0)
+    settled: tuple[float, float] = (0.0, 0.0)
+    turned: float = 1.0
     checkpoint: tuple[float, Floats, float] = (0.0, np.zeros((2, 2)), 0.0)
 
 
@@ -180,6 +183,9 @@ class ReferenceFilter:
     judged: int = 0
     refused: int = 0
     is_refusing: bool = False
+    turns: list[float] = field(default_factory=list)
+    turn_s: float = 0.0
+    turn_deg: float = 0.0
     points: dict[int, list[float]] = field(default_factory=dict)
     line: tuple[float, float, float] | None = None
     coefficients: Floats = field(default_factory=lambda: np.zeros(2))
@@ -252,8 +258,10 @@ class ReferenceFilter:
             self.blocks_ago, self.ended_mean, self.was_long = 1, mean_was, was * b.seconds >= 15.0
             self.ended_gently = is_gentle
             self.weigh_curves(0.002 if is_gentle else 1.0, "is_at_rest")
+            self.exchange("is_at_rest")
             self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
         elif self.blocks_ago == 2 and self.ended_gently and not is_gentle:
+            self.exchange("was_at_rest")
             self.ended_gently = False
             self.weigh_curves(1.0 / 0.002, "was_at_rest")
 
@@ -261,6 +269,33 @@ class ReferenceFilter:
         """Rests with a bias that was not expected, now or just before, count for so much."""
         for h in self.hypotheses:
             h.weight *= factor if h.is_unexpected_bias and getattr(h, when) else 1.0
+        self.normalise()
+
+    def exchange(self, when: str) -> None:
+        """After a gentle end: the bias of rests, now or just before, for the one that they had settled at."""
+        if self.ended_gently:
+            self.hypotheses = [exchanged(h) if getattr(h, when) else h for h in self.hypotheses]
+
+    def turn(self, b: ReferenceBlock, mean_dps: float, *, is_new: bool) -> None:
+        """A mean rate of ten seconds outside of segments, or that of a new segment, goes to the last 32."""
+        if is_new:
+            self.turns.append(self.mean)
+        elif len(self.segment) < 5:
+            self.turn_s, self.turn_deg = self.turn_s + b.seconds, self.turn_deg + mean_dps * b.seconds
+            if self.turn_s >= 10.0:
+                self.turns.append(self.turn_deg / self.turn_s)
+                self.turn_s, self.turn_deg = 0.0, 0.0
+        self.turns = self.turns[-32:]
+        if len(self.turns) < 5:
+            return
+        middle, half = (len(self.turns) - 1) / 2.0, np.sqrt(len(self.turns)) / 2.0
+        ranks = np.arange(len(self.turns))
+        low, median, high = np.interp([middle - half, middle, middle + half], ranks, np.sort(self.turns))
+        for h in self.hypotheses:
+            spread = np.sqrt(h.cov[1, 1] + (high - low) ** 2 + 0.0025)
+            density = 0.003 + 0.9 * norm.pdf(median, h.mean[1], spread)
+            h.weight *= density / h.turned
+            h.turned = density
         self.normalise()
 
     def predict(self, b: ReferenceBlock) -> None:
@@ -299,7 +334,11 @@ class ReferenceFilter:
                     held_back=h.held_back / gain,
                     is_unexpected_bias=h.is_unexpected_bias and len(self.segment) * b.seconds < 8.0,
                 )
-                self.hypotheses[k], _ = kalman_update(lasting, mean_dps, var, ramp**2)
+                new, _ = kalman_update(lasting, mean_dps, var, ramp**2)
+                lasted_s = len(self.segment) * b.seconds
+                if int(lasted_s / 4.0) > int((lasted_s - b.seconds) / 4.0):
+                    new = replace(new, settled=new.recent, recent=(new.mean[1], new.cov[1, 1]))
+                self.hypotheses[k] = new
         self.normalise()
         self.learn_noise(b, mean_dps, resting, pull)
 
@@ -434,7 +473,7 @@ class ReferenceFilter:
                 new = kalman_update(h, mean_dps, var, ramp**2)[0]
             else:
                 new = first_kalman_update(h, mean_dps, var, self.p)[0]
-            found.append(replace(new, is_at_rest=True, is_unexpected_bias=False, held_back=1.0, moving_s=0.0))
+            found.append(settled(replace(new, is_at_rest=True, is_unexpected_bias=False, held_back=1.0, moving_s=0.0)))
         found = [replace(h, weight=np.exp(log - max(logs))) for h, log in zip(found, logs, strict=True)]
         self.hypotheses = found
         if self.was_certain:
@@ -449,8 +488,8 @@ class ReferenceFilter:
         self.walk += 0.05 * resting * (found - self.walk)
         self.walk = max(self.walk, self.rounding(b) / b.samples * b.seconds)
 
-    def confirm(self, b: ReferenceBlock) -> None:
-        """The segment is one: it is the one before, or every hypothesis branches."""
+    def confirm(self, b: ReferenceBlock) -> bool:
+        """The segment is one: it is the one before, or every hypothesis branches. Whether it is another one."""
         var = self.walk / (5.0 * b.seconds)
         spread = np.sqrt(
             self.walk / b.seconds * 0.3 + (self.p.drift_dps_s * b.seconds * self.blocks_ago) ** 2 + self.flicker
@@ -458,7 +497,7 @@ class ReferenceFilter:
         if self.blocks_ago <= 15 and abs(self.mean - self.ended_mean) < (6.0 if self.was_long else 4.0) * spread:
             self.hypotheses = [
                 replace(
-                    first_kalman_update(gone_back(h), self.mean, var, self.p)[0],
+                    first_kalman_update(self.taken_up(h), self.mean, var, self.p)[0],
                     is_at_rest=True,
                     is_unexpected_bias=h.is_unexpected_bias,
                 )
@@ -469,9 +508,15 @@ class ReferenceFilter:
             for h in self.hypotheses:
                 h.weight /= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
             self.normalise()
-            return
+            return False
         is_start = self.is_from_start(b, self.number, self.means)
         self.branch(self.mean, var, self.p.still_start if is_start else self.p.rest_share)
+        return True
+
+    def taken_up(self, h: ReferenceHypothesis) -> ReferenceHypothesis:
+        """As it was before the end of the segment."""
+        back = gone_back(h)
+        return exchanged(back) if self.ended_gently else back
 
     def is_from_start(self, b: ReferenceBlock, blocks: int, means: list[float]) -> bool:
         """Whether nothing has moved in these blocks, and there are few of them."""
@@ -479,7 +524,8 @@ class ReferenceFilter:
 
     def branch(self, mean_dps: float, var: float, share: float) -> None:
         """Each hypothesis becomes one of a rest and one of a spin."""
-        odds = share / (1.0 - share) * self.quietness()
+        prior = share / (1.0 - share)
+        odds = prior * self.quietness()
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
             if h.is_at_rest:
@@ -487,16 +533,16 @@ class ReferenceFilter:
             back = replace(gone_back(h), was_at_rest=False)
             found, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
             density = self.level_density(mean_dps - h.mean[1], h.cov[1, 1])
+            loud = max(0.0, prior - 1.0) * self.loud_density(mean_dps - h.mean[1], h.cov[1, 1])
             place = min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0})
-            everyone.append(
-                replace(
-                    found,
-                    is_at_rest=True,
-                    place=place,
-                    weight=h.weight * odds * np.exp(log_likelihood) / density,
-                    held_back=1.0 if h.knows_bias else density / 0.03,
-                )
+            rest = replace(
+                found,
+                is_at_rest=True,
+                place=place,
+                weight=h.weight * odds * np.exp(log_likelihood) / (density + loud),
+                held_back=1.0 if h.knows_bias else density / 0.03,
             )
+            everyone.append(settled(rest))
         self.hypotheses = merged_and_pruned(sorted(everyone, key=lambda h: h.place))
 
     def quietness(self) -> float:
@@ -508,8 +554,12 @@ class ReferenceFilter:
         """Of a level that is no rest, 1/(deg/s)."""
         wanders = 1.0 / (1.0 + 9.0 * np.exp(-self.wander))
         near = cauchy.pdf(away_dps, scale=np.sqrt(self.wander_dps**2 + bias_var))
+        return float(0.03 + 4.0 * wanders * near) + self.loud_density(away_dps, bias_var)
+
+    def loud_density(self, away_dps: float, bias_var: float) -> float:
+        """Of motions that are louder than a sensor."""
         loud = cauchy.pdf(away_dps, scale=np.sqrt(self.noise_var + bias_var))
-        return float(0.03 + 4.0 * wanders * near + (1.0 - self.quietness()) * loud)
+        return float((1.0 - self.quietness()) * loud)
 
 
 def begun(
@@ -579,8 +629,8 @@ def reference(
             one.zero_velocity_update(b, mean_dps)
         if len(one.segment) > 1:
             one.mean += (mean_dps - one.mean) / min(len(one.segment), 10)
-        if len(one.segment) == 5 and not is_certain:
-            one.confirm(b)
+        is_new = len(one.segment) == 5 and not is_certain and one.confirm(b)
+        one.turn(b, mean_dps, is_new=is_new)
         one.was_certain = is_certain
         one.last = mean_dps
         one.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
@@ -589,6 +639,19 @@ def reference(
     return {
         name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "sigma"), columns, strict=True)
     }
+
+
+def settled(h: ReferenceHypothesis) -> ReferenceHypothesis:
+    """What it says now is what it has settled at."""
+    now = (float(h.mean[1]), float(h.cov[1, 1]))
+    return replace(h, recent=now, settled=now)
+
+
+def exchanged(h: ReferenceHypothesis) -> ReferenceHypothesis:
+    """Bias and settled bias, with their variances."""
+    bias, var = h.settled
+    cov = np.array([[h.cov[0, 0], h.cov[0, 1]], [h.cov[1, 0], var]])
+    return replace(h, mean=np.array([h.mean[0], bias]), cov=cov, settled=(float(h.mean[1]), float(h.cov[1, 1])))
 
 
 def gone_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
@@ -613,7 +676,10 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
                 mean, cov = moment_matched(shares, [a.mean, b.mean], [a.cov, b.cov])
                 held_back = float(shares @ [a.held_back, b.held_back])
                 moving_s = min(a.moving_s, b.moving_s)
-                left[k] = replace(a, weight=weight, mean=mean, cov=cov, moving_s=moving_s, held_back=held_back)
+                turned = float(shares @ [a.turned, b.turned])
+                left[k] = replace(
+                    a, weight=weight, mean=mean, cov=cov, moving_s=moving_s, held_back=held_back, turned=turned
+                )
             else:
                 j += 1
         k += 1

@@ -15,6 +15,7 @@ from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.state import NEVER, EndedSegment, Hypothesis
+from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density, loud_density
 
 CURVE_PENALTY = 0.002
@@ -30,6 +31,9 @@ LOUD_REST = 0.1
 a motor or a fan that ran on."""
 
 SETTLED_S = 4.0
+"""What a rest has learned in the last one or two of such times is taken back where it ends gently: by drift alone a
+curve may carry the bias along for as long."""
+
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
 
@@ -56,11 +60,11 @@ def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
     for h in s.hypotheses:
         h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
         h.knows_bias = h.is_at_rest = h.was_at_rest = h.is_unexpected_bias = False
-        h.held_back = h.turn_odds = 1.0
+        h.held_back = h.turn_density = 1.0
     begin(c, s)
     forget_noise(s.noise)
     forget_levels(s.wander)
-    s.turns.seconds, s.turns.turned_deg, s.turns.seen = 0.0, 0.0, 0
+    forget_turns(s.turns)
     s.wander.was_stationary = False
     s.segment.blocks = s.blocks = 0
     s.ended.blocks_ago, s.ended.short_start_blocks = NEVER, 0
@@ -147,9 +151,11 @@ def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -
 
 
 def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
-    """By the mean of a segment and its variance, with these prior odds of a rest."""
-    prior = odds
-    odds *= noise_odds(s.noise)
+    """By the mean of a segment and its variance, with these prior odds of a rest.
+
+    Odds above 1 are those against a constant spin. Of motions that are louder than a sensor there are as many as rests.
+    """
+    sure, odds = max(0.0, odds - 1.0), odds * noise_odds(s.noise)
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
@@ -162,14 +168,13 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.bias_dps = h.bias_dps
         rest.bias_var = h.bias_var
         rest.knows_bias = h.knows_bias
-        rest.turn_odds = h.turn_odds
+        rest.turn_density = h.turn_density
         rest.is_at_rest, rest.was_at_rest = True, False
         density = level_density(s.noise, s.wander, mean_dps - h.bias_dps, h.bias_var)
         rest.held_back = 1.0 if h.knows_bias else density / SPINS_PER_DPS
-        density += max(0.0, prior - 1.0) * loud_density(s.noise, mean_dps - h.bias_dps, h.bias_var)
+        density += sure * loud_density(s.noise, mean_dps - h.bias_dps, h.bias_var)
         rest.weight = h.weight * odds / density * exp(first_kalman_update(c, rest, mean_dps, mean_var))
-        rest.recent_dps = rest.settled_dps = rest.bias_dps
-        rest.recent_var = rest.settled_var = rest.bias_var
+        settle(rest)
     merge_and_prune(s)
 
 
@@ -198,7 +203,7 @@ def zero_velocity_update(
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     rest_weight = excess_var = 0.0
     lasted_s = s.segment.blocks * seconds
-    is_settling = lasted_s // SETTLED_S > (lasted_s - seconds) // SETTLED_S
+    is_settling = int(lasted_s / SETTLED_S) > int((lasted_s - seconds) / SETTLED_S)
     for h in s.hypotheses:
         if h.weight == 0.0 or not h.is_at_rest:
             continue
@@ -225,8 +230,14 @@ def may_be_curve(h: Hypothesis, ended: EndedSegment) -> bool:
     return h.is_unexpected_bias and ended.ended_gently
 
 
+def settle(h: Hypothesis) -> None:
+    """Its bias is certain from here on: a gentle end of the rest takes back no more than what follows."""
+    h.recent_dps = h.settled_dps = h.bias_dps
+    h.recent_var = h.settled_var = h.bias_var
+
+
 def _exchange(h: Hypothesis) -> None:
-    """x"""
+    """Of bias and settled bias: the last seconds of a rest that ended gently may have been the beginning of a curve."""
     h.bias_dps, h.settled_dps = h.settled_dps, h.bias_dps
     h.bias_var, h.settled_var = h.settled_var, h.bias_var
 

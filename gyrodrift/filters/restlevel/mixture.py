@@ -75,8 +75,8 @@ def moment_matched_merge(h: Hypothesis, other: Hypothesis) -> None:
     h.bias_dps += share * apart_dps
     h.yaw_deg += share * apart_deg
     h.moving_s = min(h.moving_s, other.moving_s)
-    h.turn_odds += share * (other.turn_odds - h.turn_odds)
     h.held_back += share * (other.held_back - h.held_back)
+    h.turn_density += share * (other.turn_density - h.turn_density)
     h.weight += other.weight
     other.weight = 0.0
 

@@ -10,8 +10,8 @@ from gyrodrift.filters.restlevel.state import (
     BlockStats,
     EndedSegment,
     Hypothesis,
-    MixtureMoments,
     MeanTurns,
+    MixtureMoments,
     NoiseModel,
     RateSegment,
     RateWander,
@@ -142,9 +142,9 @@ class RestlevelState:
         What something else than the rate says of rest.
     remembered, recalled, sure, curve
         Biases and noise that it begins with; the rests that it is sure of; bias against temperature.
-    block, noise, wander, segment, ended, hypotheses, moments
-        The block that is being filled; the sensor's noise; how levels wander; the present constant-rate segment and
-        the last one that has ended; the Gaussian sum, and its moments as the block began.
+    block, noise, turns, wander, segment, ended, hypotheses, moments
+        The block that is being filled; the sensor's noise; mean turns; how levels wander; the present constant-rate
+        segment and the last one that has ended; the Gaussian sum, and its moments as the block began.
     """
 
     t_s: float = 0.0

@@ -171,6 +171,11 @@ class Hypothesis:
         Time since its last rest, s.
     held_back
         Factor by which its probability is held back until its rest has lasted longer than a level does by chance.
+    recent_dps, recent_var, settled_dps, settled_var
+        Bias and its variance as its last rest had them up to four seconds ago, and four seconds before that; where the
+        rest has ended gently, the settled ones are exchanged with its bias.
+    turn_density
+        What it was weighed by last by the mean turns; see `restlevel.turns`.
     checkpoint
         Yaw where the present segment began.
     """
@@ -191,7 +196,7 @@ class Hypothesis:
     recent_var: float = 0.0
     settled_dps: float = 0.0
     settled_var: float = 0.0
-    turn_odds: float = 1.0
+    turn_density: float = 1.0
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 
 
@@ -301,12 +306,12 @@ class SureRest:
 
 
 TURN_PLACES = 32
-"""Mean turns that the median is taken over."""
+"""Places for mean rates, some five minutes of motion."""
 
 
 @dataclass(slots=True)
 class MeanTurn:
-    """A mean rate, deg/s."""
+    """A mean rate in deg/s, of some seconds of motion or of a constant-rate segment."""
 
     dps: float = 0.0
 
@@ -317,15 +322,25 @@ def _mean_turns() -> list[MeanTurn]:
 
 @dataclass(slots=True)
 class MeanTurns:
-    """Mean turns."""
+    """Mean rates and their median; see `restlevel.turns`.
+
+    seconds, turned_deg
+        Of the present one, so far.
+    seen
+        How many there were.
+    latest, ordered
+        The latest ones, in a ring, and the same from the least to the largest.
+    median_dps, median_var
+        Their median, and its variance in (deg/s)².
+    """
 
     seconds: float = 0.0
     turned_deg: float = 0.0
     seen: int = 0
     latest: list[MeanTurn] = field(default_factory=_mean_turns)
     ordered: list[MeanTurn] = field(default_factory=_mean_turns)
-    middle_dps: float = 0.0
-    middle_var: float = 0.0
+    median_dps: float = 0.0
+    median_var: float = 0.0
 
 
 TEMP_POINTS = 64

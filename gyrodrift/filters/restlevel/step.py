@@ -168,13 +168,9 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     if segment.blocks > 1:
         update_mean(segment, mean_dps)
     if not is_certain and segment.blocks == CONFIRMED_BLOCKS:
-        if continues(c, segment, s.ended, s.noise, seconds):
-            resume(c, s, seconds)
-        else:
-            branch(c, s, seconds)
-            see_turn(s, segment.mean_dps)
-    if segment.blocks < CONFIRMED_BLOCKS:
-        follow_turns(s, block.turned_deg, seconds)
+        _confirm(c, s, seconds)
+    elif segment.blocks < CONFIRMED_BLOCKS:
+        follow_turns(s.turns, block.turned_deg, seconds)
     weigh_turns(s)
     collapse(s)
     learn_when_sure(c, s, seconds, is_certain)
@@ -186,6 +182,15 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     block.turned_deg = 0.0
     block.sum_dps = 0.0
     block.sum_squares = 0.0
+
+
+def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
+    """The segment is one: it is the one before, or another."""
+    if continues(c, s.segment, s.ended, s.noise, seconds):
+        resume(c, s, seconds)
+    else:
+        branch(c, s, seconds)
+        see_turn(s.turns, s.segment.mean_dps)
 
 
 def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds: float) -> None:

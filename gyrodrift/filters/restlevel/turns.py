@@ -1,86 +1,101 @@
-"""Mean turns: how far the device turned in each ten seconds or so, which says a little of the bias without any rest.
+"""Mean turns: what a device that turns to and fro says of its bias without any rest.
 
-A device that turns to and fro, to the left as often as to the right, has mean rates that scatter about the bias. Their
-median, with the spread that its order statistics give it, is a doubtful witness of the bias: a vehicle on a roundabout
-turns to one side alone.
+One that turns to the left as often as to the right has mean rates over some seconds that scatter about the bias. Their
+median is a doubtful witness of it, since some devices turn to one side alone: it weighs the hypotheses against each
+other, by no more than that doubt allows, and moves none of them.
 """
 
 from math import exp, pi, sqrt
 
+from gyrodrift.filters.restlevel.mixture import normalise
 from gyrodrift.filters.restlevel.model import RestlevelState
-from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis
+from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis, MeanTurns
 from gyrodrift.filters.restlevel.wander import SPINS_PER_DPS
 
 TURN_S = 10.0
+"""Time outside of constant-rate segments that a mean rate is taken over."""
+
 LEAST_TURNS = 5
+"""Mean rates that a median and its spread are taken from."""
+
+TURNS_ALIKE = 4.0
+"""Bends last up to forty seconds, so that of so many mean rates in a row one is news."""
+
+LEAST_SPREAD_DPS = 0.05
+"""The median is no better than this, however alike the mean rates: three degrees a minute to one side."""
+
 SIDED = 0.1
+"""Share of devices that turn to one side more than to the other, at any rate."""
 
 
-def follow_turns(s: RestlevelState, turned_deg: float, seconds: float) -> None:
-    turns = s.turns
+def follow_turns(turns: MeanTurns, turned_deg: float, seconds: float) -> None:
+    """Take a block outside of constant-rate segments into the present mean rate."""
     turns.turned_deg += turned_deg
     turns.seconds += seconds
     if turns.seconds >= TURN_S:
-        see_turn(s, turns.turned_deg / turns.seconds)
+        see_turn(turns, turns.turned_deg / turns.seconds)
         turns.turned_deg = turns.seconds = 0.0
 
 
-def see_turn(s: RestlevelState, mean_dps: float) -> None:
-    """One more mean rate; the median and its variance follow."""
-    turns = s.turns
-    place = turns.seen % TURN_PLACES
-    if turns.seen >= TURN_PLACES:  # the oldest leaves the order
-        oldest = turns.latest[place].dps
-        k = 0
-        while turns.ordered[k].dps != oldest:
-            k += 1
-        while k < TURN_PLACES - 1:
-            turns.ordered[k].dps = turns.ordered[k + 1].dps
-            k += 1
-    known = min(turns.seen, TURN_PLACES - 1)
-    turns.latest[place].dps = mean_dps
-    k = known
+def see_turn(turns: MeanTurns, mean_dps: float) -> None:
+    """Take one more mean rate into the median: of some seconds of motion, or of a constant-rate segment.
+
+    The spread of the median is that of its order statistics: of n values n/2 lie below it, give or take √n/2.
+    """
+    place, others = turns.seen % TURN_PLACES, min(turns.seen, TURN_PLACES - 1)
+    if turns.seen >= TURN_PLACES:
+        _forget(turns, turns.latest[place].dps)
+    k = others
     while k > 0 and turns.ordered[k - 1].dps > mean_dps:
         turns.ordered[k].dps = turns.ordered[k - 1].dps
         k -= 1
-    turns.ordered[k].dps = mean_dps
+    turns.ordered[k].dps = turns.latest[place].dps = mean_dps
     turns.seen += 1
-    known += 1
-    if known < LEAST_TURNS:
+    if turns.seen < LEAST_TURNS:
         return
-    half = 0.5 * sqrt(known)
-    middle = 0.5 * (known - 1)
-    turns.middle_dps = _quantile(s, middle)
-    spread_dps = 0.5 * (_quantile(s, middle + half) - _quantile(s, middle - half))
-    turns.middle_var = 4.0 * spread_dps * spread_dps + 0.0025
+    middle, sigma = 0.5 * others, 0.5 * sqrt(others + 1.0)
+    spread_dps = 0.5 * (_value_at(turns, middle + sigma) - _value_at(turns, middle - sigma))
+    turns.median_dps = _value_at(turns, middle)
+    turns.median_var = TURNS_ALIKE * spread_dps * spread_dps + LEAST_SPREAD_DPS * LEAST_SPREAD_DPS
 
 
-def _quantile(s: RestlevelState, rank: float) -> float:
-    below = int(rank)
-    low_dps, high_dps = s.turns.ordered[below].dps, s.turns.ordered[below + 1].dps
-    return low_dps + (rank - below) * (high_dps - low_dps)
+def forget_turns(turns: MeanTurns) -> None:
+    """All of them."""
+    turns.seconds = turns.turned_deg = 0.0
+    turns.seen = 0
 
 
 def weigh_turns(s: RestlevelState) -> None:
-    """Each hypothesis by how well its bias fits."""
+    """Weigh each hypothesis by how far its bias lies from the median, in place of what it was weighed by before."""
     if s.turns.seen < LEAST_TURNS:
         return
-    total = 0.0
     for h in s.hypotheses:
         if h.weight > 0.0:
-            odds = turn_odds(s, h)
-            h.weight *= odds / h.turn_odds
-            h.turn_odds = odds
-            total += h.weight
-    for h in s.hypotheses:
-        h.weight /= total
+            density = _median_density(s.turns, h)
+            h.weight *= density / h.turn_density
+            h.turn_density = density
+    normalise(s)
 
 
-def turn_odds(s: RestlevelState, h: Hypothesis) -> float:
-    return SIDED * SPINS_PER_DPS + (1.0 - SIDED) * even_density(s, h)
+def _median_density(turns: MeanTurns, h: Hypothesis) -> float:
+    """Probability density of the median under a hypothesis, 1/(deg/s)."""
+    away_dps, variance = turns.median_dps - h.bias_dps, h.bias_var + turns.median_var
+    both_sides = exp(-0.5 * away_dps * away_dps / variance) / sqrt(2.0 * pi * variance)
+    return SIDED * SPINS_PER_DPS + (1.0 - SIDED) * both_sides
 
 
-def even_density(s: RestlevelState, h: Hypothesis) -> float:
-    variance = h.bias_var + s.turns.middle_var
-    away_dps = s.turns.middle_dps - h.bias_dps
-    return exp(-0.5 * away_dps * away_dps / variance) / sqrt(2.0 * pi * variance)
+def _forget(turns: MeanTurns, oldest_dps: float) -> None:
+    """The oldest leaves the order."""
+    k = 0
+    while turns.ordered[k].dps != oldest_dps:
+        k += 1
+    while k < TURN_PLACES - 1:
+        turns.ordered[k].dps = turns.ordered[k + 1].dps
+        k += 1
+
+
+def _value_at(turns: MeanTurns, rank: float) -> float:
+    """Between two of the ordered values, counted from 0."""
+    below = int(rank)
+    low_dps, high_dps = turns.ordered[below].dps, turns.ordered[below + 1].dps
+    return low_dps + (rank - below) * (high_dps - low_dps)

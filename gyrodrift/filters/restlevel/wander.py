@@ -78,7 +78,7 @@ def level_density(noise: NoiseModel, wander: RateWander, away_dps: float, bias_v
 
 
 def loud_density(noise: NoiseModel, away_dps: float, bias_var: float) -> float:
-    """The part of motions that are louder than a sensor."""
+    """The part of it that motions have which are louder than a sensor."""
     return (1.0 - noise_odds(noise)) * _cauchy_pdf(away_dps, noise.sample_var + bias_var)
 
 

@@ -10,6 +10,7 @@ believed until it has said something else, and what it taught is as doubtful as 
 
 from math import exp, sqrt
 
+from gyrodrift.filters.restlevel.hypotheses import settle
 from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, first_kalman_update, gaussian_logpdf, kalman_update
 from gyrodrift.filters.restlevel.mixture import merge_and_prune
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
@@ -114,6 +115,7 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
         h.is_at_rest, h.is_unexpected_bias = True, False
         h.moving_s = 0.0
         h.held_back = 1.0
+        settle(h)
     if s.witness.was_certain:
         excess_var = min(excess_var, FLICKER_CLIP * (mean_var + flicker_var))
         learn_at_rest(s.noise, 1.0, excess_var, step_dps, s.block, seconds)
