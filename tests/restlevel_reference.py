@@ -293,7 +293,7 @@ class ReferenceFilter:
         low, median, high = np.interp([middle - half, middle, middle + half], ranks, np.sort(self.turns))
         for h in self.hypotheses:
             spread = np.sqrt(h.cov[1, 1] + (high - low) ** 2 + 0.0025)
-            density = 0.003 + 0.9 * norm.pdf(median, h.mean[1], spread)
+            density = 0.015 + 0.5 * norm.pdf(median, h.mean[1], spread)
             h.weight *= density / h.turned
             h.turned = density
         self.normalise()

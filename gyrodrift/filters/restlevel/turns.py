@@ -24,8 +24,8 @@ TURNS_ALIKE = 4.0
 LEAST_SPREAD_DPS = 0.05
 """The median is no better than this, however alike the mean rates: three degrees a minute to one side."""
 
-SIDED = 0.1
-"""Share of devices that turn to one side more than to the other, at any rate."""
+SIDED = 0.5
+"""Share of devices that turn to one side more than to the other, at any rate: even odds, since nobody knows."""
 
 
 def follow_turns(turns: MeanTurns, turned_deg: float, seconds: float) -> None:

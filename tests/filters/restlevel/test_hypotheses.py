@@ -1,8 +1,8 @@
-"""What the hypotheses of restlevel make of a noise that drops, on numbers worked out by hand."""
+"""What the hypotheses of restlevel make of a noise that drops and of a rest that ends, on numbers by hand."""
 
 import pytest
 
-from gyrodrift.filters.restlevel.hypotheses import doubt_loud_rests
+from gyrodrift.filters.restlevel.hypotheses import doubt_loud_rests, forgive_exit, leave_segment
 from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.state import Hypothesis
 
@@ -18,3 +18,19 @@ def test_rests_that_were_louder_than_the_sensor_count_for_a_tenth() -> None:
     s.hypotheses[0].knows_bias = True
     doubt_loud_rests(s)
     assert [h.weight for h in s.hypotheses[:2]] == pytest.approx([0.5, 0.5])
+
+
+def test_a_gentle_end_takes_back_what_was_learned_last() -> None:
+    """The bias goes back to what the rest had settled at; an abrupt end, or one that turns out to be, leaves it."""
+    for is_gentle, expected in ((True, (0.1, 4.0)), (False, (0.3, 1.0))):
+        s = RestlevelState()
+        s.ended.ended_gently = is_gentle
+        s.hypotheses[0] = Hypothesis(
+            weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=0.3, bias_var=1.0, settled_dps=0.1, settled_var=4.0
+        )
+        leave_segment(s)
+        h = s.hypotheses[0]
+        assert (h.bias_dps, h.bias_var) == expected
+        if is_gentle:
+            forgive_exit(s)
+            assert (h.bias_dps, h.bias_var) == (0.3, 1.0)

@@ -1,0 +1,66 @@
+"""Mean turns weigh hypotheses about the bias, by no more than they are worth."""
+
+import numpy as np
+import pytest
+
+from gyrodrift.filters.restlevel.model import RestlevelState
+from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis, MeanTurns
+from gyrodrift.filters.restlevel.turns import follow_turns, forget_turns, see_turn, weigh_turns
+
+
+def seen(rates_dps: list[float]) -> MeanTurns:
+    """After these mean rates."""
+    turns = MeanTurns()
+    for dps in rates_dps:
+        see_turn(turns, dps)
+    return turns
+
+
+@pytest.mark.parametrize("count", [5, 8, TURN_PLACES, 3 * TURN_PLACES + 7])
+def test_the_median_is_that_of_the_latest(count: int) -> None:
+    """Some of them alike, in no order."""
+    rates_dps = np.round(np.random.default_rng(count).normal(0.3, 2.0, count), 1).tolist()
+    latest = rates_dps[-TURN_PLACES:]
+    turns = seen(rates_dps)
+    assert turns.median_dps == pytest.approx(np.median(latest))
+    assert [turn.dps for turn in turns.ordered[: len(latest)]] == sorted(latest)
+
+
+def test_the_spread_is_that_of_a_median() -> None:
+    """Of normal rates it is 1.25 sigma/√n, doubled for bends that last longer than one rate."""
+    dice = np.random.default_rng(3)
+    found = [seen(dice.normal(0.0, 4.0, TURN_PLACES).tolist()).median_var for _ in range(300)]
+    assert np.sqrt(np.median(found)) == pytest.approx(2.0 * 1.2533 * 4.0 / np.sqrt(TURN_PLACES), rel=0.1)
+
+
+def test_a_rate_is_the_mean_of_ten_seconds() -> None:
+    """Blocks of 4 s: the third fills it, and the next begins with nothing."""
+    turns = MeanTurns()
+    for turned_deg in (2.0, 8.0, 14.0, 6.0):
+        follow_turns(turns, turned_deg, 4.0)
+    assert (turns.seen, turns.latest[0].dps, turns.seconds, turns.turned_deg) == (1, 2.0, 4.0, 6.0)
+    forget_turns(turns)
+    assert (turns.seen, turns.seconds, turns.turned_deg) == (0, 0.0, 0.0)
+
+
+def test_what_turns_to_and_fro_about_a_bias_speaks_for_it() -> None:
+    """A true bias gains on one that makes everything a turn to one side, and no more than even odds of that allow."""
+    s = RestlevelState()
+    s.turns = seen([0.1, -0.1] * 16)
+    s.hypotheses[0] = Hypothesis(weight=0.1, bias_var=1e-6)
+    s.hypotheses[1] = Hypothesis(weight=0.9, bias_dps=3.0, bias_var=1e-6)
+    weigh_turns(s)
+    gain = s.hypotheses[0].weight / s.hypotheses[1].weight * 9.0
+    most = 1.0 + 1.0 / (np.sqrt(2.0 * np.pi) * 0.05) / 0.03
+    assert 50.0 < gain < most
+    weigh_turns(s)  # the same rates are no news
+    assert s.hypotheses[0].weight / s.hypotheses[1].weight * 9.0 == pytest.approx(gain)
+
+
+def test_too_few_say_nothing() -> None:
+    """Four rates."""
+    s = RestlevelState()
+    s.turns = seen([5.0] * 4)
+    s.hypotheses[0], s.hypotheses[1] = Hypothesis(weight=0.25), Hypothesis(weight=0.75, bias_dps=5.0)
+    weigh_turns(s)
+    assert [h.weight for h in s.hypotheses[:2]] == [0.25, 0.75]
