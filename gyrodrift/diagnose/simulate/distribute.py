@@ -10,6 +10,7 @@ from typing import NamedTuple
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recording
+from gyrodrift.diagnose.recording.numbering import backlog_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
@@ -57,13 +58,17 @@ def checked_recording(path: Path) -> CheckedRecording:
     DataError
         Where it cannot be read, or has no encoder.
     """
-    session = load_session(path)
+    session, remarks = load_session(path), []
     calibration = calibration_of(session)
-    if calibration is None:
-        return check_recording(recording_of(session))
-    checked = check_recording(recording_of(with_calibration(session, calibration)))
-    remark = f"{session.name}: is compared with its calibration of {calibration.date} applied, as a filter takes it"
-    return replace(checked, remarks=(remark, *checked.remarks))
+    if calibration is not None:
+        session = with_calibration(session, calibration)
+        how = f"is compared with its calibration of {calibration.date} applied, as a filter takes it"
+        remarks.append(f"{session.name}: {how}")
+    if waited := backlog_of(session):
+        session = session.part(waited, len(session.t_device_s))
+        remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are left out")
+    checked = check_recording(recording_of(session))
+    return replace(checked, remarks=(*remarks, *checked.remarks))
 
 
 def response_tables(
