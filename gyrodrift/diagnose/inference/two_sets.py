@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats
 
-CHANCE = 0.02
+CHANCE = 0.01
 """Probability at which two sets of amounts differ by chance. What is asked was chosen among all effects, but explains
 the features of the later set by itself already."""
 

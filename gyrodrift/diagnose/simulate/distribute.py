@@ -31,6 +31,8 @@ class SimulationPlan:
 
     tried
         Of the candidates that the hints give, those that are to be simulated.
+    least_noise_dps_rthz
+        Less noise than that no recording of this device has.
     """
 
     paths: tuple[Path, ...]
@@ -38,6 +40,7 @@ class SimulationPlan:
     rig: Rig
     hints: Hints
     tried: tuple[Candidate, ...]
+    least_noise_dps_rthz: float
 
 
 class SessionTask(NamedTuple):
@@ -48,6 +51,7 @@ class SessionTask(NamedTuple):
     hints: Hints
     names: frozenset[str]
     null_runs: int
+    least_noise_dps_rthz: float
 
 
 def checked_recording(path: Path) -> CheckedRecording:
@@ -111,8 +115,10 @@ def _held_table(number: int) -> ResponseTable:
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
     names = frozenset(candidate.name for candidate in plan.tried)
+    null_runs = null_runs_of(len(plan.paths))
     tasks = [
-        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs_of(len(plan.paths))) for path in plan.paths
+        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz)
+        for path in plan.paths
     ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
@@ -136,7 +142,7 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     if recording is None:
         raise DataError(f"{task.path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
-    return response_table(subject_of(recording, task.rig), tried, task.null_runs)
+    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:

@@ -199,12 +199,13 @@ def design_beside(seen: Cleaned, base: BaseRun) -> DesignMatrix:
     return replace(base.design, lag=lag_basis(seen.encoder_deg, base.design.period_s))
 
 
-def subject_of(recording: Recording, rig: Rig) -> Subject:
-    """Rebuild the motion, and calibrate the rig."""
+def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:
+    """Rebuild the motion, and calibrate the rig, with no less noise than it is known to have."""
     seen = cleaned(recording)
     known, posterior, design = rebuilt(seen, rig)
     reference = reference_noise_of(seen, posterior.mean)
-    return Subject(seen, posterior, design, calibrated(seen, design, posterior.mean, known), reference)
+    rig_of_session = calibrated(seen, design, posterior.mean, known, least_noise_dps_rthz)
+    return Subject(seen, posterior, design, rig_of_session, reference)
 
 
 class Rebuilt(NamedTuple):
