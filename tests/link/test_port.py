@@ -109,8 +109,8 @@ def test_an_adapter_that_is_pulled_while_ports_are_listed_ends_nothing(monkeypat
             return [int(None, 16)]  # type: ignore[call-overload]  # what pyserial does
         return [ListPortInfo("/dev/ttyUSB7")]
 
-    monkeypatch.setattr(port_module.list_ports, "comports", comports)
-    with pytest.raises(PortMissingError, match="ports on this machine: .*/dev/ttyUSB7"):
+    monkeypatch.setattr("gyrodrift.link.port.list_ports.comports", comports)
+    with pytest.raises(PortMissingError, match=r"ports on this machine: .*/dev/ttyUSB7"):
         Port("/dev/ttyNONE", 115200)
     looks.clear()
     monkeypatch.setattr(port_module, "LOOKS", 2)
