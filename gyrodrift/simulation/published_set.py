@@ -72,7 +72,7 @@ def read_rows(path: Path) -> list[Row]:
         with path.open(encoding="utf-8") as file:
             lines = csv.DictReader(line for line in file if not line.startswith("#"))
             rows = [
-                Row(line["split"], line["session"], float(line["minutes"]), float(line["e_euler_deg"]))
+                Row(line["split"] or "", line["session"] or "", float(line["minutes"]), float(line["e_euler_deg"]))
                 for line in lines
             ]
     except (OSError, UnicodeDecodeError) as error:

@@ -65,6 +65,8 @@ def read_mcap(path: Path) -> Session:
             session = _read_ours(path, file)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    except MemoryError as error:
+        raise DataError(f"{path}: its samples need more memory than there is") from error
     if session is None:
         from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - brings decoders that ours do without
 
@@ -75,7 +77,7 @@ def read_mcap(path: Path) -> Session:
 def _read_ours(path: Path, file: BinaryIO) -> Session | None:
     """The session, or None where no samples are laid out as ours."""
     walk = Walk(file)
-    columns = _Columns(walk.size // ROW.itemsize)
+    columns = _Columns(walk.zeros_at // ROW.itemsize + 1)  # the last one may end in zeros
     declared = _Declared()
     for step in walk:
         match step:

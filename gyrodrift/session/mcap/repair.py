@@ -144,7 +144,11 @@ def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes
         saved = path.with_name(f"{path.name}.tail_{number}")
     with saved.open("xb") as copy:
         for block in _blocks(file, end, walk.size):
-            copy.write(block)
+            if any(block):
+                copy.write(block)
+            else:  # a hole stays one
+                copy.seek(len(block), os.SEEK_CUR)
+        copy.truncate(walk.size - end)
         copy.flush()
         os.fsync(copy.fileno())
     return saved

@@ -182,6 +182,26 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
     assert sum(looked_at) <= 3000 * walk.FIRST_LOOK_ROWS
 
 
+def test_a_file_that_ends_in_a_hole_is_read_up_to_it(tmp_path: Path) -> None:
+    """It costs nobody anything to make, and is neither read nor room made for it."""
+    path = written(tmp_path, recorded(steady(100), is_finished=False))
+    os.truncate(path, 1 << 40)
+    assert len(read_mcap(path).t_device_s) == 100
+
+
+def test_a_record_of_a_hole_is_not_read(tmp_path: Path) -> None:
+    """Its length is that of the file, and its last byte is there."""
+    path = written(tmp_path, recorded(steady(100), is_finished=False))
+    begun = path.stat().st_size
+    with path.open("ab") as file:
+        file.write(HEAD.pack(5, (1 << 40) - begun - HEAD.size) + STILLS.channel_id.to_bytes(2, "little"))
+    os.truncate(path, (1 << 40) - 1)
+    with path.open("ab") as file:
+        file.write(b"x")
+    with pytest.raises(DataError, match=r"the record at byte \d+ has \d+ bytes|more memory than there is"):
+        read_mcap(path)
+
+
 def saying(words: list[bytes]) -> bytes:
     """Ten samples, and messages on /still with these contents."""
     stream = io.BytesIO()
