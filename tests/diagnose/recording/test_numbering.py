@@ -1,6 +1,8 @@
 """Samples without a counter are numbered by stamps that say when they arrived."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from support import Recordings
 
 from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.recording.numbering import backlog_of, numbered, numbers_by_clock
+from gyrodrift.diagnose.simulate.distribute import checked_recording
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
@@ -66,6 +69,20 @@ def test_what_had_waited_at_the_start_is_told(waiting: int) -> None:
     assert backlog_of(session) == pytest.approx(waiting, abs=5)
     assert backlog_of(replace(session, seq=np.arange(COUNT))) == 0, "a counter says all that has to be known"
     assert backlog_of(session.part(waiting, COUNT)) == 0
+
+
+def test_what_is_left_out_is_told(tmp_path: Path) -> None:
+    """By name and number, in what is said of a recording."""
+    taken_s: Floats = 0.02 * np.arange(1600, dtype=np.float64)
+    angle_deg = 90.0 * np.sin(taken_s)
+    arrival_s = np.concatenate([taken_s[200] - 0.001 * np.arange(200, 0, -1), taken_s[200:]])
+    rows = np.column_stack([arrival_s, np.gradient(angle_deg, taken_s), angle_deg])
+    np.savetxt(tmp_path / "radio.csv", rows, "%.6f", ",", header="t_device_s,rate_dps,encoder_deg", comments="")
+    checked = checked_recording(tmp_path / "radio.csv")
+    assert checked.recording is not None
+    assert checked.recording.period_s == pytest.approx(0.02, rel=1e-3)
+    told = [re.search(r"radio: its first (\d+) samples had waited and came at once", one) for one in checked.remarks]
+    assert [int(one[1]) for one in told if one] == [pytest.approx(200, abs=5)]
 
 
 @pytest.mark.parametrize("seed", range(5))
