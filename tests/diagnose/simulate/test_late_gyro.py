@@ -24,7 +24,8 @@ def test_the_motion_is_the_same_however_late_the_gyro_is(counts: int, delay_ms: 
     profile = load_profile("turntable")
     late = rig.model_copy(update={"effects": (parse_effect(f"latency:delay_ms={delay_ms:g}"),)})
     seen = cleaned(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
-    true_dps = profile.at(np.arange(len(seen.rate_dps)) * seen.recording.period_s)[1]
+    t_s: Floats = np.arange(len(seen.rate_dps), dtype=np.float64) * seen.recording.period_s
+    true_dps = profile.at(t_s)[1]
 
     def off_dps(rate_dps: Floats) -> float:
         return float(np.sqrt(np.mean(np.square(rate_dps - true_dps)[50:-50])))
