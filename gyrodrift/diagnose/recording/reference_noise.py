@@ -10,15 +10,12 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.order_statistics import median
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.smoothing import gaussian
 
 NOISY_STEPS = 3.0
 """Usual scatter, in steps of the reference, beyond which it is more than what steps leave."""
-
-MEDIAN_TO_SIGMA = 0.6745
-"""Median of the absolute values of normal numbers, in standard deviations."""
 
 WILD_SIGMAS = 6.0
 """What is further off is no noise: a slip, or a hole that was filled."""
