@@ -11,7 +11,6 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
-from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.smoothing import gaussian
 
 NOISY_STEPS = 3.0
@@ -19,6 +18,9 @@ NOISY_STEPS = 3.0
 
 WILD_SIGMAS = 6.0
 """What is further off is no noise: a slip, or a hole that was filled."""
+
+PER_TURN = (1, 2)
+"""How often in a turn an encoder errs in the same way."""
 
 TURNS_S = 1.0
 """Over about so long noise that is drawn keeps the sign of the noise that was seen: shape and size of its moment stay,
@@ -39,11 +41,20 @@ class ReferenceNoise:
         return drawn_deg
 
 
-def reference_noise_of(seen: Cleaned, motion: ReplayedMotion) -> ReferenceNoise | None:
-    """Of a recording beside its motion; None where it is no more than the steps of an encoder leave."""
-    away_deg = seen.encoder_deg - motion.angle_deg
-    away_deg = away_deg - np.median(away_deg)
+def reference_noise_of(reference_deg: Floats, step_deg: float, motion: ReplayedMotion) -> ReferenceNoise | None:
+    """Of angles, shape (n,), beside their motion; None where it is no more than the steps of an encoder leave."""
+    away_deg = _without_errors(reference_deg - motion.angle_deg, motion)
     usual_deg = median(np.abs(away_deg)) / MEDIAN_TO_SIGMA
-    if usual_deg <= NOISY_STEPS * seen.step_deg:
+    if usual_deg <= NOISY_STEPS * step_deg:
         return None
     return ReferenceNoise(np.clip(away_deg, -WILD_SIGMAS * usual_deg, WILD_SIGMAS * usual_deg), motion.period_s)
+
+
+def _without_errors(away_deg: Floats, motion: ReplayedMotion) -> Floats:
+    """What is off, less what an encoder errs by that is eccentric, tilted or has play: effects, and no noise."""
+    turn = np.deg2rad(motion.angle_deg)
+    columns = [np.ones(len(turn)), np.sign(motion.rate_dps)]
+    columns += [wave(times * turn) for times in PER_TURN for wave in (np.sin, np.cos)]
+    errors = np.column_stack(columns)
+    left_deg: Floats = away_deg - errors @ np.linalg.lstsq(errors, away_deg)[0]
+    return left_deg

@@ -202,18 +202,23 @@ def design_beside(seen: Cleaned, base: BaseRun) -> DesignMatrix:
 def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:
     """Rebuild the motion, and calibrate the rig, with no less noise than it is known to have."""
     seen = cleaned(recording)
-    known, posterior, design = rebuilt(seen, rig)
-    reference = reference_noise_of(seen, posterior.mean)
+    known, posterior, design, encoder_deg = rebuilt(seen, rig)
+    reference = reference_noise_of(encoder_deg, seen.step_deg, posterior.mean)
     rig_of_session = calibrated(seen, design, posterior.mean, known, least_noise_dps_rthz)
     return Subject(seen, posterior, design, rig_of_session, reference)
 
 
 class Rebuilt(NamedTuple):
-    """The motion behind what was seen, the design matrix that it gives, and the rig with the phases of this session."""
+    """The motion behind what was seen, the design matrix that it gives, and the rig with the phases of this session.
+
+    encoder_deg
+        Angles of the encoder without what the rig says it errs by.
+    """
 
     rig: Rig
     posterior: MotionPosterior
     design: DesignMatrix
+    encoder_deg: Floats
 
 
 def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
@@ -223,10 +228,12 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     design = design_matrix_of(seen, posterior.mean)
     known = with_phases(rig, seen, design)
     if not has_encoder_effects(rig):
-        return Rebuilt(known, posterior, design)
+        return Rebuilt(known, posterior, design, seen.encoder_deg)
+    encoder_deg = seen.encoder_deg
     for _ in range(CORRECTIONS):
-        posterior = motion_posterior_of(seen, gyro, angles_before(known, seen.encoder_deg, posterior.mean))
-    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean))
+        encoder_deg = angles_before(known, seen.encoder_deg, posterior.mean)
+        posterior = motion_posterior_of(seen, gyro, encoder_deg)
+    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean), encoder_deg)
 
 
 def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:

@@ -40,10 +40,31 @@ def off_dps(subject: Subject) -> float:
     return float(np.std(away_deg[20:] - away_deg[:-20]) / (20 * seen.recording.period_s))
 
 
-@pytest.mark.parametrize("effects", [(), ("backlash:play_deg=0.3",), ("encoder_slip",)], ids=["none", "play", "slip"])
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        ("backlash:play_deg=0.3",),
+        ("backlash:play_deg=2",),
+        ("encoder_slip",),
+        ("encoder_eccentricity:amplitude_deg=0.5",),
+        ("latency:delay_ms=60",),
+        ("timestamp_jitter:sigma_ms=3",),
+        ("scale_factor:error_percent=5",),
+        ("vibration",),
+    ],
+    ids=lambda effects: "".join(effects) or "none",
+)
 def test_counts_of_an_encoder_are_no_noise(effects: tuple[str, ...]) -> None:
     """Nor is what an encoder does wrong now and then."""
     assert subject_of(recorded(*effects), RIG).reference is None
+
+
+@pytest.mark.parametrize("effect", ["encoder_eccentricity:amplitude_deg=0.3", "backlash:play_deg=0.3"])
+def test_what_the_rig_says_that_the_encoder_errs_by_is_no_noise(effect: str) -> None:
+    """Once per turn, and at each reversal."""
+    rig = RIG.model_copy(update={"effects": (parse_effect(effect),)})
+    assert subject_of(recorded(effect), rig).reference is None
 
 
 def test_a_simulation_is_as_noisy_as_the_reference() -> None:
