@@ -34,16 +34,16 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     UsageError
         Where the place cannot be written to; nothing is left behind then.
     """
-    mode = _mode_of(path)
-    if mode is not None and not stat.S_ISREG(mode):  # a device or a pipe is written to, not replaced
+    before = _status_of(path)
+    if before is not None and not stat.S_ISREG(before.st_mode):  # a device or a pipe is written to, not replaced
         with path.open("wb") as file:
             yield file
         return
     fresh = path.with_name(f".{path.name[:LONGEST_PREFIX]}.{token_hex(8)}")  # nobody can lay a link there before
     try:
-        with fresh.open("xb") as file:
-            if mode is not None:
-                os.fchmod(file.fileno(), stat.S_IMODE(mode))
+        with open(fresh, "xb", opener=None if before is None else _for_us_alone) as file:
+            if before is not None:
+                _let_the_same_read(file.fileno(), before)
             yield file
             file.flush()
             os.fsync(file.fileno())
@@ -55,12 +55,29 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
             fresh.unlink()
 
 
-def _mode_of(path: Path) -> int | None:
-    """What a file is and who may read and write it; None where there is none."""
+def _status_of(path: Path) -> os.stat_result | None:
+    """What a file is, whose, and who may read and write it; None where there is none."""
     try:
-        return path.stat().st_mode
+        return path.stat()
     except OSError:
         return None
+
+
+def _for_us_alone(name: str, flags: int) -> int:
+    """Open a new file that nobody else can open before its mode is set."""
+    return os.open(name, flags, 0o600)
+
+
+def _let_the_same_read(fd: int, before: os.stat_result) -> None:
+    """Owner, group and mode of the file that is replaced; where its group cannot be given on, no group's rights."""
+    mode = stat.S_IMODE(before.st_mode)
+    with suppress(OSError):  # root alone gives files away
+        os.fchown(fd, before.st_uid, -1)
+    try:
+        os.fchown(fd, -1, before.st_gid)
+    except OSError:
+        mode &= ~stat.S_IRWXG
+    os.fchmod(fd, mode)
 
 
 def write_whole(path: Path, pieces: Iterable[str]) -> None:

@@ -25,6 +25,7 @@ class ReferenceBlock:
     variance: float
     resolution_dps: float
     said: str = ""
+    alike_dps: float | None = None
 
 
 def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float, still: Floats | None = None) -> list[ReferenceBlock]:
@@ -48,6 +49,7 @@ def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float, still: Floats | No
                     float(inside.var()),
                     float(finest[n]) if np.isfinite(finest[n]) else 0.0,
                     said_of(word[first : n + 1]),
+                    float(inside[0]) if (inside == inside[0]).all() else None,
                 )
             )
             first, seconds = n + 1, 0.0
@@ -189,6 +191,21 @@ class ReferenceFilter:
     points: dict[int, list[float]] = field(default_factory=dict)
     line: tuple[float, float, float] | None = None
     coefficients: Floats = field(default_factory=lambda: np.zeros(2))
+    frozen_deg: float = 0.0
+
+    def hangs(self, b: ReferenceBlock) -> bool:
+        """Whether one value is repeated through a block, though noise of two steps or more was seen at rest."""
+        _, bias_dps, _, _ = collapsed(self.hypotheses)
+        is_noisy = self.is_walk_measured and np.sqrt(self.noise_var) > 2.0 * b.resolution_dps
+        is_clamped = b.alike_dps == 0.0 and abs(bias_dps) <= np.sqrt(max(0.0, self.noise_var))
+        if b.alike_dps is None or is_clamped or not is_noisy or not 0.0 < b.resolution_dps <= 0.03:
+            self.frozen_deg = 0.0
+            return False
+        before, self.before = self.frozen_deg, self.noise_var
+        self.frozen_deg += abs(b.turned_deg - bias_dps * b.seconds)
+        for h in self.hypotheses:
+            h.cov = h.cov + np.diag([self.frozen_deg**2 - before**2, 0.0])
+        return True
 
     def is_stationary(self, b: ReferenceBlock) -> bool:
         """Whether the block shows no more than the noise, which is followed."""
@@ -228,7 +245,8 @@ class ReferenceFilter:
         """The segment grows, begins or ends."""
         self.number += 1
         self.means = [*self.means, mean_dps] if self.number > 2 else [mean_dps]
-        was, mean_was, is_stationary = len(self.segment), self.mean, self.is_stationary(b) and b.said != "moves"
+        was, mean_was = len(self.segment), self.mean
+        is_stationary = not self.hangs(b) and self.is_stationary(b) and b.said != "moves"
         sets_out = 3 <= was < 5 and was * b.seconds >= 5.0 * self.p.window_s and not is_stationary
         sets_out = sets_out and self.is_from_start(b, self.number - 1, self.means[:-1])
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds

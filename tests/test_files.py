@@ -1,5 +1,6 @@
 """Files that are there whole or not at all, for those who could read them before, and for nobody else."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -18,6 +19,43 @@ def test_who_may_read_a_file_stays(tmp_path: Path, mode: int) -> None:
     write_whole(path, ["filter: hdr\n"])
     assert path.stat().st_mode & 0o777 == mode
     assert path.read_text() == "filter: hdr\n"
+
+
+def test_nobody_else_can_open_what_is_about_to_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who has a file open reads on, whatever becomes of its mode."""
+    path, seen, fchmod = tmp_path / "c.yaml", [], os.fchmod
+    path.touch()
+    path.chmod(0o640)
+
+    def looked_at(fd: int, mode: int) -> None:
+        seen.append(os.fstat(fd).st_mode & 0o777)
+        fchmod(fd, mode)
+
+    monkeypatch.setattr(os, "fchmod", looked_at)
+    write_whole(path, ["x"])
+    assert seen == [0o600]
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize(("refused", "mode"), [((), 0o640), ((PermissionError,), 0o600)])
+def test_a_group_is_kept_or_has_no_rights(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: tuple[type[Exception], ...], mode: int
+) -> None:
+    """A config that a group may read is not handed to the group of whoever writes it anew."""
+    path, asked = tmp_path / "c.yaml", []
+    path.touch()
+    path.chmod(0o640)
+
+    def fchown(_fd: int, uid: int, gid: int) -> None:
+        asked.append((uid, gid))
+        for error in refused:
+            raise error(errno.EPERM, "not permitted")
+
+    monkeypatch.setattr(os, "fchown", fchown)
+    before = path.stat()
+    write_whole(path, ["x"])
+    assert asked == [(before.st_uid, -1), (-1, before.st_gid)]
+    assert path.stat().st_mode & 0o777 == mode
 
 
 def test_a_new_file_is_as_any_other(tmp_path: Path) -> None:

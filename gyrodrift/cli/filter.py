@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.cli import options
+from gyrodrift.errors import DataError
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
@@ -55,8 +56,14 @@ def run(arguments: argparse.Namespace) -> int:
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = options.calibrated_session(arguments.session, config)
         chosen = config.chosen
-        state: FilterState = beginning_of(chosen, session.metadata, session.name) or chosen.state()
-        _write(arguments.out, session, csv_lines(session, chosen, config.params, state), progress.evaluated)
+        begun = beginning_of(chosen, session.metadata, session.name)
+        state: FilterState = begun or chosen.state()
+        try:
+            _write(arguments.out, session, csv_lines(session, chosen, config.params, state), progress.evaluated)
+        except (ArithmeticError, ValueError, IndexError) as error:
+            if begun is None:
+                raise
+            raise DataError(f"{session.name}: no filter can go on from what its filter began with: {error}") from error
     if state.rejected:
         print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
     return 0

@@ -84,6 +84,8 @@ def link_target(
     """
     from gyrodrift.link.link import LinkOptions
 
+    if not arguments.timeout >= 0.0:  # neither is NaN
+        raise UsageError(f"--timeout {arguments.timeout:g}: expected seconds, 0 or more")
     named = columns if reads_columns_of_config(arguments) else arguments.columns
     asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, named)
     if asked.port != AUTO_PORT:

@@ -15,10 +15,11 @@ from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW, rms
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
 from gyrodrift.diagnose.inference.fit import without
 from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, chance_of, noise_variance_of
-from gyrodrift.diagnose.inference.verdict import Verdict, less
+from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_of
@@ -51,17 +52,27 @@ NO_STEPS_CPR = 3_600_000
 NO_STEPS_DPS = 1e-4
 """The same of a rate."""
 
-ADOPTED_FROM = 0.8
-"""Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both."""
+ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
+"""Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
+touches times alone bends nothing else, so that it goes there as soon as it is rather so than not."""
+
+NOISE_VARIES = 2.0
+"""The noise of a device is no less than this part of the least that its baseline shows: one that is quieter has lost
+something, and that is not calibrated away."""
 
 
 class ExplainedBaseline(NamedTuple):
-    """The rig with what the baseline shows, what is still common, its recordings beside that rig, and what to say."""
+    """The rig with what the baseline shows, what is still common, its recordings beside that rig, and what to say.
+
+    least_noise_dps_rthz
+        Less noise than that no recording of this device has.
+    """
 
     rig: Rig
     baseline: Baseline
     subjects: list[Subject]
     tables: tuple[ResponseTable, ...]
+    least_noise_dps_rthz: float
     remarks: list[str]
 
 
@@ -86,7 +97,7 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     own = asked._replace(rig=rig)
     simulated = simulated_of(own, paths, of_baseline)
     named = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
-    causes = [one for one in named if one.probability >= ADOPTED_FROM]
+    causes = [one for one in named if one.probability >= _adopted_from(one)]
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
@@ -102,7 +113,13 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
         )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    return ExplainedBaseline(rig, baseline, subjects, tables, [*remarks, *differ])
+    noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / NOISE_VARIES
+    least_noise = noise if _is_same_rate(of_baseline, recordings) else 0.0
+    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ])
+
+
+def _adopted_from(cause: NamedCause) -> float:
+    return TIMES_ADOPTED_FROM if cause.cause.candidate.touches is Touches.TIMES else ADOPTED_FROM
 
 
 def beside(
@@ -154,12 +171,22 @@ def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tupl
 
 
 def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    rates_hz = [1.0 / float(np.median([one.period_s for one in each])) for each in (first, second)]
-    if abs(rates_hz[0] / rates_hz[1] - 1.0) <= SAME_RATE:
+    if _is_same_rate(first, second):
         return ALL, []
+    rates_hz = _rates_hz(first, second)
     return SLOW, [
         f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}: {SLOW_ONLY}"
     ]
+
+
+def _is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
+    before_hz, after_hz = _rates_hz(first, second)
+    return abs(before_hz / after_hz - 1.0) <= SAME_RATE
+
+
+def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
+    """Usual samples a second of each set."""
+    return [1.0 / float(np.median([one.period_s for one in each])) for each in sets]
 
 
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:

@@ -49,7 +49,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     asked = asked._replace(rig=with_facts(asked.rig, against))
     if asked.baseline:
         explained = explained_baseline(asked, recordings)
-        asked = asked._replace(rig=explained.rig)
+        asked = asked._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
         seen = simulated_of(asked, paths, recordings)
         simulated = seen._replace(tables=beside(seen.tables, seen.subjects, explained.baseline))
         inferred = inferred_of(simulated, asked.jobs, asked.progress)

@@ -48,6 +48,8 @@ class DiagnosisRequest(NamedTuple):
 
     baseline
         Recordings beside which the others are diagnosed: what is common to both is no gap.
+    least_noise_dps_rthz
+        Less noise than that no recording of this device has.
     """
 
     paths: Sequence[Path]
@@ -57,6 +59,7 @@ class DiagnosisRequest(NamedTuple):
     cluster: str | None
     progress: OnProgress
     baseline: Sequence[Path] = ()
+    least_noise_dps_rthz: float = 0.0
 
 
 class Simulated(NamedTuple):
@@ -85,7 +88,7 @@ def simulated_of(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Seq
     subjects = []
     for done, recording in enumerate(recordings):
         asked.progress(CALIBRATED, done, len(recordings))
-        subjects.append(subject_of(recording, asked.rig))
+        subjects.append(subject_of(recording, asked.rig, asked.least_noise_dps_rthz))
     hints = hints_of(subjects)
     tried, untestable = testable_among(candidates(hints, asked.rig), recordings, asked.withheld)
     return Simulated(subjects, tables_of(asked, paths, subjects, tried), tried, untestable)
@@ -95,7 +98,9 @@ def tables_of(
     asked: DiagnosisRequest, paths: Sequence[Path], subjects: Sequence[Subject], tried: Sequence[Candidate]
 ) -> tuple[ResponseTable, ...]:
     """The tables of some sessions."""
-    plan = SimulationPlan(tuple(paths), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried))
+    plan = SimulationPlan(
+        tuple(paths), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried), asked.least_noise_dps_rthz
+    )
     return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
 
 

@@ -33,6 +33,6 @@ def beginning_of(kind: Filter, metadata: Mapping[str, Mapping[str, str]], name: 
     state: FilterState = kind.state()
     try:
         restore(state, json.loads(table["began_with"]))
-    except (ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
+    except (ValueError, TypeError, AttributeError, IndexError, KeyError, RecursionError) as error:
         raise DataError(f"{name}: what its filter began with is damaged, or of another version: {error}") from error
     return state

@@ -1,7 +1,11 @@
 """The state of a filter as a table of texts and numbers, to be kept in a file: what differs from a new one."""
 
+import reprlib
 from dataclasses import fields, is_dataclass
 from typing import Any
+
+MOST = 1e15
+"""Beyond all that a filter holds; a table may come from anywhere, and squares of it have to be floats."""
 
 
 def saved(state: Any, new: Any) -> dict[str, Any]:
@@ -40,7 +44,7 @@ def restore(state: Any, table: dict[str, Any]) -> None:
         elif isinstance(held, list):
             for at, inner in value.items():
                 restore(held[int(at)], inner)
-        elif type(value) is type(held):
+        elif type(value) is type(held) and abs(value) <= MOST:
             setattr(state, name, value)
         else:
-            raise ValueError(f"{name} is {value!r}")
+            raise ValueError(f"{name} is {reprlib.repr(value)}")

@@ -60,7 +60,7 @@ def _by_console(device: str) -> PortHolder | None:
 
 
 def _process(pid: int) -> PortHolder:
-    return PortHolder(Path(f"/proc/{pid}/comm").read_text().strip(), pid)
+    return PortHolder(Path(f"/proc/{pid}/comm").read_text(errors="replace").strip(), pid)  # a process may take any name
 
 
 def _points_to(link: Path, device: str) -> bool:

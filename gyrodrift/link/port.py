@@ -31,6 +31,9 @@ READS_PER_TURN = 16
 PTY_SLAVE_MAJORS = range(136, 144)
 BY_ID = Path("/dev/serial/by-id")
 
+LOOKS = 3
+"""pyserial reads what sysfs says of an adapter piece by piece, and stumbles where it is pulled meanwhile."""
+
 HUNG_UP = frozenset({errno.EIO, errno.ENXIO, errno.EBADF, errno.ENODEV})
 """A read may fail so for a moment while a pty has no other end; with any other error the port is of no use any more."""
 
@@ -116,10 +119,18 @@ def stable_name(path: str) -> str:
 
 def serial_ports() -> list[SerialPort]:
     """The ports of this machine that have hardware behind them, by name; none of them is opened."""
-    found = {entry.device: _described(entry) for entry in list_ports.comports() if has_uart(entry.device)}
+    found = {entry.device: _described(entry) for entry in _plugged_in() if has_uart(entry.device)}
     for device in built_in_ports():  # pyserial leaves out those on a chip, such as the Raspberry Pi's
         found.setdefault(device, SerialPort(stable_name(device), device))
     return sorted(found.values(), key=lambda port: port.name)
+
+
+def _plugged_in() -> list[ListPortInfo]:
+    """What pyserial finds; nothing where adapters come and go with each look."""
+    for _ in range(LOOKS):
+        with suppress(OSError, TypeError, ValueError):
+            return list(list_ports.comports())
+    return []
 
 
 def _described(entry: ListPortInfo) -> SerialPort:

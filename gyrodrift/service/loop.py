@@ -18,6 +18,7 @@ from gyrodrift.service.listener import SampleListener
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
+from gyrodrift.service.stream_watch import StreamWatch
 
 if TYPE_CHECKING:  # a service that nobody controls does without
     from gyrodrift.service.control import Control
@@ -78,6 +79,10 @@ class Service:
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
     _waited_for: dict[int, int] = field(default_factory=dict)
+    _watch: StreamWatch = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._watch = StreamWatch(self.events)
 
     def run(self) -> None:
         """Run until the signal to stop.
@@ -110,6 +115,7 @@ class Service:
         while not self.stop.is_set:
             is_waited_for = self._wait()
             samples = self.link.read()
+            self._watch.take(samples)
             if self.word is not None:
                 samples = self.word.told(samples)
             if samples or is_waited_for:
@@ -168,7 +174,7 @@ class Service:
         marks, counters, decoder = self._marks, self.link.counters, self.link.decoder
         elapsed_s = max(now_s - marks.stats_s, 1e-9)
         byte_rate = (counters.bytes - marks.stats_bytes) / elapsed_s
-        of_listeners: dict[str, Any] = {}
+        of_listeners: dict[str, Any] = self._watch.stats()
         for listener in self.listeners:
             of_listeners |= listener.stats()
         self.log.info(

@@ -14,6 +14,9 @@ VERSION = 1
 CLOCK_UNSET_S = 86_400.0
 """The age of a memory that was written later than now: the clock of one of the two was not set."""
 
+LATEST_S = 1e12
+"""Unix time; the year 33 658."""
+
 
 class MemoryDamagedError(Exception):
     """A file that holds no memory; it says why."""
@@ -80,6 +83,8 @@ def _memory_of(content: Any) -> MemoryFile:
             raise MemoryDamagedError(f"{name} is {content.get(name)!r}")
     if not isinstance(content.get("calibration", ""), str):
         raise MemoryDamagedError(f"calibration is {content['calibration']!r}")
+    if not abs(content["written_s"]) < LATEST_S:  # JSON may say NaN, and more digits than any float has
+        raise MemoryDamagedError("written_s is no time")
     return MemoryFile(
         content["device"],
         content["filter"],

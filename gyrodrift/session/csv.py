@@ -177,7 +177,8 @@ def _cells(name: str, values: NDArray[np.float64] | NDArray[np.int64], texts: _T
         return ["" if seq < 0 else str(seq) for seq in values.tolist()]
     if not name.startswith("t_"):
         return list(map(texts.__getitem__, values.tolist()))
-    micros = np.rint(values * 1e6)
+    with np.errstate(over="ignore"):
+        micros = np.rint(values * 1e6)
     if not np.array_equal(micros / 1e6, values) or not ((micros >= 0.0) & (micros < WHOLE)).all():
         return list(map(repr, values.tolist()))
     # Whole microseconds: the seconds repeat, and so do their fractions at any steady rate.

@@ -35,7 +35,7 @@ MOST_TRIES = 20
 
 TABLE = "twin.csv"
 
-LONGEST_MINUTES = 1440.0
+SHORTEST_MINUTES, LONGEST_MINUTES = 0.01, 1440.0
 LONGEST_WORD = 60
 """Of a name of a file, in characters."""
 
@@ -72,7 +72,7 @@ def read_rows(path: Path) -> list[Row]:
         with path.open(encoding="utf-8") as file:
             lines = csv.DictReader(line for line in file if not line.startswith("#"))
             rows = [
-                Row(line["split"], line["session"], float(line["minutes"]), float(line["e_euler_deg"]))
+                Row(line["split"] or "", line["session"] or "", float(line["minutes"]), float(line["e_euler_deg"]))
                 for line in lines
             ]
     except (OSError, UnicodeDecodeError) as error:
@@ -82,10 +82,10 @@ def read_rows(path: Path) -> list[Row]:
             f"{path}: expected columns split, session, minutes, e_euler_deg with numbers: {error}"
         ) from error
     for row in rows:
-        if not (0.0 < row.minutes <= LONGEST_MINUTES and 0.0 <= row.e_euler_deg < inf):
+        if not (SHORTEST_MINUTES <= row.minutes <= LONGEST_MINUTES and 0.0 <= row.e_euler_deg < inf):
             raise DataError(
-                f"{path}: {row.name}: {row.minutes:g} minutes with {row.e_euler_deg:g} deg; expected up to "
-                f"{LONGEST_MINUTES:g} minutes and an error that is no less than 0"
+                f"{path}: {row.name}: {row.minutes:g} minutes with {row.e_euler_deg:g} deg; expected "
+                f"{SHORTEST_MINUTES:g} to {LONGEST_MINUTES:g} minutes and an error that is no less than 0"
             )
     return rows
 
@@ -135,6 +135,19 @@ def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) 
     DataError
         Where no strength does: the noise alone drifts further.
     """
+    try:
+        found = _strength(row, rig, profile, seed, number)
+    except (ArithmeticError, ValueError):  # it leaves what a rig may be, or the floats
+        found = None
+    if found is None:
+        raise DataError(
+            f"{row.name}: no bias track of this rig gives E = {row.e_euler_deg:g} deg; is its noise too high?"
+        )
+    return found
+
+
+def _strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session] | None:
+    """The same; None where a few steps do not lead there."""
 
     def simulated(strength: float) -> Session:
         return Simulation(drifting(rig, strength), profile, seed, number, row.minutes).whole()
@@ -153,7 +166,7 @@ def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) 
             return strength, session
         slope = (predicted_deg(1.001 * strength) - predicted_deg(0.999 * strength)) / (0.002 * strength)
         strength += missing_deg / slope
-    raise DataError(f"{row.name}: no bias track of this rig gives E = {row.e_euler_deg:g} deg; is its noise too high?")
+    return None
 
 
 def _solve(predicted_deg: Callable[[float], float], e_deg: float) -> float:

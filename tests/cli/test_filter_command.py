@@ -1,6 +1,7 @@
 """`gyrodrift filter`: the recursion over a recording, column by column."""
 
 import csv
+import io
 import json
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from gyrodrift.cli import main
 from gyrodrift.filters.hdr_filter import HDR as HDR_FILTER
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.write import McapWriter
 
 HDR = "hdr: {{i_c_dps: {i_c}, tau_s: {tau}, theta_w_dps: {theta_w}, c1: {c1}, c2: {c2}}}\n"
 SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"
@@ -94,6 +97,30 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
     shown = capsys.readouterr()
     assert [line.split(",")[0] for line in shown.out.splitlines()] == ["t_device_s", "0.0", "0.01", "0.03"]
     assert shown.err == "gyrodrift: s: 2 samples passed by (time or rate)\n"
+
+
+@pytest.mark.parametrize(
+    ("began_with", "reason"),
+    [
+        ('{"hypotheses": {"0": {"weight": 1.0, "bias_var": -1.0}}, "samples": 1}', "no filter can go on from"),
+        ('{"t_s": NaN}', "is damaged, or of another version"),
+        ('{"t_s":' * 100_000, "is damaged, or of another version"),
+    ],
+    ids=["negative", "nan", "deep"],
+)
+def test_what_a_recording_began_with_may_be_made_up(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], began_with: str, reason: str
+) -> None:
+    """It comes with the file, from wherever that came."""
+    path, stream = tmp_path / "s.mcap", io.BytesIO()
+    writer = McapWriter(stream, {"filter": {"name": "restlevel", "began_with": began_with}})
+    for n in range(1000):
+        writer.add(Sample(n, n / 100, 0.0, 0.3 + n % 7 / 100))
+    writer.finish()
+    path.write_bytes(stream.getvalue())
+    assert main(["filter", str(path), "--out", str(tmp_path / "out.csv")]) == 4
+    assert reason in capsys.readouterr().err
+    assert not (tmp_path / "out.csv").exists()
 
 
 def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path: Path) -> None:

@@ -149,7 +149,18 @@ def test_a_table_of_twins_leads_nowhere_else(tmp_path: Path) -> None:
     assert written == {"table.csv", *(f"a/b/twin/{n}" for n in ("away/01-x.csv", "away/01-x.rig.yaml", "twin.csv"))}
 
 
-@pytest.mark.parametrize("values", ["inf,1", "nan,1", "-1,1", "1e9,1", "1,nan", "1,inf", '"' + "x" * 200_000 + '",1'])
+@pytest.mark.parametrize("e_deg", ["1e300", "1e-300"])
+def test_a_twin_that_no_rig_can_be_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], e_deg: str) -> None:
+    """Neither a bias beyond all rigs, nor one that leaves nothing to divide by; the words may have any order."""
+    table = tmp_path / "table.csv"
+    table.write_text(f"minutes,e_euler_deg,session,split\n0.05,{e_deg}\n")
+    assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t"), "--quiet"]) == 4
+    assert "no bias track of this rig gives E = 1e" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "values", ["inf,1", "nan,1", "-1,1", "1e9,1", "1e-300,1", "1,nan", "1,inf", '"' + "x" * 200_000 + '",1']
+)
 def test_a_table_of_twins_that_makes_no_sense_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], values: str
 ) -> None:

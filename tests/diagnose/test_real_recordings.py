@@ -52,7 +52,8 @@ def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Re
     paths = [beginning(recordings.data / f"broad_{number}.csv", 20_000, tmp_path) for number in ("01", "06", "14")]
     gap = diagnosed(paths, {"sample_rate_hz": 285.7, "dps_per_lsb": 0.061, "encoder_cpr": 3600000}, tmp_path)
     assert gap["verdict"] in {"partly", "unknown"}
-    assert gap["gap"]["shrink"] is None or gap["gap"]["shrink"] < 0.6
+    assert gap["leftover"]
+    assert gap["gap"]["shrink"] is None or gap["gap"]["shrink"] < 0.75  # cameras and gyros are 4 ms apart, too
     assert len(gap["leftover"]) > 5
 
 

@@ -290,6 +290,63 @@ def test_an_independent_reading_agrees_where_a_device_says_zero_at_first(zeros: 
     np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
 
 
+FREEZES = [(60.0, 0.3), (62.0, 1.0), (73.0, 30.0), (110.0, 5.0)]
+"""When in a recording of turns the sensor hangs, and for how long, s: at rest, in a turn, and in both."""
+
+
+def hung(rate_dps: Floats, lsb_dps: float, at_dps: float | None) -> Floats:
+    """The same in steps, with the last value, or another one, over and over during FREEZES."""
+    said_dps = np.round(rate_dps / lsb_dps) * lsb_dps
+    for begun_s, seconds in FREEZES:
+        first = round(begun_s * RATE_HZ)
+        said_dps[first : first + round(seconds * RATE_HZ)] = said_dps[first - 1] if at_dps is None else at_dps
+    return np.asarray(said_dps)
+
+
+@pytest.mark.parametrize("lsb_dps", [0.0076, 0.061])
+@pytest.mark.parametrize("at_dps", [None, 0.0])
+def test_an_independent_reading_agrees_where_a_sensor_hangs(at_dps: float | None, lsb_dps: float) -> None:
+    """Of fine steps, where that is known, and of coarse ones; at the last value, and at zero."""
+    t_s, rate_dps, _ = measured(held(*TURNS * 6), 0.4, 3)
+    rate_dps = hung(rate_dps, lsb_dps, at_dps)
+    found = reference(t_s, rate_dps, RestlevelParams())
+    yaw_deg, _, bias_dps = estimates(t_s, rate_dps, RestlevelParams())
+    np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("at_dps", [None, 0.0, 40.0])
+def test_a_sensor_that_hangs_says_nothing_and_its_rests_are_found_again(at_dps: float | None) -> None:
+    """Sigma holds what yaw lost or won meanwhile where the value turned it; noise and bias stay what they were."""
+    t_s, rate_dps, true_deg = measured(held(*TURNS * 6, (0.0, 20.0)), 0.4)
+    rate_dps = hung(rate_dps, 0.0076, at_dps)
+    yaw_deg, sigma_deg, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert found_dps[-1] == pytest.approx(0.4, abs=0.01)
+    last_s, seconds = FREEZES[-1]
+    after = round((last_s + seconds + 1.0) * RATE_HZ)
+    drift_deg = (yaw_deg - true_deg)[after:]
+    assert np.abs(drift_deg - drift_deg[0]).max() < 2.0
+    state = RestlevelState()
+    walked(t_s, rate_dps, RestlevelParams(), state)
+    assert state.rest_probability > 0.95
+    assert state.noise.sample_var == pytest.approx(0.05**2, rel=0.5)
+    if at_dps == 40.0:
+        assert abs(drift_deg[-1]) < 3.0 * sigma_deg[-1]
+
+
+def test_a_device_that_says_zero_at_rest_is_at_rest() -> None:
+    """It has taken its bias out, and clamps its noise after a while."""
+    t_s, rate_dps, true_deg = measured(held(*[(0.0, 10.0), (30.0, 4.0)] * 4, (0.0, 20.0)), 0.01)
+    rate_dps = np.round(rate_dps / 0.0076) * 0.0076
+    clamped = np.abs(rate_dps) < 0.3
+    clamped[:800] = False
+    rate_dps[clamped] = 0.0
+    state = RestlevelState()
+    yaw_deg, _, _ = walked(t_s, rate_dps, RestlevelParams(), state)
+    assert state.rest_probability > 0.95
+    assert abs(yaw_deg[-1] - true_deg[-1]) < 2.0
+
+
 def test_a_part_that_is_quieter_than_its_steps_loses_nothing_but_a_share_of_one() -> None:
     """Half an hour of turns and rests of a part with steps of 0.061 and a noise of 0.009 deg/s."""
     dice = np.random.default_rng(4)

@@ -3,14 +3,18 @@
 import errno
 import os
 import pty
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from serial.tools.list_ports_common import ListPortInfo
 from support import Command, speaking_on
 
 from gyrodrift.errors import LinkError, PortBusyError, PortMissingError, UsageError
 from gyrodrift.link import port as port_module
+from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.port import Port, PortGoneError, stable_name
 
 
@@ -71,6 +75,47 @@ def test_a_busy_port_names_who_holds_it(tmp_path: Path) -> None:
         with pytest.raises(PortBusyError, match=rf"in use by \S+ \(pid {first.process.pid}\); stop that program first"):
             Port(str(link), 115200)
         assert first.stop() == 0
+
+
+NAMELESS = """
+import ctypes, sys, time
+ctypes.CDLL(None).prctl(15, b"\\xff\\xfe")
+file = open(sys.argv[1], "rb")
+print(flush=True)
+time.sleep(60)
+"""
+"""A process whose name is no text, with a file open; 15 is PR_SET_NAME."""
+
+
+def test_who_holds_a_port_may_have_any_name(tmp_path: Path) -> None:
+    """It is told as far as it can be read, and ends nothing."""
+    held = tmp_path / "gyro"
+    held.write_text("")
+    with subprocess.Popen([sys.executable, "-c", NAMELESS, held], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        found = holder_of(str(held))
+        process.kill()
+    assert found == PortHolder("\ufffd\ufffd", process.pid)
+
+
+def test_an_adapter_that_is_pulled_while_ports_are_listed_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pyserial makes a number of what sysfs says of it, and that is None then."""
+    looks: list[int] = []
+
+    def comports() -> list[ListPortInfo]:
+        looks.append(1)
+        if len(looks) < 3:
+            return [int(None, 16)]  # type: ignore[call-overload]  # what pyserial does
+        return [ListPortInfo("/dev/ttyUSB7")]
+
+    monkeypatch.setattr("gyrodrift.link.port.list_ports.comports", comports)
+    with pytest.raises(PortMissingError, match=r"ports on this machine: .*/dev/ttyUSB7"):
+        Port("/dev/ttyNONE", 115200)
+    looks.clear()
+    monkeypatch.setattr(port_module, "LOOKS", 2)
+    with pytest.raises(PortMissingError, match="/dev/ttyNONE: there is no such port"):
+        Port("/dev/ttyNONE", 115200)
 
 
 def test_an_adapter_is_remembered_by_its_stable_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

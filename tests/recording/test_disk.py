@@ -182,9 +182,11 @@ def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     file = disk_file(path)
     file.write(b"all of it")
     until(lambda: path.stat().st_size == 9)
-    path.unlink()
     if is_folder_gone:
-        path.parent.rmdir()
+        path.parent.rename(tmp_path / "gone")  # first, since the file would be back in a folder that is still there
+        (tmp_path / "gone" / "f").unlink()
+    else:
+        path.unlink()
     until(lambda: file.is_finished)
     with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
         file.join()

@@ -11,6 +11,8 @@ import pytest
 from outputs_support import serving
 from support import PATIENCE_S, Command, never, speaking_on
 
+from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
+
 RESTING, MOVING = 2000, 500
 
 
@@ -130,6 +132,17 @@ def test_a_damaged_memory_is_told_set_aside_and_begun_anew(port: Path, tmp_path:
     assert '"event": "memory_damaged"' in serve.log
     assert (tmp_path / "m.json.damaged_1").read_bytes() == damage
     assert not memory.exists()
+
+
+@pytest.mark.parametrize("written", ["1" + "0" * 400, "NaN", "1e999", "-1e999"])
+def test_a_memory_was_made_at_a_time(tmp_path: Path, written: str) -> None:
+    """JSON has numbers that are none, or that no float holds."""
+    memory = tmp_path / "m.json"
+    memory.write_text(
+        f'{{"gyrodrift_memory": 1, "device": "", "filter": "restlevel", "written_s": {written}, "knowledge": {{}}}}'
+    )
+    with pytest.raises(MemoryDamagedError, match="written_s is no time"):
+        read_memory(memory)
 
 
 def test_where_nothing_can_be_written_it_is_said_at_once(port: Path, tmp_path: Path) -> None:

@@ -319,6 +319,7 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
     ("arguments", "status", "message"),
     [
         (["--port", "/dev/ttyNONE"], 3, "gyrodrift: /dev/ttyNONE: there is no such port"),
+        (["--port", "{port}", "--timeout", "nan"], 2, "gyrodrift: --timeout nan: expected seconds, 0 or more"),
         (
             ["--port", "{port}", "--protocol", "morse"],
             2,

@@ -12,13 +12,10 @@ from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
 from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
-from gyrodrift.diagnose.recording.order_statistics import median
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 TAIL_SIGMAS = 5.0
-MEDIAN_TO_SIGMA = 0.6745
-"""Median of the absolute values of normal numbers, in standard deviations."""
-
 LEAST_TAIL_COUNTS = 1.2
 """Standard deviation of a second difference, in counts, below which steps of one count would pass for tails."""
 

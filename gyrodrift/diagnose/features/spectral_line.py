@@ -59,19 +59,24 @@ def spectral_line(seen: Cleaned, design: DesignMatrix) -> SpectralLine:
 
 
 def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
-    """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any line in it."""
+    """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any line in it.
+
+    Where steps hide it at rest it is that of slow motion, which scatters, too, but no more than what they hide.
+    """
+    spreads = spreads_of(seen.rate_dps, design.spread_places)
     windows = windows_within(seen.rate_dps, design.regimes.at_rest)
     if len(windows) >= FEW_WINDOWS:
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
         level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))  # an exponential's median to its mean
-        found = np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2))
-        if found > GRAIN_OF_NOISE * dps_per_lsb:
-            return float(found)
-    spreads = spreads_of(seen.rate_dps, design.spread_places)
-    rest = [spreads.rest[REST_POINTS.index(points)] for points in WHITE_POINTS]
-    found = float(np.sqrt(max(sum(rest) / len(rest), 0.0)))
-    slow = spreads.slow[MOVING_POINTS.index(WHITE_POINTS[0])]
-    return found if found > GRAIN_OF_NOISE * dps_per_lsb else float(np.sqrt(slow))
+        at_rest = float(np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2)))
+    else:
+        rest = [spreads.rest[REST_POINTS.index(points)] for points in WHITE_POINTS]
+        at_rest = float(np.sqrt(max(sum(rest) / len(rest), 0.0)))
+    hidden_dps = GRAIN_OF_NOISE * dps_per_lsb
+    if at_rest > hidden_dps:
+        return at_rest
+    slow = float(np.sqrt(spreads.slow[MOVING_POINTS.index(WHITE_POINTS[0])]))
+    return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= WINDOW else slow
 
 
 def windows_within(values: Floats, allowed: Mask) -> Floats:

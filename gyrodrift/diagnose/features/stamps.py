@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, PPM
-from gyrodrift.diagnose.recording.order_statistics import median, row_medians
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, row_medians
 from gyrodrift.diagnose.recording.recording import Recording, line
 
 SLOW_S = 10.0
@@ -18,9 +18,6 @@ LEAST_STAMP_S, LEAST_SLOW_S = 3e-5, 5e-4
 they are 0.3 % and 5 % of a sample period."""
 
 TAIL_SIGMAS = 8.0
-MEDIAN_TO_SIGMA = 0.6745
-"""Median of the absolute values of normal numbers, in standard deviations."""
-
 BEND_SIGMAS = np.sqrt(6.0)
 """Standard deviation of the second difference of white noise over its own."""
 

@@ -39,6 +39,9 @@ OF_MOTION = SLOW | _mask(lambda feature: feature.name.endswith("ripple"))
 ALWAYS = ~LINEAR & _mask(lambda feature: feature.regime == "always")
 """What needs no motion."""
 
+OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
+"""What speaks of stamps and arrivals, whatever the motion."""
+
 NOT_OF_STEPS = ~_mask(
     lambda feature: (
         feature.name in {"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"}

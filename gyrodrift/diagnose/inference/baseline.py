@@ -15,12 +15,13 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, STATIC, rms_scale
+from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, OF_TIMES, STATIC, rms_scale
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
-PRIOR_SHARE = 0.7
-"""Of the common difference, that the next recording may differ by: another motion shows another part of it."""
+PRIOR_SHARES = np.where(OF_TIMES, 0.1, 0.7)
+"""Of the common difference, that the next recording may differ by: another motion shows another part of it, but for
+stamps and arrivals, which know nothing of motions."""
 
 PRIOR_RUNS = 3.0
 """So many degrees of freedom is the prior worth."""
@@ -94,7 +95,7 @@ def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]
     return Baseline(
         common=np.where(says, common, 0.0),
         squares=np.square(differences - differences.mean(axis=0)).sum(axis=0),
-        prior=PRIOR_SHARE**2 * shown,
+        prior=np.square(PRIOR_SHARES) * shown,
         compared=says,
         count=len(tables),
     )

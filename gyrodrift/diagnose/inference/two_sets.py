@@ -10,9 +10,14 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats
 
-CHANCE = 0.02
+CHANCE = 0.01
 """Probability at which two sets of amounts differ by chance. What is asked was chosen among all effects, but explains
 the features of the later set by itself already."""
+
+NOISE_DEGREES = 2.0
+"""Degrees of freedom for which the variance counts that amounts have by the noise of features: it is an upper bound,
+since features err together, and few recordings say little of their own (Smyth, Linear models and empirical Bayes
+methods, 2004)."""
 
 TINY = 1e-12
 """Least square of a change, in units of sigma: an effect that a recording cannot show has no amount there."""
@@ -37,8 +42,10 @@ def noise_variance_of(changes: Floats, sigma: Floats) -> float:
 
 
 def chance_of(today: Floats, before: Floats, noise_variance: float) -> float:
-    """Probability that two sets of amounts of one device differ by so much; it varies at least as noise does."""
+    """Probability that two sets of amounts of one device differ by so much: by how they scatter, and by noise, too."""
     squares = sum(float(np.square(each - each.mean()).sum()) for each in (today, before))
-    degrees = max(1, len(today) + len(before) - 2)
-    variance = max(squares / degrees, noise_variance) * (1.0 / len(today) + 1.0 / len(before))
-    return float(2.0 * student.sf(abs(today.mean() - before.mean()) / np.sqrt(variance), degrees))
+    apart = abs(float(today.mean() - before.mean())) / np.sqrt(1.0 / len(today) + 1.0 / len(before))
+    degrees = len(today) + len(before) - 2.0
+    with_noise = degrees + NOISE_DEGREES, squares + NOISE_DEGREES * noise_variance
+    known = [(degrees, squares), with_noise] if degrees > 0.0 else [with_noise]
+    return max(float(2.0 * student.sf(apart / np.sqrt(max(sum_, TINY) / of), of)) for of, sum_ in known)

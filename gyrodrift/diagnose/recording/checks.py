@@ -7,12 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.delay import SmoothedRates, best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.diagnose.recording.smoothing import gaussian
 from gyrodrift.errors import DataError
 
 LEAST_S = 20.0
@@ -26,13 +25,6 @@ GYRO_MOVES_DPS = 10.0
 
 LIKE = 0.8
 """Rates of gyro and encoder of one axis correlate at least so well."""
-
-SMOOTH_S, SMOOTH_MOST_S, COUNTS = 0.1, 1.0, 3.0
-"""Standard deviation of the Gaussian through which both rates are compared; up to the larger one, so that a coarse
-encoder counts so often within it."""
-
-LAG_MOST_S = 5.0
-"""Lags are looked for up to this."""
 
 LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
@@ -123,16 +115,9 @@ def together_s(recordings: Sequence[Recording]) -> float:
 
 
 def _rates_of(recording: Recording) -> RatePair:
-    encoder_dps = np.gradient(filled(recording.encoder_deg), recording.period_s)
-    rate_dps = filled(recording.rate_dps)
-    smooth_s = _smooth_s(rate_dps, granularity(recording.encoder_deg))
-    return RatePair(recording, *(_smooth(each, smooth_s / recording.period_s) for each in (rate_dps, encoder_dps)))
-
-
-def _smooth_s(rate_dps: Floats, count_deg: float) -> float:
-    """Long enough for the encoder to count a few times at the usual rate."""
-    usual_dps = float(np.std(rate_dps))
-    return float(np.clip(COUNTS * count_deg / usual_dps, SMOOTH_S, SMOOTH_MOST_S)) if usual_dps > 0.0 else SMOOTH_S
+    rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
+    count_deg = granularity(recording.encoder_deg)
+    return RatePair(recording, *smoothed_rates(rate_dps, encoder_deg, count_deg, recording.period_s))
 
 
 def _length(rates: RatePair) -> Finding | None:
@@ -165,7 +150,7 @@ def _clocks(rates: RatePair) -> Finding | None:
 
 def _alignment(rates: RatePair) -> Finding | None:
     recording = rates.recording
-    lag, likeness = _best_lag(rates)
+    lag, _, likeness = best_lag(SmoothedRates(rates.gyro_dps, rates.encoder_dps), recording.period_s)
     if abs(likeness) < LIKE:
         why = "the gyro does not feel what the encoder sees: another axis, or encoder and gyro of different times?"
         return Finding(f"{why} (correlation {likeness:.2f})", None)
@@ -201,25 +186,6 @@ CHECKS: tuple[Check, ...] = (_length, _motion)
 
 MOTION_CHECKS: tuple[Check, ...] = (_clocks, _alignment, _sign, _unit)
 """Of one that moves."""
-
-
-def _smooth(rate_dps: Floats, samples: float) -> Floats:
-    smooth = gaussian(rate_dps, samples)
-    level: Floats = smooth - smooth.mean()
-    return level
-
-
-def _best_lag(rates: RatePair) -> tuple[int, float]:
-    """Samples by which the gyro comes later, and the correlation there."""
-    gyro_dps, encoder_dps = rates.gyro_dps, rates.encoder_dps
-    most = min(round(LAG_MOST_S / rates.recording.period_s), len(gyro_dps) // 4)
-    # What a transform of this size wraps round comes at lags that are not looked at.
-    size = next_fast_len(len(gyro_dps) + most, real=True)
-    product = np.fft.irfft(np.fft.rfft(gyro_dps, size) * np.conj(np.fft.rfft(encoder_dps, size)), size)
-    lags = np.arange(-most, most + 1)
-    by_lag = product[lags] / (np.linalg.norm(gyro_dps) * np.linalg.norm(encoder_dps))
-    best = int(np.argmax(np.abs(by_lag)))
-    return int(lags[best]), float(by_lag[best])
 
 
 def _shifted(values: Floats, lag: int) -> Floats:

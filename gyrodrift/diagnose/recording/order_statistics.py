@@ -10,6 +10,9 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.compile import compiled_once
 
+MEDIAN_TO_SIGMA = 0.6745
+"""Median of the absolute values of normal numbers, in standard deviations."""
+
 
 def median(values: Floats) -> float:
     """As `np.median`; shape (n,), n at least 1."""

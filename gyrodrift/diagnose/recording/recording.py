@@ -4,16 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.numbering import numbered
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.reference import unwrapped
 from gyrodrift.session.session import Session
-
-WRAP = 1 << 16
-"""Counters on the wire have 16 bits; one that never went beyond may have wrapped."""
-
-MISSED = 1.6
-"""Without a counter, a step of the clock this many periods long stands for samples that are missing."""
 
 FIRST_SAMPLES = 100
 """In these a clock that drifts has not gone far."""
@@ -86,13 +81,13 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     if session.encoder_deg is None:
         raise DataError(f"{session.name}: has no encoder, so nothing says how it really moved")
     _check_values(session)
-    number, keep, repeated, disordered = _numbered(session)
-    count = int(number[-1]) + 1
-    if count > SPARSE * len(number):
-        raise DataError(f"{session.name}: its counter speaks of {count} samples, and {len(number)} are there")
+    found = numbered(session)
+    count = int(found.number[-1]) + 1
+    if count > SPARSE * len(found.number):
+        raise DataError(f"{session.name}: its counter speaks of {count} samples, and {len(found.number)} are there")
     length = count if samples is None else samples
-    inside = number < length
-    place, taken = number[inside], keep[inside]
+    inside = found.number < length
+    place, taken = found.number[inside], found.place[inside]
 
     def spread(values: Floats | None) -> Floats | None:
         if values is None or not np.isfinite(values).any():
@@ -117,8 +112,8 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
         temp_c=spread(session.temp_c),
         powered_s=max(0.0, float(session.t_device_s[0])),
-        repeated=repeated,
-        disordered=disordered,
+        repeated=found.repeated,
+        disordered=found.disordered,
         has_counter=session.seq is not None,
         host_ahead_s=_host_ahead_s(session),
     )
@@ -189,33 +184,3 @@ def filled(values: Floats) -> Floats:
     place = np.arange(len(values))
     out: Floats = np.interp(place, place[known], values[known])
     return out
-
-
-def _numbered(session: Session) -> tuple[Integers, Integers, int, int]:
-    """Number of each sample that is kept, rising from 0, and its place in the session; repeated, disordered."""
-    seq = session.seq
-    if seq is None or (seq < 0).any():
-        number = _by_clock(session.t_device_s)
-    else:
-        steps = np.diff(seq)
-        if seq.max() < WRAP:
-            steps = (steps + WRAP // 2) % WRAP - WRAP // 2
-        number = np.concatenate([[0], np.cumsum(steps)])
-    disordered = int(np.count_nonzero(np.diff(number) < 0))
-    number = number - number.min()
-    if (np.diff(number) > 0).all():
-        sorted_number, keep = number, np.arange(len(number))
-    else:
-        sorted_number, keep = np.unique(number, return_index=True)
-    repeated = len(number) - len(sorted_number)
-    if len(sorted_number) < 2:
-        raise DataError(f"{session.name}: has {len(sorted_number)} samples; there is nothing to see")
-    return sorted_number - sorted_number[0], keep, repeated, disordered
-
-
-def _by_clock(t_s: Floats) -> Integers:
-    steps_s = np.diff(t_s)
-    rising = steps_s[steps_s > 0.0]
-    period_s = float(np.median(rising)) if len(rising) else 1.0
-    steps = np.where(steps_s > MISSED * period_s, np.rint(steps_s / period_s), 1.0).astype(np.int64)
-    return np.concatenate([[0], np.cumsum(steps)])

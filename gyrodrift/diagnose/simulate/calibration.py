@@ -46,8 +46,18 @@ class Level:
     bias_dps: float
 
 
-def calibrated(seen: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig) -> Rig:
-    """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles."""
+def calibrated(
+    seen: Cleaned,
+    design: DesignMatrix,
+    motion: ReplayedMotion,
+    rig: Rig,
+    least_noise_dps_rthz: float = 0.0,
+) -> Rig:
+    """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles.
+
+    least_noise_dps_rthz
+        Less than that no recording of this device has, whatever it shows.
+    """
     period_s = seen.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
     wanted = level_of(seen, design, step_dps)
@@ -62,6 +72,8 @@ def calibrated(seen: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig:
     for _ in range(ROUNDS):
         found = level_of(_played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps)
         base = _moved(base, wanted, found, step_dps)
+        noise = max(base.noise_dps_rthz, least_noise_dps_rthz)
+        base = base.model_copy(update={"noise_dps_rthz": noise})
     return rig.model_copy(update={"base": base})
 
 

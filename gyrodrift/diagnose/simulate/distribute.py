@@ -10,6 +10,7 @@ from typing import NamedTuple
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recording
+from gyrodrift.diagnose.recording.numbering import backlog_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
@@ -30,6 +31,8 @@ class SimulationPlan:
 
     tried
         Of the candidates that the hints give, those that are to be simulated.
+    least_noise_dps_rthz
+        Less noise than that no recording of this device has.
     """
 
     paths: tuple[Path, ...]
@@ -37,6 +40,7 @@ class SimulationPlan:
     rig: Rig
     hints: Hints
     tried: tuple[Candidate, ...]
+    least_noise_dps_rthz: float
 
 
 class SessionTask(NamedTuple):
@@ -47,6 +51,7 @@ class SessionTask(NamedTuple):
     hints: Hints
     names: frozenset[str]
     null_runs: int
+    least_noise_dps_rthz: float
 
 
 def checked_recording(path: Path) -> CheckedRecording:
@@ -57,13 +62,17 @@ def checked_recording(path: Path) -> CheckedRecording:
     DataError
         Where it cannot be read, or has no encoder.
     """
-    session = load_session(path)
+    session, remarks = load_session(path), []
     calibration = calibration_of(session)
-    if calibration is None:
-        return check_recording(recording_of(session))
-    checked = check_recording(recording_of(with_calibration(session, calibration)))
-    remark = f"{session.name}: is compared with its calibration of {calibration.date} applied, as a filter takes it"
-    return replace(checked, remarks=(remark, *checked.remarks))
+    if calibration is not None:
+        session = with_calibration(session, calibration)
+        how = f"is compared with its calibration of {calibration.date} applied, as a filter takes it"
+        remarks.append(f"{session.name}: {how}")
+    if waited := backlog_of(session):
+        session = session.part(waited, len(session.t_device_s))
+        remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are left out")
+    checked = check_recording(recording_of(session))
+    return replace(checked, remarks=(*remarks, *checked.remarks))
 
 
 def response_tables(
@@ -106,8 +115,10 @@ def _held_table(number: int) -> ResponseTable:
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
     names = frozenset(candidate.name for candidate in plan.tried)
+    null_runs = null_runs_of(len(plan.paths))
     tasks = [
-        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs_of(len(plan.paths))) for path in plan.paths
+        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz)
+        for path in plan.paths
     ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
@@ -131,7 +142,7 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     if recording is None:
         raise DataError(f"{task.path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
-    return response_table(subject_of(recording, task.rig), tried, task.null_runs)
+    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:

@@ -23,17 +23,19 @@ from gyrodrift.diagnose.features.dither import hidden_dps, with_hidden
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
 from gyrodrift.diagnose.features.within_second import lag_basis
+from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
+from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
 from gyrodrift.diagnose.simulate.calibration import calibrated
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import angles_before, gyro_model_of, has_encoder_effects, with_phases
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
 
-SHAPES, MOTIONS, ARRIVALS = 1, 2, 3
+SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
 """Tell their random streams from those of effects, which go by their names."""
 
 CORRECTIONS = 2
@@ -41,6 +43,10 @@ CORRECTIONS = 2
 
 COURSE_S, COURSE_DEG = 5.0, 45.0
 """How often, and how finely, the course of a motion is noted to tell whether another is the same."""
+
+WRONG_DELAY_S = 0.02
+"""Delay that the rig does not have, from which on the motion is rebuilt with the one that the recording shows: less
+than that costs the motion no more than the two disagree in noise."""
 
 ARRIVAL_PHASE_S = 0.1
 """Ticks of a host begin anywhere: each simulation arrives later by up to this."""
@@ -64,6 +70,7 @@ class Subject:
     posterior: MotionPosterior
     design: DesignMatrix
     rig: Rig
+    reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
 
     @property
@@ -166,7 +173,11 @@ class Subject:
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
         block = next(play(rig, self.motion(seed), self._stream(seed), block_samples=self.design.samples))
-        return as_recorded(block, rig.base, self.seen.recording.name)
+        session = as_recorded(block, rig.base, self.seen.recording.name)
+        if self.reference is None or session.encoder_deg is None:
+            return session
+        noise_deg = self.reference.drawn(np.random.default_rng([self._stream(seed), REFERENCES]))
+        return replace(session, encoder_deg=session.encoder_deg + noise_deg[block.seq])
 
     def played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
         """A simulation holds what the recording holds: arrivals or numbers that it lacks are no difference."""
@@ -188,29 +199,51 @@ def design_beside(seen: Cleaned, base: BaseRun) -> DesignMatrix:
     return replace(base.design, lag=lag_basis(seen.encoder_deg, base.design.period_s))
 
 
-def subject_of(recording: Recording, rig: Rig) -> Subject:
-    """Rebuild the motion, and calibrate the rig."""
+def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:
+    """Rebuild the motion, and calibrate the rig, with no less noise than it is known to have."""
     seen = cleaned(recording)
-    known, posterior, design = rebuilt(seen, rig)
-    return Subject(seen, posterior, design, calibrated(seen, design, posterior.mean, known))
+    known, posterior, design, encoder_deg = rebuilt(seen, rig)
+    reference = reference_noise_of(encoder_deg, seen.step_deg, posterior.mean)
+    rig_of_session = calibrated(seen, design, posterior.mean, known, least_noise_dps_rthz)
+    return Subject(seen, posterior, design, rig_of_session, reference)
 
 
 class Rebuilt(NamedTuple):
-    """The motion behind what was seen, the design matrix that it gives, and the rig with the phases of this session."""
+    """The motion behind what was seen, the design matrix that it gives, and the rig with the phases of this session.
+
+    encoder_deg
+        Angles of the encoder without what the rig says it errs by.
+    """
 
     rig: Rig
     posterior: MotionPosterior
     design: DesignMatrix
+    encoder_deg: Floats
 
 
 def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     """What an encoder and a gyro of this rig say of how they were moved."""
-    gyro = gyro_model_of(rig)
+    gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
     posterior = motion_posterior_of(seen, gyro)
     design = design_matrix_of(seen, posterior.mean)
     known = with_phases(rig, seen, design)
     if not has_encoder_effects(rig):
-        return Rebuilt(known, posterior, design)
+        return Rebuilt(known, posterior, design, seen.encoder_deg)
+    encoder_deg = seen.encoder_deg
     for _ in range(CORRECTIONS):
-        posterior = motion_posterior_of(seen, gyro, angles_before(known, seen.encoder_deg, posterior.mean))
-    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean))
+        encoder_deg = angles_before(known, seen.encoder_deg, posterior.mean)
+        posterior = motion_posterior_of(seen, gyro, encoder_deg)
+    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean), encoder_deg)
+
+
+def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:
+    """The gyro with the delay that the recording shows, where that is far from the rig's.
+
+    Else rates of one moment would be taken for the motion of another, and bend it.
+    """
+    if not seen.recording.moves:
+        return gyro
+    period_s = seen.recording.period_s
+    lag = best_lag(smoothed_rates(seen.rate_dps, seen.encoder_deg, seen.step_deg, period_s), period_s)
+    shown_s = lag.fine * period_s
+    return gyro if abs(shown_s - gyro.delay_s) < WRONG_DELAY_S else replace(gyro, delay_s=shown_s)

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Lt
 
-from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.state import TEMP_POINTS, TempCurve
 from gyrodrift.filters.restlevel.temperature import SLOPE_DOUBT, fit_line
 
@@ -144,7 +144,8 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
         point.count, point.temp_c, point.t_s = one.count, one.temp_c, -one.age_s - age_s
         point.bias_dps, point.bias_var = one.bias_dps, one.bias_var
     fit_line(state.curve, params.walk_dps_rts**2, 0.0)
-    found = _expected(params, memory, age_s, temp_c, state.curve)
+    is_one = temp_c is not None and COLDEST_C < temp_c < WARMEST_C  # as in `step`: a device may say anything
+    found = _expected(params, memory, age_s, temp_c if is_one else None, state.curve)
     precision = sum(1.0 / variance for _, variance in found)
     for place, (bias_dps, variance) in zip(state.remembered, found, strict=False):
         place.weight = REMEMBERED_WEIGHT / variance / precision

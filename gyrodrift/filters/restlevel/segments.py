@@ -53,7 +53,7 @@ def track_segment(
     """
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
-    is_now_stationary = is_stationary(c, s.block, s.noise) and s.witness.moving == 0
+    is_now_stationary = not s.noise.is_frozen and is_stationary(c, s.block, s.noise) and s.witness.moving == 0
     is_short_start = not is_now_stationary and _is_short_start(c, s, seconds)
     s.blocks += 1
     if s.blocks <= 2:  # switching on may disturb the first block

@@ -56,6 +56,8 @@ class NoiseModel:
         Blocks so far in which nothing but zero was said; −1 where the block before was the first with a step.
     flicker_var
         Bias instability, (deg/s)²: how far block means at rest wander beyond what N² explains.
+    is_frozen, frozen_deg
+        The sensor hung all through the block that has just ended, and what it has turned yaw by since it hangs.
     """
 
     sample_var: float = -1.0
@@ -68,6 +70,8 @@ class NoiseModel:
     has_dropped: bool = False
     mute_blocks: int = 0
     flicker_var: float = 0.0
+    is_frozen: bool = False
+    frozen_deg: float = 0.0
 
 
 @dataclass(slots=True)

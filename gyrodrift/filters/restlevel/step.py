@@ -6,6 +6,7 @@ Batch versions are this very source, compiled, and held to its bits by a test.
 from math import nan, sqrt
 
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
+from gyrodrift.filters.restlevel.frozen import doubt_turn, see_freeze
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     begin_anew,
@@ -151,6 +152,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         begin_anew(c, s)
     if s.blocks == 0:
         recall_noise(s, seconds)
+    see_freeze(s)
     track_segment(c, s, mean_dps, step_dps, seconds)
     doubt_loud_rests(s)
     _leave(c, s, step_dps, seconds)
@@ -163,6 +165,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     elif s.witness.was_certain:
         end_certain_rest(s)
     predict(c, s, block.turned_deg, seconds)
+    doubt_turn(s, seconds)
     if not is_certain and segment.blocks > CONFIRMED_BLOCKS:
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:

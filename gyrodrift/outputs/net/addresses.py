@@ -90,6 +90,6 @@ def _sockets_of(folder: Path) -> Iterator[str]:
 
 def _name_of(folder: Path) -> str:
     try:
-        return (folder / "comm").read_text().strip()
+        return (folder / "comm").read_text(errors="replace").strip()
     except OSError:
         return "a process"

@@ -65,6 +65,8 @@ def read_mcap(path: Path) -> Session:
             session = _read_ours(path, file)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
+    except MemoryError as error:
+        raise DataError(f"{path}: its samples need more memory than there is") from error
     if session is None:
         from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - brings decoders that ours do without
 
@@ -75,7 +77,7 @@ def read_mcap(path: Path) -> Session:
 def _read_ours(path: Path, file: BinaryIO) -> Session | None:
     """The session, or None where no samples are laid out as ours."""
     walk = Walk(file)
-    columns = _Columns(walk.size // ROW.itemsize)
+    columns = _Columns(walk.zeros_at // ROW.itemsize + 1)  # the last one may end in zeros
     declared = _Declared()
     for step in walk:
         match step:
@@ -101,6 +103,7 @@ class _Columns:
 
     def __init__(self, most: int) -> None:
         self.count = 0
+        self._most = most
         self._stills: list[tuple[int, float]] = []
         self._arrays = {name: np.empty(most, ROW[name]) for name in VALUES}
 
@@ -116,17 +119,18 @@ class _Columns:
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             try:
                 said = json.loads(body[MESSAGE_BODY:])
-                self._stills.append((int(said["sample"]), np.nan if said["still"] is None else float(said["still"])))
-            except (ValueError, KeyError, TypeError) as error:
+                first = min(max(int(said["sample"]), 0), self._most)
+                self._stills.append((first, np.nan if said["still"] is None else float(said["still"])))
+            except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
                 raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
 
     def _still(self) -> Floats | None:
         """What was said of rest, sample by sample."""
         if not self._stills:
             return None
-        still = np.full(self.count, np.nan)
-        for sample, said in self._stills:  # each holds until the next
-            still[sample:] = said
+        firsts, said = zip(*self._stills, strict=True)
+        ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # each holds until the next
+        still: Floats = np.repeat([np.nan, *said], np.diff(ends, prepend=0))
         return still
 
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
@@ -208,4 +212,5 @@ def _add_stills(writer: McapWriter, still: Floats, log_time: NDArray[np.uint64])
 
 def _nanoseconds(seconds: Floats) -> NDArray[np.uint64]:
     finite = np.where(np.isfinite(seconds), seconds, 0.0)
-    return np.clip(finite * 1e9, 0, LATEST_NS).astype(np.uint64)
+    with np.errstate(over="ignore"):  # cut to the latest
+        return np.clip(finite * 1e9, 0, LATEST_NS).astype(np.uint64)

@@ -143,8 +143,10 @@ def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes
         number += 1
         saved = path.with_name(f"{path.name}.tail_{number}")
     with saved.open("xb") as copy:
-        for block in _blocks(file, end, walk.size):
+        for at, block in _data_blocks(file, end, walk.size):
+            copy.seek(at - end)
             copy.write(block)
+        copy.truncate(walk.size - end)
         copy.flush()
         os.fsync(copy.fileno())
     return saved
@@ -162,6 +164,23 @@ def _crc(file: IO[bytes], end: int) -> int:
     for block in _blocks(file, 0, end):
         crc = zlib.crc32(block, crc)
     return crc
+
+
+def _data_blocks(file: IO[bytes], start: int, end: int) -> Iterator[tuple[int, bytes]]:
+    """What stands between two places and where, without holes."""
+    while start < end:
+        before = os.lseek(file.fileno(), 0, os.SEEK_CUR)
+        try:
+            start = os.lseek(file.fileno(), start, os.SEEK_DATA)
+        except OSError:  # no data any more
+            return
+        finally:
+            os.lseek(file.fileno(), before, os.SEEK_SET)  # where the buffer of the file believes it to be
+        block = os.pread(file.fileno(), min(BLOCK_BYTES, max(0, end - start)), start)
+        if not block:
+            return
+        yield start, block
+        start += len(block)
 
 
 def _blocks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:

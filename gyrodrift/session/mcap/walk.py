@@ -19,6 +19,9 @@ BLOCK_BYTES = 1 << 22
 ZEROS_BLOCK_BYTES = 1 << 16
 FIRST_LOOK_ROWS = 16
 
+MOST_BODY_BYTES = 1 << 28
+"""Of a record that is read whole; ours have less than a megabyte, and a file of holes may claim any length."""
+
 ROW = np.dtype(
     [
         ("opcode", "u1"),
@@ -87,7 +90,15 @@ class Walk:
                 return
 
     def body(self, record: PlacedRecord) -> bytes:
-        """The bytes of a record behind its head."""
+        """The bytes of a record behind its head.
+
+        Raises
+        ------
+        BrokenRecordError
+            Where there are more than anybody would write.
+        """
+        if record.length > MOST_BODY_BYTES:
+            raise BrokenRecordError(f"the record at byte {record.at} has {record.length} bytes")
         return os.pread(self._file.fileno(), record.length, record.at + HEAD.size)
 
     def _step(self, block: bytes, at: int) -> SampleRows | PlacedRecord | None:
@@ -117,13 +128,27 @@ class Walk:
 
 def _zeros_at(file: IO[bytes], size: int) -> int:
     """Where the zeros begin that the file ends with; its size where there are none."""
-    end = size
+    end = _data_end(file, size)
     while end > 0:
         start = max(0, end - ZEROS_BLOCK_BYTES)
         if rest := os.pread(file.fileno(), end - start, start).rstrip(b"\0"):
             return start + len(rest)
         end = start
     return 0
+
+
+def _data_end(file: IO[bytes], size: int) -> int:
+    """Where the hole begins that the file ends with, which need not be read; its size where there is none."""
+    fd, place, hole = file.fileno(), 0, size
+    before = os.lseek(fd, 0, os.SEEK_CUR)
+    try:
+        while (hole := os.lseek(fd, place, os.SEEK_HOLE)) < size:
+            place = os.lseek(fd, hole, os.SEEK_DATA)
+    except OSError:  # no data behind it, or a disk that knows of no holes
+        return hole if place <= hole < size else size
+    finally:
+        os.lseek(fd, before, os.SEEK_SET)
+    return size
 
 
 def _run(rows: Rows) -> int:

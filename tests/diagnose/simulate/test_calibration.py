@@ -1,5 +1,7 @@
 """Base values of a session found through a rig with effects: those that it was simulated with."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from simulate_support import BASE, MOTION, session_of
@@ -65,3 +67,13 @@ def test_a_session_begins_where_its_encoder_says() -> None:
     subject = subject_of(recording_of(session_of()), Rig(base=base))
     assert subject.rig.base.encoder_phase_deg == 0.0
     assert np.abs(subject.posterior.mean.angle_deg[:100]).max() < 0.02
+
+
+def test_a_gyro_that_has_lost_its_noise_keeps_what_it_is_known_to_have() -> None:
+    """A stream of zeros shows none, and that is a difference from the device as it was."""
+    session = session_of()
+    silent = recording_of(replace(session, rate_dps=np.zeros(len(session.rate_dps))))
+    assert subject_of(silent, Rig(base=BASE)).rig.base.noise_dps_rthz < 0.1 * NOISE_DPS_RTHZ
+    assert subject_of(silent, Rig(base=BASE), NOISE_DPS_RTHZ).rig.base.noise_dps_rthz == NOISE_DPS_RTHZ
+    noisier = subject_of(recording_of(session), Rig(base=BASE), 0.5 * BASE.noise_dps_rthz).rig.base
+    assert noisier.noise_dps_rthz == pytest.approx(BASE.noise_dps_rthz, rel=0.1)

@@ -49,7 +49,7 @@ def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
     """No file is read: there is none at the paths. Tables come in the order of the sessions and are counted."""
     subjects = (named("a"), named("b"))
     paths = tuple(Path(f"/nowhere/{one.seen.recording.name}.mcap") for one in subjects)
-    plan = SimulationPlan(paths, subjects, Rig(base=BASE), HINTS, TRIED)
+    plan = SimulationPlan(paths, subjects, Rig(base=BASE), HINTS, TRIED, 0.0)
     told: list[tuple[str, int, int]] = []
     here = response_tables(plan, 1, None, lambda *step: told.append(step))
     there = response_tables(plan, 2, None, lambda *_: None)
@@ -66,7 +66,9 @@ def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path)
     recording = distribute.checked_recording(path).recording
     assert recording is not None
     subject = subject_of(recording, Rig(base=BASE))
-    task = SessionTask(path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]), null_runs=1)
+    task = SessionTask(
+        path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]), null_runs=1, least_noise_dps_rthz=0.0
+    )
     popcorns = [one for one in candidates(HINTS) if one.name in task.names]
     assert same(distribute.read_and_simulate(task), response_table(subject, popcorns, null_runs=1))
 
@@ -76,4 +78,6 @@ def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
     path = tmp_path / "cut.csv"
     write_session(path, [session_of(minutes=0.25)])
     with pytest.raises(DataError, match=r"cut\.csv: changed while"):
-        distribute.read_and_simulate(SessionTask(path, Rig(base=BASE), HINTS, frozenset(), null_runs=1))
+        distribute.read_and_simulate(
+            SessionTask(path, Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
+        )

@@ -167,6 +167,13 @@ def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
     again = RestlevelState()
     restore(again, table)
     assert again == state
-    for wrong in ({"flight": 1.0}, {"yaw_deg": "far"}, {"noise": {"colour": 1}}):
-        with pytest.raises(ValueError, match=r"has no|is '"):
+    for wrong in ({"flight": 1.0}, {"yaw_deg": "far"}, {"noise": {"colour": 1}}, {"t_s": np.nan}, {"blocks": 10**400}):
+        with pytest.raises(ValueError, match=r"has no|is '|is nan|is 10000"):
             restore(RestlevelState(), wrong)
+
+
+def test_a_first_temperature_may_be_anything() -> None:
+    """It is what a device says, before the filter has looked at it."""
+    said = replace(memory_of(0.4), temp_c=25.0)
+    nothing = begun(RestlevelParams(), said, DAY_S, None)
+    assert all(begun(RestlevelParams(), said, DAY_S, temp_c) == nothing for temp_c in (1e300, -1e300, 400.0))

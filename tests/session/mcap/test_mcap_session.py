@@ -1,6 +1,7 @@
 """Sessions in MCAP: the same samples for us and for public readers, whole or torn at any byte."""
 
 import io
+import json
 import os
 from pathlib import Path
 
@@ -16,10 +17,10 @@ from gyrodrift.cli import main
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap import walk
-from gyrodrift.session.mcap.layout import MESSAGE
+from gyrodrift.session.mcap.layout import HEAD, MESSAGE, STILLS
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
 from gyrodrift.session.mcap.walk import ROW
-from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.session.mcap.write import MESSAGE_HEAD, McapWriter
 from gyrodrift.session.session import Session
 
 any_float = st.floats(width=64)
@@ -179,6 +180,61 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
     monkeypatch.setattr(walk, "_run_length", counted)
     assert len(read_mcap(written(tmp_path, stream.getvalue())).t_device_s) == 3000
     assert sum(looked_at) <= 3000 * walk.FIRST_LOOK_ROWS
+
+
+def test_a_file_that_ends_in_a_hole_is_read_up_to_it(tmp_path: Path) -> None:
+    """It costs nobody anything to make, and is neither read nor room made for it."""
+    path = written(tmp_path, recorded(steady(100), is_finished=False))
+    os.truncate(path, 1 << 40)
+    assert len(read_mcap(path).t_device_s) == 100
+
+
+def test_a_record_of_a_hole_is_not_read(tmp_path: Path) -> None:
+    """Its length is that of the file, and its last byte is there."""
+    path = written(tmp_path, recorded(steady(100), is_finished=False))
+    begun = path.stat().st_size
+    with path.open("ab") as file:
+        file.write(HEAD.pack(5, (1 << 40) - begun - HEAD.size) + STILLS.channel_id.to_bytes(2, "little"))
+    os.truncate(path, (1 << 40) - 1)
+    with path.open("ab") as file:
+        file.write(b"x")
+    with pytest.raises(DataError, match=r"the record at byte \d+ has \d+ bytes|more memory than there is"):
+        read_mcap(path)
+
+
+def saying(words: list[bytes]) -> bytes:
+    """Ten samples, and messages on /still with these contents."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream)
+    for sample in steady(10):
+        writer.add(sample)
+    for word in words:
+        length = MESSAGE_HEAD.size - HEAD.size + len(word)
+        writer._others += writer._message_head(STILLS, length, 1.0) + word
+    writer.finish()
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "word",
+    [b"[" * 100_000, b'{"sample": 1e999, "still": 1}', b'{"sample": "x", "still": 1}', b"[]"],
+    ids=["deep", "endless", "text", "list"],
+)
+def test_what_is_said_of_rest_may_be_anything(tmp_path: Path, word: bytes) -> None:
+    """JSON may be as deep, and its numbers as large, as somebody likes."""
+    with pytest.raises(DataError, match="a message on /still is damaged; the file was changed since it was written"):
+        read_mcap(written(tmp_path, saying([word])))
+
+
+@given(st.lists(st.tuples(st.integers(-(2**80), 2**80) | st.integers(-3, 12), st.sampled_from([0.0, 1.0])), min_size=1))
+def test_what_is_said_of_rest_holds_until_the_next(
+    tmp_path_factory: pytest.TempPathFactory, said: list[tuple[int, float]]
+) -> None:
+    """In whatever order: the last message that begins at a sample or before it counts."""
+    words = [json.dumps({"sample": first, "still": still}).encode() for first, still in said]
+    still = read_mcap(written(tmp_path_factory.mktemp("s"), saying(words))).still
+    expected = [next((each for first, each in reversed(said) if first <= n), np.nan) for n in range(10)]
+    np.testing.assert_array_equal(still, expected)
 
 
 def test_a_note_that_is_not_utf_8_is_kept_as_far_as_it_goes(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import fcntl
 import io
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -167,6 +168,23 @@ def test_bytes_that_are_no_torn_record_are_kept_beside(tmp_path: Path) -> None:
     assert again is not None
     assert again.tail == tmp_path / "s.mcap.tail_2"
     assert (again.tail.read_bytes(), done.tail.read_bytes()) == (garbage[1:], garbage)
+
+
+def test_a_hole_before_the_last_bytes_stays_one(tmp_path: Path) -> None:
+    """What is kept beside takes no more room on the disk than it did."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written() + b"\xfegarbage" * 100)
+    os.truncate(path, 1 << 36)
+    with path.open("ab") as file:
+        file.write(b"end")
+    done = repair(path)
+    assert done is not None
+    assert done.tail is not None
+    with done.tail.open("rb") as tail:
+        assert tail.read(800) == b"\xfegarbage" * 100
+        assert tail.seek(-3, os.SEEK_END) + 3 == done.cut_bytes
+        assert tail.read() == b"end"
+    assert done.tail.stat().st_blocks * 512 < 1 << 24
 
 
 def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ export function showState({ status, health }) {
     ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
   ]);
   const taken = config.applied ? `, ${words.counted(config.applied, "change")} taken over, the last at ${words.clock(config.applied_s)}` : "";
-  byId("config-file").textContent = config.file ? `${config.file}${taken}` : "Without a file: the published parameters.";
+  byId("config-file").textContent = config.file ? `${config.file}${taken}` : `Without a file: ${config.filter} at its defaults.`;
   showFacts(byId("config"), [["filter", config.filter], ...Object.entries(config.params).map(([name, value]) => [name, String(value)])]);
   showClients(status.outputs);
   showFacts(byId("service"), [

@@ -1,0 +1,84 @@
+"""What is odd in a stream that arrives whole is told, once, and what is usual is not."""
+
+from random import Random
+from typing import Any
+
+import pytest
+
+from gyrodrift.sample import Sample
+from gyrodrift.service.stream_watch import PaceWatch, RateWatch
+
+HZ = 100.0
+FINE_DPS = 0.0076
+
+
+def noisy(count: int, level_dps: float = 0.4, lsb_dps: float = FINE_DPS, sigma_dps: float = 0.05) -> list[float]:
+    """Rates in steps, as a sensor says them."""
+    dice = Random(1)
+    return [round(dice.gauss(level_dps, sigma_dps) / lsb_dps) * lsb_dps for _ in range(count)]
+
+
+def told_of(rates: list[float], turn: int = 4) -> list[tuple[str, dict[str, Any]]]:
+    """Events of a stream whose samples come by a few."""
+    found: list[tuple[str, dict[str, Any]]] = []
+    watch = RateWatch(lambda event, **fields: found.append((event, fields)))
+    samples = [Sample(n, n / HZ, 0.0, rate) for n, rate in enumerate(rates)]
+    for at in range(0, len(samples), turn):
+        watch.take(samples[at : at + turn])
+    assert watch.hung_s == pytest.approx(sum(fields["seconds"] for event, fields in found if event == "rate_moves"))
+    return found
+
+
+def test_a_rate_that_hangs_is_told_once_and_once_more_when_it_moves() -> None:
+    """After a second, with the value; a second time as well."""
+    rates = [*noisy(1000), *[40.0] * 3000, *noisy(1000), *[0.41] * 300, *noisy(100)]
+    found = told_of(rates)
+    assert [event for event, _ in found] == ["rate_hangs", "rate_moves", "rate_hangs", "rate_moves"]
+    assert found[0][1] | {"hint": ""} == {"rate_dps": 40.0, "seconds": pytest.approx(1.0, abs=0.05), "hint": ""}
+    assert found[1][1] == {"rate_dps": 40.0, "seconds": 30.0}
+
+
+@pytest.mark.parametrize(
+    "rates",
+    [
+        noisy(20_000),
+        [*noisy(1000), *[0.0] * 3000, *noisy(1000)],
+        [0.4] * 5000,
+        [*noisy(1000, lsb_dps=0.061), *[0.427] * 3000],
+        [rate for rate in noisy(200, sigma_dps=0.3) for _ in range(60)],
+        [*noisy(1000), *[40.0] * 40, *noisy(1000)],
+        [float("nan")] * 5000,
+    ],
+    ids=["noise", "zero at rest", "constant from the start", "coarse steps", "a slow sensor", "a moment", "no rate"],
+)
+def test_what_is_usual_is_not_told(rates: list[float]) -> None:
+    """A sensor may be coarse, slow, or say zero at rest."""
+    assert told_of(rates) == []
+
+
+def paced(stretches: list[tuple[float, float]]) -> list[str]:
+    """Events of stretches of so many host seconds, in which the device clock goes so fast."""
+    found: list[str] = []
+    watch = PaceWatch(lambda event, **_: found.append(event))
+    host_s = device_s = 0.0
+    for seconds, per_s in stretches:
+        for _ in range(round(seconds * HZ)):
+            host_s, device_s = host_s + 1.0 / HZ, device_s + per_s / HZ
+            watch.take([Sample(0, device_s, host_s, 0.0)])
+    return found
+
+
+def test_a_clock_that_counts_something_else_is_told_once() -> None:
+    """Milliseconds for microseconds, from the tenth second on; right again, and wrong once more."""
+    assert paced([(10.0, 1.0), (60.0, 1e-3)]) == ["clock_unit_differs"]
+    assert paced([(10.0, 1.0), (20.0, 1e-3), (10.0, 1.0), (20.0, 1e-6)]) == ["clock_unit_differs"] * 2
+
+
+def test_a_clock_that_stood_still_once_is_right() -> None:
+    """A device may sleep, a host's clock may be set, either way; a replay may be fast."""
+    assert paced([(10.0, 1.0), (3.0, 0.0), (10.0, 1.0), (10.0, 50.0)]) == []
+    found: list[str] = []
+    watch = PaceWatch(lambda event, **_: found.append(event))
+    for n in range(6000):
+        watch.take([Sample(n, n / HZ, n / HZ + (3600.0 if 2000 < n < 4000 else 0.0), 0.0)])
+    assert found == []
