@@ -87,7 +87,7 @@ def _median_density(turns: MeanTurns, h: Hypothesis) -> float:
 def _forget(turns: MeanTurns, oldest_dps: float) -> None:
     """The oldest leaves the order."""
     k = 0
-    while turns.ordered[k].dps != oldest_dps:
+    while k < TURN_PLACES - 1 and turns.ordered[k].dps != oldest_dps:
         k += 1
     while k < TURN_PLACES - 1:
         turns.ordered[k].dps = turns.ordered[k + 1].dps
