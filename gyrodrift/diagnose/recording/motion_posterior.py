@@ -130,7 +130,9 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     period_s = seen.recording.period_s
     angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
     is_clipped = at_limit(seen.rate_dps)
-    known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), seen.rate_dps)
+    known_dps = seen.rate_dps
+    if is_clipped.any():
+        known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     sigma_dps = max(_noise_dps(seen.rate_dps[~is_clipped], period_s), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
