@@ -67,7 +67,7 @@ def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
     forget_turns(s.turns)
     s.wander.was_stationary = False
     s.segment.blocks = s.blocks = 0
-    s.ended.blocks_ago, s.ended.short_start_blocks = NEVER, 0
+    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gently = NEVER, 0, False
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
 
