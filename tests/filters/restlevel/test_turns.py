@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis, MeanTurns
+from gyrodrift.filters.restlevel.rate_state import TURN_PLACES, MeanTurns
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.turns import follow_turns, forget_turns, see_turn, weigh_turns
 
