@@ -6,7 +6,7 @@ from inference_support import SESSIONS, SIZES, candidate, evidence, response
 
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.evidence import Response
-from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.ranking import lookalikes, ranking, would_explain
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
@@ -57,6 +57,14 @@ def test_candidates_are_ranked_by_what_they_gain_alone() -> None:
 def test_where_nothing_deviates_nothing_is_taken_away() -> None:
     """There is no share of nothing."""
     assert [one.takes_away for one in ranking(Surrogate(evidence({}, RATE)), ())] == [None]
+
+
+def test_what_would_explain_all_that_stands_out_is_listed_the_best_first() -> None:
+    """And neither what leaves something, nor what no effect of the catalogue does."""
+    better = response("latency", {"rate": 1.0, "lag": 0.4})
+    strange = Response(candidate("?moving"), RATE.mean, RATE.spread)
+    shown = evidence({"rate": 6.0, "lag": 2.4}, RATE, better, BOTH, strange)
+    assert [one.name for one in would_explain(Surrogate(shown))] == ["latency", "scale_factor"]
 
 
 def test_lookalikes_have_their_cosine() -> None:
