@@ -46,9 +46,10 @@ def bins_of(x: Floats) -> list[slice]:
 def _halved(x: Floats, low: float, high: float, enough: float, finest: float) -> list[int]:
     """Where bins within a range begin, but for the first."""
     start, end = np.searchsorted(x, [low, high])
-    if end - start < enough or high - low <= finest:
-        return []
     middle = 0.5 * (low + high)
+    is_between = low < middle < high  # neighbouring floats have no middle
+    if end - start < enough or high - low <= finest or not is_between:
+        return []
     edge = int(np.searchsorted(x, middle))
     return [*_halved(x, low, middle, enough, finest), edge, *_halved(x, middle, high, enough, finest)]
 

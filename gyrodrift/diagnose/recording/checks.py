@@ -56,46 +56,46 @@ class CheckedRecording:
 
 
 @dataclass(frozen=True, slots=True)
-class RatePair:
-    """A recording with the rates of its gyro and encoder, smoothed, about their means, deg/s, shape (n,) each."""
+class Smoothed:
+    """A recording with the smoothed rates of its gyro and encoder."""
 
     recording: Recording
-    gyro_dps: Floats
-    encoder_dps: Floats
+    rates: SmoothedRates
 
     @property
     def gain(self) -> float:
         """Of the gyro over the encoder, by least squares."""
-        return float(self.gyro_dps @ self.encoder_dps / (self.encoder_dps @ self.encoder_dps))
+        gyro_dps, encoder_dps = self.rates
+        return float(gyro_dps @ encoder_dps / (encoder_dps @ encoder_dps))
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
     """What a check found.
 
-    rates
+    smoothed
         What the next check looks at: put right, as it was, or None where the recording is refused.
     """
 
     remark: str
-    rates: RatePair | None
+    smoothed: Smoothed | None
 
 
-Check = Callable[[RatePair], Finding | None]
+Check = Callable[[Smoothed], Finding | None]
 
 
 def check_recording(recording: Recording) -> CheckedRecording:
     """Run all checks, the next on what the one before put right, up to the first that refuses."""
-    rates, remarks = _rates_of(recording), []
+    smoothed, remarks = _smoothed(recording), []
     for check in (*CHECKS, *MOTION_CHECKS) if recording.moves else CHECKS:
-        finding = check(rates)
+        finding = check(smoothed)
         if finding is None:
             continue
         remarks.append(f"{recording.name}: {finding.remark}")
-        if finding.rates is None:
+        if finding.smoothed is None:
             return CheckedRecording(None, tuple(remarks))
-        rates = finding.rates
-    return CheckedRecording(rates.recording, tuple(remarks))
+        smoothed = finding.smoothed
+    return CheckedRecording(smoothed.recording, tuple(remarks))
 
 
 def together_s(recordings: Sequence[Recording]) -> float:
@@ -114,29 +114,29 @@ def together_s(recordings: Sequence[Recording]) -> float:
     raise DataError(f"there are {seconds:.1f} s in {count}; {needed}: record {TOGETHER_S - seconds:.1f} s more")
 
 
-def _rates_of(recording: Recording) -> RatePair:
+def _smoothed(recording: Recording) -> Smoothed:
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
     count_deg = granularity(recording.encoder_deg)
-    return RatePair(recording, *smoothed_rates(rate_dps, encoder_deg, count_deg, recording.period_s))
+    return Smoothed(recording, smoothed_rates(rate_dps, encoder_deg, count_deg, recording.period_s))
 
 
-def _length(rates: RatePair) -> Finding | None:
-    seconds = rates.recording.seconds
+def _length(smoothed: Smoothed) -> Finding | None:
+    seconds = smoothed.recording.seconds
     if seconds >= LEAST_S:
         return None
     return Finding(f"is {seconds:.1f} s long; a recording counts from {LEAST_S:.0f} s on", None)
 
 
-def _motion(rates: RatePair) -> Finding | None:
-    if rates.recording.moves:
+def _motion(smoothed: Smoothed) -> Finding | None:
+    if smoothed.recording.moves:
         return None
-    if np.ptp(rates.gyro_dps) > GYRO_MOVES_DPS:
+    if np.ptp(smoothed.rates.gyro_dps) > GYRO_MOVES_DPS:
         return Finding("the encoder does not move while the gyro does: is it connected?", None)
-    return Finding("nothing moves in it; it tells of rest, clock and link alone", rates)
+    return Finding("nothing moves in it; it tells of rest, clock and link alone", smoothed)
 
 
-def _clocks(rates: RatePair) -> Finding | None:
-    recording = rates.recording
+def _clocks(smoothed: Smoothed) -> Finding | None:
+    recording = smoothed.recording
     if recording.host_s is None:
         return None
     device_s = float(np.ptp(recording.device_s[np.isfinite(recording.device_s)]))
@@ -145,12 +145,12 @@ def _clocks(rates: RatePair) -> Finding | None:
     if not is_apart:
         return None
     counted = f"the device counted {device_s:.1f} s while the host counted {host_s:.1f} s"
-    return Finding(f"{counted}: which is right?", rates)
+    return Finding(f"{counted}: which is right?", smoothed)
 
 
-def _alignment(rates: RatePair) -> Finding | None:
-    recording = rates.recording
-    lag, _, likeness = best_lag(SmoothedRates(rates.gyro_dps, rates.encoder_dps), recording.period_s)
+def _alignment(smoothed: Smoothed) -> Finding | None:
+    recording, rates = smoothed.recording, smoothed.rates
+    lag, _, likeness = best_lag(rates, recording.period_s)
     if abs(likeness) < LIKE:
         why = "the gyro does not feel what the encoder sees: another axis, or encoder and gyro of different times?"
         return Finding(f"{why} (correlation {likeness:.2f})", None)
@@ -159,25 +159,25 @@ def _alignment(rates: RatePair) -> Finding | None:
         return None
     shifted = replace(recording, encoder_deg=_shifted(recording.encoder_deg, lag))
     remark = f"gyro and encoder are {lag_s:.2f} s apart; the encoder was shifted to fit"
-    return Finding(remark, RatePair(shifted, rates.gyro_dps, _shifted(rates.encoder_dps, lag)))
+    return Finding(remark, Smoothed(shifted, rates._replace(encoder_dps=_shifted(rates.encoder_dps, lag))))
 
 
-def _sign(rates: RatePair) -> Finding | None:
-    is_opposite = rates.gain < 0.0
+def _sign(smoothed: Smoothed) -> Finding | None:
+    is_opposite = smoothed.gain < 0.0
     if not is_opposite:
         return None
-    turned = replace(rates.recording, rate_dps=-rates.recording.rate_dps)
+    turned = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
     remark = "the rate has the sign opposite to the encoder's; it was turned round"
-    return Finding(remark, RatePair(turned, -rates.gyro_dps, rates.encoder_dps))
+    return Finding(remark, Smoothed(turned, smoothed.rates._replace(gyro_dps=-smoothed.rates.gyro_dps)))
 
 
-def _unit(rates: RatePair) -> Finding | None:
-    gain = rates.gain
+def _unit(smoothed: Smoothed) -> Finding | None:
+    gain = smoothed.gain
     for unit, what in UNITS:
         if 1.0 / NEAR < gain * unit < NEAR:
-            scaled = replace(rates.recording, rate_dps=rates.recording.rate_dps * unit)
+            scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * unit)
             remark = f"the rate {what}; it was multiplied by {unit:.4g}"
-            return Finding(remark, RatePair(scaled, rates.gyro_dps * unit, rates.encoder_dps))
+            return Finding(remark, Smoothed(scaled, smoothed.rates._replace(gyro_dps=smoothed.rates.gyro_dps * unit)))
     return None
 
 

@@ -66,5 +66,5 @@ def _further(rates: SmoothedRates, samples: int) -> float:
     gyro_dps = rates.gyro_dps[later : len(rates.gyro_dps) - earlier]
     encoder_dps = rates.encoder_dps[earlier : len(rates.encoder_dps) - later]
     columns = np.column_stack([encoder_dps, np.gradient(encoder_dps), np.ones(len(encoder_dps))])
-    gain, change, _ = np.linalg.lstsq(columns, gyro_dps)[0]
+    gain, change, _ = np.linalg.lstsq(columns.T @ columns, columns.T @ gyro_dps)[0]
     return 0.0 if gain == 0.0 else float(np.clip(-change / gain, -1.0, 1.0))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from gyrodrift.arrays import Floats
@@ -77,7 +78,7 @@ def sensor_c_of(recording: Recording) -> Floats:
     if recording.temp_c is None:
         return np.full(len(recording.rate_dps), ROOM_C)
     points = _odd(TEMP_SMOOTH_S / recording.period_s, 3, len(recording.rate_dps))
-    temps_c: Floats = savgol_filter(filled(recording.temp_c), points, 1)
+    temps_c: Floats = uniform_filter1d(filled(recording.temp_c), points, mode="nearest")
     return temps_c
 
 

@@ -9,6 +9,7 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
@@ -129,7 +130,9 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     period_s = seen.recording.period_s
     angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
     is_clipped = at_limit(seen.rate_dps)
-    known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), seen.rate_dps)
+    known_dps = seen.rate_dps
+    if is_clipped.any():
+        known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     sigma_dps = max(_noise_dps(seen.rate_dps[~is_clipped], period_s), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
@@ -153,9 +156,11 @@ def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:
     """A path without the noise of the gyro, as far as it is smooth; what is slower than SMOOTH_S stays as it is."""
     angle_deg, rate_dps = path[:, 0], path[:, 1]
     less_dps = local_cubic(rate_dps, sigma_dps, _points(SMOOTH_S, period_s)) - rate_dps
-    less_deg = np.cumsum(less_dps) * period_s
-    less_deg -= gaussian(less_deg, SMOOTH_S / period_s)
-    return np.column_stack([angle_deg + less_deg, rate_dps + central_difference(less_deg, period_s)])
+    less_deg = cumulative_trapezoid(less_dps, dx=period_s, initial=0.0)
+    slow_deg = gaussian(less_deg, SMOOTH_S / period_s)
+    # A derivative of `less_deg` would leave in the path what alternates from sample to sample.
+    less_dps -= central_difference(slow_deg, period_s)
+    return np.column_stack([angle_deg + less_deg - slow_deg, rate_dps + less_dps])
 
 
 def _motion(path: Floats, like: ReplayedMotion, rests: tuple[tuple[int, int], ...]) -> ReplayedMotion:

@@ -52,3 +52,10 @@ def test_nothing_has_no_shape() -> None:
     """And no warning."""
     assert shape_dps(np.zeros(0), np.zeros(0)) == shape_dps(np.zeros(9), np.ones(9)) == 0.0
     assert len(medians(np.zeros(0), np.zeros(0)).x) == 0
+
+
+def test_values_that_differ_by_rounding_alone_are_one_bin() -> None:
+    """As those of a device that never moved are: from one float to the next there is no middle to halve at."""
+    for value in (1.0, 1e-17, 5e-324):
+        values = np.repeat([value, np.nextafter(value, 2.0)], 100)
+        assert bins_of(values) == [slice(0, 200)]

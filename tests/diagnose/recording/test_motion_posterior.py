@@ -5,6 +5,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 import pytest
+from scipy.ndimage import minimum_filter1d
 
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
@@ -178,6 +179,22 @@ def test_a_motion_that_never_ends_is_no_noise_of_the_gyro() -> None:
     one = seen(Piece(Shaken(), 0.0), 2048, 50.0)
     off_dps = one.posterior().mean.rate_dps - one.rate_dps
     assert np.sqrt(np.square(off_dps).mean()) < 0.005 * one.rate_dps.std()
+
+
+@pytest.mark.parametrize("rate_hz", [50.0, 100.0, 200.0])
+def test_between_quick_steps_the_noise_of_the_gyro_is_no_motion(rate_hz: float) -> None:
+    """Held rates change from sample to sample by less than half of what a gyro says, in the mean and in draws."""
+    steps = {"kind": "steps", "rates_dps": [110.0, -24.0, 48.0, -193.0, 5.5], "ramp_seconds": 0.3, "hold_seconds": 2.6}
+    segments = [{"kind": "rest", "seconds": 10.0}, *[steps] * 3]
+    profile = Profile.model_validate({"about": "Of a test.", "segments": segments})
+    one = seen(Piece(profile, 0.0), 36_000, rate_hz)
+    posterior = one.posterior()
+    held = (np.diff(one.rate_dps) == 0.0) & (np.abs(one.rate_dps[1:]) > 1.0)
+    inner = minimum_filter1d(held, round(0.6 * rate_hz) | 1)
+    assert np.count_nonzero(inner) > 10.0 * rate_hz
+    gyro_dps = np.diff(one.recording.rate_dps)[inner].std()
+    for motion in (posterior.mean, posterior.draw(np.random.default_rng(3))):
+        assert np.diff(motion.rate_dps)[inner].std() < 0.5 * gyro_dps
 
 
 def test_samples_that_never_came_are_passed_over() -> None:
