@@ -295,9 +295,9 @@ class ReferenceFilter:
             self.hypotheses = [exchanged(h) if getattr(h, when) else h for h in self.hypotheses]
 
     def turn(self, b: ReferenceBlock, mean_dps: float, *, is_new: bool) -> None:
-        """A mean rate of ten seconds outside of segments, or that of a new segment, goes to the last 32."""
+        """A mean rate of ten seconds outside of segments, or that of a new turn, goes to the last 32."""
         if is_new:
-            self.turns.append(self.mean)
+            self.turns += [] if self.ended_gently else [self.mean]
         elif len(self.segment) < 5:
             self.turn_s, self.turn_deg = self.turn_s + b.seconds, self.turn_deg + mean_dps * b.seconds
             if self.turn_s >= 10.0:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.one_speed import is_one_speed, tied_at_one_speed
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
@@ -115,6 +116,8 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
 
         result = search(evidence, simulate)
         alternatives, surrogate = alternatives_of(result, simulate)
+    if is_one_speed([one.design.regimes for one in simulated.subjects]):
+        alternatives = tied_at_one_speed(alternatives, evidence.candidate_names())
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
 
 

@@ -10,6 +10,8 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.fit import best_of, without
+from gyrodrift.diagnose.inference.one_speed import is_one_speed
+from gyrodrift.diagnose.inference.ranking import would_explain
 from gyrodrift.diagnose.inference.surrogate import Surrogate
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
@@ -55,12 +57,14 @@ def what_next(
         return Next(_without_experiment(verdict, untestable, len(subjects)), None)
     minutes = round(float(np.clip(np.median([one.seen.recording.seconds / 60.0 for one in subjects]), *MINUTES)), 1)
     recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
-    found = next_recording_of(open_ones, minutes, SEED, recorded)
+    # A replay of one speed bends by what the encoder errs by, which the very next recording would not.
+    again = None if is_one_speed([one.design.regimes for one in subjects]) else recorded
+    found = next_recording_of(open_ones, minutes, SEED, again)
     return Next(sentence(found, FILE), profile_yaml(found.profile))
 
 
 def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], rig: Rig) -> tuple[RigHypothesis, ...]:
-    """What the sessions leave open: causes that are tied, or effects that they could not have shown."""
+    """What the sessions leave open: causes that are tied or show too weakly, or effects that could not have shown."""
     base = subjects[0].rig.base
     calibrated = rig.model_copy(update={"base": base})
     tied = next((cause for cause in verdict.causes if cause.tied_with), None)
@@ -71,11 +75,14 @@ def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], r
             RigHypothesis(effect.name, with_replaced(calibrated, (*others, effect)), 1.0)
             for effect in (tied.effect, *rivals)
         )
-    if verdict.kind is not Kind.NONE:
+    if verdict.causes:
         return ()
-    unseen = _unseen(surrogate, rig)
-    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - DOUBT * len(unseen))
-    return (nothing, *(RigHypothesis(effect.name, with_replaced(calibrated, (effect,)), DOUBT) for effect in unseen))
+    is_quiet = verdict.kind is Kind.NONE
+    shown = [cause.candidate.make(cause.size) for cause in would_explain(surrogate)[: MOST_HYPOTHESES - 1]]
+    possible = _unseen(surrogate, rig) if is_quiet else shown
+    doubt = DOUBT if is_quiet else 1.0 / (1.0 + len(possible))
+    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - doubt * len(possible))
+    return (nothing, *(RigHypothesis(one.name, with_replaced(calibrated, (one,)), doubt) for one in possible))
 
 
 def _rival(surrogate: Surrogate, verdict: Verdict, tied: NamedCause, name: str) -> Effect:

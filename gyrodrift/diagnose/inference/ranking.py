@@ -10,6 +10,7 @@ from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN, gains_of
 from gyrodrift.diagnose.inference.deviations import explained_share
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.family_wise import pooled_z
+from gyrodrift.diagnose.inference.fit import best_of
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
@@ -84,6 +85,22 @@ def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
     after = pooled_z((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance)) / evidence.caution
     deviates = np.abs(before) > evidence.stands_out
     return explained_share(deviates, before, after) if deviates.any() else None
+
+
+def would_explain(surrogate: Surrogate) -> tuple[Cause, ...]:
+    """Effects each of which, at its best size, leaves nothing that stands out; the best first.
+
+    Beside an unknown gap they are what shows too weakly to be named.
+    """
+    evidence = surrogate.evidence
+    names = dict.fromkeys(response.candidate.name for response in _effects(evidence))
+    found: list[tuple[float, Cause]] = []
+    for name in names:
+        cause = best_of(surrogate, (), evidence.variants(name))
+        left = pooled_z(surrogate.standardised_residuals((cause,))) / evidence.caution
+        if float(np.abs(left).max()) < evidence.stands_out:
+            found.append((float(surrogate.scores((cause,)).sum()), cause))
+    return tuple(cause for _, cause in sorted(found, key=lambda pair: -pair[0]))
 
 
 def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:

@@ -8,13 +8,14 @@ a measurement of the bias, which takes back what a wrong bias has made of yaw si
 
 from math import exp
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.rate_state import NEVER, EndedSegment
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
-from gyrodrift.filters.restlevel.state import NEVER, EndedSegment, Hypothesis
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density, loud_density
 
@@ -67,7 +68,7 @@ def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
     forget_turns(s.turns)
     s.wander.was_stationary = False
     s.segment.blocks = s.blocks = 0
-    s.ended.blocks_ago, s.ended.short_start_blocks = NEVER, 0
+    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gently = NEVER, 0, False
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
 

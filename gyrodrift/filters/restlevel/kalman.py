@@ -9,8 +9,8 @@ multiple models do (Blom and Bar-Shalom 1988).
 from math import exp, log, pi
 from typing import NamedTuple
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
-from gyrodrift.filters.restlevel.state import Hypothesis
 
 RAMP_PROBABILITY = 0.3
 """Prior probability that the bias has followed a ramp since the rest before, rather than a random walk."""

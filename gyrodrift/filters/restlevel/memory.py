@@ -13,8 +13,8 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Le, Lt
 
+from gyrodrift.filters.restlevel.bias_state import TEMP_POINTS, TempCurve
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.state import TEMP_POINTS, TempCurve
 from gyrodrift.filters.restlevel.temperature import SLOPE_DOUBT, fit_line
 
 REMEMBERED_WEIGHT = 0.95

@@ -6,8 +6,8 @@ Merging keeps the mean and the covariance of the two; pruning forgets what is le
 
 from math import sqrt
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelState
-from gyrodrift.filters.restlevel.state import Hypothesis
 
 MIN_WEIGHT = 1e-9
 

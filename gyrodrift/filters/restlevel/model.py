@@ -5,21 +5,23 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
 
-from gyrodrift.filters.restlevel.state import (
+from gyrodrift.filters.restlevel.bias_state import (
     UNSAID_C,
-    BlockStats,
-    EndedSegment,
     Hypothesis,
-    MeanTurns,
     MixtureMoments,
-    NoiseModel,
-    RateSegment,
-    RateWander,
     RecalledNoise,
     RememberedBias,
     SureRest,
     TempCurve,
     Witness,
+)
+from gyrodrift.filters.restlevel.rate_state import (
+    BlockStats,
+    EndedSegment,
+    MeanTurns,
+    NoiseModel,
+    RateSegment,
+    RateWander,
 )
 
 UNKNOWN_C = UNSAID_C

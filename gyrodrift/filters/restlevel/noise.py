@@ -3,7 +3,7 @@
 from math import exp, log, sqrt
 
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
-from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
+from gyrodrift.filters.restlevel.rate_state import BlockStats, NoiseModel
 
 MIN_VAR = 1e-12
 """Of samples, (deg/s)²: what keeps a sensor of the finest steps from having no noise at all."""

@@ -4,7 +4,7 @@ from math import sqrt
 
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import is_stationary
-from gyrodrift.filters.restlevel.state import EndedSegment, NoiseModel, RateSegment
+from gyrodrift.filters.restlevel.rate_state import EndedSegment, NoiseModel, RateSegment
 from gyrodrift.filters.restlevel.wander import forget_levels, see_agreement, see_break
 
 CONFIRMED_BLOCKS = 5

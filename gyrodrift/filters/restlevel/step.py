@@ -193,7 +193,8 @@ def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> Non
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        see_turn(s.turns, s.segment.mean_dps)
+        if not s.ended.ended_gently:  # else it is of the same turn as the one before
+            see_turn(s.turns, s.segment.mean_dps)
 
 
 def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds: float) -> None:

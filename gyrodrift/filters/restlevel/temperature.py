@@ -14,9 +14,9 @@ fit, and that what is old has drifted as the bias walks. The contract, after the
 
 from math import floor, sqrt
 
+from gyrodrift.filters.restlevel.bias_state import TempCurve
 from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.recall import note_sure_rest
-from gyrodrift.filters.restlevel.state import TempCurve
 
 POINT_S = 10.0
 COLDEST_BIN_C, BIN_C = -40.0, 2.0

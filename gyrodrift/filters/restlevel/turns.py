@@ -7,9 +7,10 @@ other, by no more than that doubt allows, and moves none of them.
 
 from math import exp, pi, sqrt
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.mixture import normalise
 from gyrodrift.filters.restlevel.model import RestlevelState
-from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis, MeanTurns
+from gyrodrift.filters.restlevel.rate_state import TURN_PLACES, MeanTurns
 from gyrodrift.filters.restlevel.wander import SPINS_PER_DPS
 
 TURN_S = 10.0

@@ -8,7 +8,7 @@ step from level to level. Such a level is a coincidence, and says little about t
 from math import exp, log, pi, sqrt
 
 from gyrodrift.filters.restlevel.noise import noise_odds
-from gyrodrift.filters.restlevel.state import NoiseModel, RateWander
+from gyrodrift.filters.restlevel.rate_state import NoiseModel, RateWander
 
 SENSOR_BREAK, WANDER_BREAK = 0.02, 0.2
 """Probability that the next stationary block does not agree: of a sensor, flicker included, and of wandering levels."""

@@ -2,9 +2,9 @@
 
 import pytest
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.hypotheses import doubt_loud_rests, forgive_exit, leave_segment
 from gyrodrift.filters.restlevel.model import RestlevelState
-from gyrodrift.filters.restlevel.state import Hypothesis
 
 
 def test_rests_that_were_louder_than_the_sensor_count_for_a_tenth() -> None:

@@ -4,9 +4,9 @@ from math import exp, log, pi
 
 import pytest
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, gaussian_logpdf, kalman_step, kalman_update
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.filters.restlevel.state import Hypothesis
 from gyrodrift.filters.restlevel.step import coefficients
 
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.mixture import collapse, is_in_merge_gate, merge_and_prune, moment_matched_merge
 from gyrodrift.filters.restlevel.model import RestlevelState
-from gyrodrift.filters.restlevel.state import Hypothesis
 
 
 def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:

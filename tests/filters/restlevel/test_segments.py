@@ -4,6 +4,7 @@ import pytest
 
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.rate_state import BlockStats, NoiseModel
 from gyrodrift.filters.restlevel.segments import (
     continues,
     goes_on_abruptly,
@@ -11,7 +12,6 @@ from gyrodrift.filters.restlevel.segments import (
     track_segment,
     update_mean,
 )
-from gyrodrift.filters.restlevel.state import BlockStats, NoiseModel
 from gyrodrift.filters.restlevel.step import coefficients
 
 C = coefficients(RestlevelParams())

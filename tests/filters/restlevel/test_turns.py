@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from gyrodrift.filters.restlevel.model import RestlevelState
-from gyrodrift.filters.restlevel.state import TURN_PLACES, Hypothesis, MeanTurns
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.rate_state import TURN_PLACES, MeanTurns
+from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.turns import follow_turns, forget_turns, see_turn, weigh_turns
 
 
@@ -55,6 +58,28 @@ def test_what_turns_to_and_fro_about_a_bias_speaks_for_it() -> None:
     assert 50.0 < gain < most
     weigh_turns(s)  # the same rates are no news
     assert s.hypotheses[0].weight / s.hypotheses[1].weight * 9.0 == pytest.approx(gain)
+
+
+def confirmed_and_seen(rate_dps: Floats) -> tuple[int, int]:
+    """Constant-rate segments that were confirmed, and mean turns that were seen, at 100 Hz."""
+    c, s = coefficients(RestlevelParams()), RestlevelState()
+    confirmed = before = 0
+    for n, dps in enumerate(rate_dps.tolist()):
+        step(c, s, n / 100.0, dps)
+        confirmed += s.segment.blocks == 5 != before
+        before = s.segment.blocks
+    return confirmed, s.turns.seen
+
+
+def test_a_gentle_curve_is_one_turn_however_many_segments_it_falls_into() -> None:
+    """Ten levels, 0.08 deg/s apart, are a few turns, as chance makes some steps abrupt; with jolts they are ten."""
+    t_s = np.arange(0.0, 40.0, 0.01)
+    rate_dps = 3.0 + 0.08 * np.floor(t_s / 4.0) + np.random.default_rng(4).normal(0.0, 0.03, len(t_s))
+    confirmed, turns = confirmed_and_seen(rate_dps)
+    assert confirmed == 10
+    assert turns < 6
+    jolts_dps = np.where(t_s % 4.0 < 0.3, 20.0, 0.0)
+    assert confirmed_and_seen(rate_dps + jolts_dps) == (10, 11)
 
 
 def test_too_few_say_nothing() -> None:

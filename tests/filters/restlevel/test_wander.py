@@ -2,7 +2,7 @@
 
 import pytest
 
-from gyrodrift.filters.restlevel.state import NoiseModel, RateWander
+from gyrodrift.filters.restlevel.rate_state import NoiseModel, RateWander
 from gyrodrift.filters.restlevel.wander import (
     SPINS_PER_DPS,
     forget_levels,
