@@ -80,11 +80,15 @@ FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
 # Clients that the outputs are proved with. RUNLEVEL=1 asks Debian not to start the services among them.
 CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils
 
-# MAVProxy is a client that tests run; without what its maps and plots need.
-$(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mavlink,mqtt,networktables,nmea,prometheus,websocket,test]'
-	@$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2
-	@if command -v npm > /dev/null; then npm ci --silent --prefix tests/clients || echo "no clients of npm: their tests are skipped" >&2; fi
+# MAVProxy is a client that tests run; without what its maps and plots need. Clients of npm come beside those of PyPI;
+# Signal K's server without what it calls optional.
+$(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clients/signalk/package-lock.json | $(BIN)/python
+	@{ ! command -v npm > /dev/null || for place in tests/clients tests/clients/signalk; do \
+	  npm ci --silent --no-audit --no-fund --ignore-scripts --omit=optional --prefix $$place > /dev/null || \
+	  echo "no clients of npm in $$place: their tests are skipped" >&2; done; } & npm=$$!; \
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,mavlink,mqtt,networktables,nmea,prometheus,websocket,test]'; failed=$$?; \
+	$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2; \
+	wait $$npm; exit $$failed
 	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) $(CLIENTS) > /dev/null 2>&1; then \
 	  as_root=$$( [ "$$(id -u)" = 0 ] || echo sudo -n ); $$as_root apt-get update -qq > /dev/null 2>&1; \
 	  for package in $(FIRMWARE) $(CLIENTS); do dpkg --status $$package > /dev/null 2>&1 || \

@@ -31,6 +31,7 @@ FLAGS = (
     "--hide-scrollbars",
     "--remote-debugging-port=0",
 )
+FRAMES = "disabled-by-default-devtools.timeline.frame"
 
 
 class Tab:
@@ -40,12 +41,17 @@ class Tab:
         Of the console, exceptions that nobody caught, and what the content security policy refused.
     requests
         Addresses of all requests, WebSockets too.
+    group
+        Of all processes of the browser.
     """
 
-    def __init__(self, devtools: ClientConnection) -> None:
+    def __init__(self, devtools: ClientConnection, group: int) -> None:
+        self.group = group
         self.errors: list[str] = []
         self.requests: list[str] = []
         self._devtools = devtools
+        self._traced: list[dict[str, Any]] = []
+        self._is_tracing = False
         self._last = 0
         for domain in ("Page", "Runtime", "Log", "Network"):
             self._ask(f"{domain}.enable")
@@ -94,6 +100,18 @@ class Tab:
         """The page as a PNG."""
         return base64.b64decode(self._ask("Page.captureScreenshot", format="png")["data"])
 
+    def frames_shown(self, seconds: float) -> int:
+        """How many frames the browser puts on its screen in so many seconds."""
+        self._traced.clear()
+        only = {"includedCategories": [FRAMES], "excludedCategories": ["*"]}
+        self._ask("Tracing.start", transferMode="ReportEvents", traceConfig=only)
+        self._is_tracing = True
+        time.sleep(seconds)
+        self._ask("Tracing.end")
+        while self._is_tracing:
+            self.run("0")
+        return sum(each["name"] == "DrawFrame" for each in self._traced)
+
     def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:
         self._last += 1
         self._devtools.send(json.dumps({"id": self._last, "method": method, "params": parameters}))
@@ -106,6 +124,10 @@ class Tab:
 
     def _hear(self, method: str | None, about: dict[str, Any]) -> None:
         match method:
+            case "Tracing.dataCollected":
+                self._traced += about["value"]
+            case "Tracing.tracingComplete":
+                self._is_tracing = False
             case "Runtime.exceptionThrown":
                 self.errors.append(str(about["exceptionDetails"].get("exception", {}).get("description", about)))
             case "Runtime.consoleAPICalled" if about["type"] in {"error", "warning", "assert"}:
@@ -132,7 +154,7 @@ def browsing(folder: Path) -> Iterator[Tab]:
     )
     try:
         with connect(_page_of(folder, process), max_size=None, compression=None) as devtools:
-            yield Tab(devtools)
+            yield Tab(devtools, process.pid)
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

@@ -24,12 +24,17 @@ def python_client(package: str, script: str, *args: str) -> "subprocess.Popen[st
 
 def node_client(package: str, script: str, *args: str) -> "subprocess.Popen[str]":
     """A program that needs a package of npm."""
+    return _started(need_node(CLIENTS, package), script, *args)
+
+
+def need_node(folder: Path, package: str) -> str:
+    """Node itself, where a package of npm is in a folder."""
     node = shutil.which("node")
     if node is None:
         pytest.skip("node is not installed")
-    if not (CLIENTS / "node_modules" / package).is_dir():
-        pytest.skip(f"npm's {package} is not installed: npm ci --prefix tests/clients")
-    return _started(node, script, *args)
+    if not (folder / "node_modules" / package).is_dir():
+        pytest.skip(f"npm's {package} is not installed: npm ci --prefix {folder.relative_to(CLIENTS.parents[1])}")
+    return node
 
 
 def fed(client: "subprocess.Popen[str]", serve: Command, device: Any) -> dict[str, Any]:

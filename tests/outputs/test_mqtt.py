@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from broker_support import broker, need_mosquitto
+from clients_support import python_client
 from outputs_support import HubThread, corrected, csv_at_100_hz, events, hub, path_of, serving
 from support import PATIENCE_S, free_port, never
 
@@ -244,11 +245,7 @@ def test_what_is_not_known_is_null(number: int, tmp_path: Path) -> None:
 
 
 def test_the_discovery_document_has_what_home_assistant_asks_for() -> None:
-    """Keys that its device schema knows, each entity with a platform and an identity of its own.
-
-    A stand-in for the schema, DEVICE_DISCOVERY_SCHEMA of homeassistant.components.mqtt.schemas: Home Assistant itself
-    needs a newer Python than this package.
-    """
+    """Keys that its device schema knows, each entity with a platform and an identity of its own."""
     document = json.loads(discovery("bench", Topics.of("gyrodrift", "bench"), DeviceStatus("G-17"), "1.0"))
     assert document.keys() == {"dev", "o", "cmps", "avty", "avty_mode", "stat_t"}
     assert document["dev"].keys() <= {"ids", "cns", "name", "mf", "mdl", "sw", "hw", "serial_number"}
@@ -256,6 +253,17 @@ def test_the_discovery_document_has_what_home_assistant_asks_for() -> None:
     components = document["cmps"].values()
     assert len({each["uniq_id"] for each in components}) == len(components)
     assert all(each["p"] in ("sensor", "binary_sensor") and each["stat_t"] for each in components)
+
+
+def test_home_assistant_itself_takes_the_discovery_document(tmp_path: Path) -> None:
+    """Its schemas of device and entities refuse nothing, warn of nothing and know every key."""
+    document = tmp_path / "document.json"
+    document.write_text(discovery("bench", Topics.of("gyrodrift", "bench"), DeviceStatus("G-17"), "1.0"))
+    said, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(timeout=60.0)
+    assert complaint == ""
+    found = json.loads(said)
+    assert found["complaints"] == []
+    assert found["unknown"] == {key: [] for key in json.loads(document.read_text())["cmps"]}
 
 
 def test_a_password_is_no_part_of_what_is_shown() -> None:

@@ -15,6 +15,7 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
+from clients_support import CLIENTS, need_node
 from outputs_support import HubThread, Reader, connected, corrected, hub
 from serial import Serial
 from support import PATIENCE_S, free_port
@@ -24,7 +25,7 @@ from gyrodrift.outputs.nmea import sentences
 pynmeagps = pytest.importorskip("pynmeagps", reason="NMEA 0183 is an extra: pip install 'gyrodrift[nmea]'")
 
 nan = float("nan")
-SIGNALK = shutil.which("signalk-server")
+SIGNALK = CLIENTS / "signalk"
 NAVIGATION = "/signalk/v1/api/vessels/self/navigation"
 
 
@@ -172,11 +173,9 @@ def connected_soon(port: int) -> Iterator[Reader]:
         yield Reader(connection)
 
 
-@pytest.mark.skipif(
-    SIGNALK is None, reason="signalk-server is not installed (270 MB, 150 s): npm install --global signalk-server"
-)
 def test_signalk_server_shows_heading_and_rate_of_turn(outputs: HubThread, tmp_path: Path) -> None:
     """In its own units: radians, to starboard."""
+    node = need_node(SIGNALK, "signalk-server")
     number, nmea = free_port(), free_port()
     source = {"type": "tcp", "host": "127.0.0.1", "port": str(nmea), "validateChecksum": True}
     element = {"type": "providers/simple", "options": {"type": "NMEA0183", "logging": False, "subOptions": source}}
@@ -187,7 +186,7 @@ def test_signalk_server_shows_heading_and_rate_of_turn(outputs: HubThread, tmp_p
     outputs.want(f"nmea:port={nmea}")
     outputs.opened()
     with subprocess.Popen(
-        [str(SIGNALK), "-c", tmp_path],
+        [node, SIGNALK / "node_modules" / "signalk-server" / "bin" / "signalk-server", "-c", tmp_path],
         env=os.environ | {"PORT": str(number), "SIGNALK_DISABLE_SERVER_UPDATES": "true"},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

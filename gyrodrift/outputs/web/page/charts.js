@@ -24,8 +24,8 @@ function color(name) {
 
 const fixed = (digits) => (_, value) => (Number.isFinite(value) ? number(value, digits) : "");
 const time = (_, value) => (Number.isFinite(value) ? clock(value) : "");
-const PLAIN = { maximumFractionDigits: 6, useGrouping: false };
-const ticks = (_, values) => values.map((value) => value.toLocaleString("en", PLAIN).replace("-", "−"));
+const PLAIN = new Intl.NumberFormat("en", { maximumFractionDigits: 6, useGrouping: false }); // slow to make
+const ticks = (_, values) => values.map((value) => PLAIN.format(value).replace("-", "−"));
 
 // A range with room above and below, never so narrow that it shows noise alone.
 const atLeast = (span) => (_, low, high) => {

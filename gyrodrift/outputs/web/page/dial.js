@@ -11,6 +11,11 @@ function drawn(parent, kind, attributes, text = "") {
   return made;
 }
 
+// Only what has changed is touched: the browser lays the dial out and paints it anew for the rest as well.
+function set(element, name, value) {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
 // Clockwise from the top, on a circle about 0, 0.
 const at = (deg, radius) => {
   const turned = (deg * Math.PI) / 180;
@@ -46,17 +51,17 @@ export class Dial {
   show({ yaw, raw, encoder, sigma, heading }) {
     const hasNorth = Number.isFinite(heading);
     const words = hasNorth ? ["N", "E", "S", "W"] : ["0", "−90", "180", "90"];
-    this.labels.forEach((label, number) => (label.textContent = words[number]));
+    this.labels.forEach((label, number) => label.textContent === words[number] || (label.textContent = words[number]));
     const turned = hasNorth ? heading : -yaw;
     this.turn(this.yaw, turned);
     this.turn(this.raw, turned + yaw - raw);
     this.turn(this.encoder, turned + yaw - encoder);
     const half = Math.min(179.9, Math.max(NARROWEST_DEG, 2 * sigma));
-    this.band.setAttribute("d", Number.isFinite(half) ? sector(turned - half, turned + half, 92) : "");
+    set(this.band, "d", Number.isFinite(half) ? sector(turned - half, turned + half, 92) : "");
   }
 
   turn(needle, deg) {
-    needle.setAttribute("visibility", Number.isFinite(deg) ? "visible" : "hidden");
-    if (Number.isFinite(deg)) needle.setAttribute("transform", `rotate(${(deg % 360).toFixed(2)})`);
+    set(needle, "visibility", Number.isFinite(deg) ? "visible" : "hidden");
+    if (Number.isFinite(deg)) set(needle, "transform", `rotate(${(deg % 360).toFixed(2)})`);
   }
 }
