@@ -11,6 +11,7 @@ from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint, change_points_of
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra, spectra_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.twin import Subject
 
 
@@ -89,6 +90,5 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
 
 
 def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
-    share = float(np.prod([cause.cause.candidate.noise_share for cause in causes]))
     effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
-    return subject.with_noise(share).replayed(effects, seed)
+    return with_noise_beneath(subject, [one.cause.candidate for one in causes], effects).replayed(effects, seed)

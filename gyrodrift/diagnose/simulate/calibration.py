@@ -6,11 +6,12 @@ bias beside one that an effect of the rig adds, is counted once.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from firmware_sim.measure import measure as play
-from firmware_sim.rig import Base, Rig
+from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
@@ -25,8 +26,15 @@ from gyrodrift.simulation.sessions import as_recorded
 ROUNDS = 3
 """Simulations, each with the values that the one before led to."""
 
+MORE_ROUNDS, FAR_OFF = 4, 1.1
+"""As many more where the last of these changed the noise by such a factor, as beside a dead band."""
+
 LEAST_STEP, MOST_STEP = 0.3, 3.0
 """By which a round changes the standard deviation of the noise."""
+
+STEEPEST, CLEAR_STEP = 4.0, 1.05
+"""What is measured may grow with so high a power of the noise that is hidden, as two rounds show that are so far apart;
+one less steep than the noise itself would overshoot."""
 
 FEW_BLOCKS = 10
 """With less than one block in so many, the bias is that of all of them."""
@@ -44,6 +52,13 @@ class Level:
 
     white_dps: float
     bias_dps: float
+
+
+class _NoiseShown(NamedTuple):
+    """The noise of a round, and the standard deviation of a sample that it shows as beyond rounding, deg/s."""
+
+    noise_dps_rthz: float
+    white_dps: float
 
 
 def calibrated(
@@ -69,11 +84,21 @@ def calibrated(
             "bias_dps": wanted.bias_dps,
         }
     )
-    for _ in range(ROUNDS):
+    last: _NoiseShown | None = None
+    for done in range(1, ROUNDS + MORE_ROUNDS + 1):
         found = level_of(_played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps)
-        base = _moved(base, wanted, found, step_dps)
-        noise = max(base.noise_dps_rthz, least_noise_dps_rthz)
-        base = base.model_copy(update={"noise_dps_rthz": noise})
+        shown = _NoiseShown(base.noise_dps_rthz, _above_rounding_dps(found, step_dps))
+        ratio = (_above_rounding_dps(wanted, step_dps) / shown.white_dps) ** (1.0 / _power(last, shown))
+        change = float(np.clip(ratio, LEAST_STEP, MOST_STEP))
+        base = base.model_copy(
+            update={
+                "noise_dps_rthz": max(base.noise_dps_rthz * change, least_noise_dps_rthz),
+                "bias_dps": base.bias_dps + wanted.bias_dps - found.bias_dps,
+            }
+        )
+        last = shown
+        if done >= ROUNDS and 1.0 / FAR_OFF < change < FAR_OFF:
+            break
     return rig.model_copy(update={"base": base})
 
 
@@ -89,15 +114,20 @@ def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float) -> Level:
     return Level(found_dps, bias_dps)
 
 
-def _moved(base: Base, wanted: Level, found: Level, step_dps: float) -> Base:
+def _above_rounding_dps(level: Level, step_dps: float) -> float:
     """Rounding to counts is a noise that is always there; what is above it follows the noise of the rig."""
     grain = step_dps**2 / 12.0
-    least = 0.1 * grain
-    ratio = np.sqrt(max(wanted.white_dps**2 - grain, least) / max(found.white_dps**2 - grain, least))
-    noise = base.noise_dps_rthz * float(np.clip(ratio, LEAST_STEP, MOST_STEP))
-    return base.model_copy(
-        update={"noise_dps_rthz": noise, "bias_dps": base.bias_dps + wanted.bias_dps - found.bias_dps}
-    )
+    return float(np.sqrt(max(level.white_dps**2 - grain, 0.1 * grain)))
+
+
+def _power(last: _NoiseShown | None, shown: _NoiseShown) -> float:
+    """With which power of the noise what shows of it grows, by two rounds that are far enough apart."""
+    if last is None or not last.noise_dps_rthz or not shown.noise_dps_rthz:
+        return 1.0
+    apart = float(np.log(shown.noise_dps_rthz / last.noise_dps_rthz))
+    if abs(apart) < np.log(CLEAR_STEP):
+        return 1.0
+    return float(np.clip(np.log(shown.white_dps / last.white_dps) / apart, 1.0, STEEPEST))
 
 
 def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:

@@ -10,6 +10,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, design_beside, subject_of
 
@@ -90,10 +91,10 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
         case Touches.VALUES:
-            calibrated = subject.with_noise(candidate.noise_share)
+            calibrated = with_noise_beneath(subject, [candidate], effects)
             return _first(calibrated.value_features(calibrated.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
-            seen = subject.with_noise(candidate.noise_share).replayed(effects, base.seed)
+            seen = with_noise_beneath(subject, [candidate], effects).replayed(effects, base.seed)
             return measure(seen, design_beside(seen, base), subject.facts).values
 
 

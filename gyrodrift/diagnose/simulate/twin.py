@@ -14,7 +14,7 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect, Moments
 from firmware_sim.measure import measure as play
-from firmware_sim.rig import Rig, with_replaced
+from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import residuals, timing
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
@@ -72,6 +72,7 @@ class Subject:
     rig: Rig
     reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
+    bases: dict[tuple[Effect, ...], Base] = field(default_factory=dict, repr=False)
 
     @property
     def facts(self) -> Facts:
@@ -82,6 +83,13 @@ class Subject:
         """The same with the noise of the rig multiplied."""
         base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
+
+    def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
+        """The same with noise and bias found beside more effects of the rig, which hide either at rest."""
+        if effects not in self.bases:
+            rig = with_replaced(self.rig, effects)
+            self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base
+        return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
 
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""

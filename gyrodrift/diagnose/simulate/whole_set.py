@@ -8,6 +8,7 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -37,9 +38,9 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
 
 
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int) -> Floats:
-    share = float(np.prod([one.candidate.noise_share for one in effects]))
     of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
-    seen = subject.with_noise(share).replayed(of_catalogue, seed)
+    calibrated = with_noise_beneath(subject, [one.candidate for one in effects], of_catalogue)
+    seen = calibrated.replayed(of_catalogue, seed)
     for one in effects:
         if one.candidate.shape is not None:
             seen = subject.with_shape(one.candidate.shape, one.size, seed, seen)

@@ -48,6 +48,7 @@ CURVE_AND_TIMES = (
         COARSE_VALUES,
         (Need.MOTION,),
         Touches.VALUES,
+        hides_rest=True,
     ),
     CandidateKind(
         "quantization",
