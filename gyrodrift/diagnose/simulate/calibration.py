@@ -20,7 +20,7 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.host_timing import with_host
-from gyrodrift.diagnose.simulate.known_effects import gyro_model_of
+from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
 from gyrodrift.simulation.sessions import as_recorded
 
 ROUNDS = 3
@@ -75,7 +75,8 @@ def calibrated(
     """
     period_s = seen.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
-    wanted = level_of(seen, design, step_dps)
+    in_motion = any(map(hides_rest, rig.effects))
+    wanted = level_of(seen, design, step_dps, in_motion=in_motion)
     base = with_host(rig.base, seen.recording).model_copy(
         update={
             "encoder_phase_deg": 0.0,
@@ -86,29 +87,27 @@ def calibrated(
     )
     last: _NoiseShown | None = None
     for done in range(1, ROUNDS + MORE_ROUNDS + 1):
-        found = level_of(_played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps)
+        played = _played(seen, motion, rig.model_copy(update={"base": base}))
+        found = level_of(played, design, step_dps, in_motion=in_motion)
         shown = _NoiseShown(base.noise_dps_rthz, _above_rounding_dps(found, step_dps))
         ratio = (_above_rounding_dps(wanted, step_dps) / shown.white_dps) ** (1.0 / _power(last, shown))
         change = float(np.clip(ratio, LEAST_STEP, MOST_STEP))
-        base = base.model_copy(
-            update={
-                "noise_dps_rthz": max(base.noise_dps_rthz * change, least_noise_dps_rthz),
-                "bias_dps": base.bias_dps + wanted.bias_dps - found.bias_dps,
-            }
-        )
+        more_dps = wanted.bias_dps - found.bias_dps
+        noise = max(base.noise_dps_rthz * change, least_noise_dps_rthz)
+        base = base.model_copy(update={"noise_dps_rthz": noise, "bias_dps": base.bias_dps + more_dps})
         last = shown
         if done >= ROUNDS and 1.0 / FAR_OFF < change < FAR_OFF:
             break
     return rig.model_copy(update={"base": base})
 
 
-def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float) -> Level:
-    """Of a recording or of a simulation of it."""
+def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
+    """Of a recording or of a simulation of it; the bias in motion where something hides it at rest."""
     residual_dps, at_rest = block_residual_dps(seen, design), design.regimes.block_at_rest
     found_dps = white_dps(seen, design, step_dps)
     # What an effect adds in motion is no bias; but steps without noise, or a dead band, hide the bias at rest.
     noisy_dps = seen.rate_dps[design.regimes.at_rest]
-    is_hidden = not len(noisy_dps) or float(np.std(noisy_dps)) < HIDDEN_STEPS * step_dps
+    is_hidden = in_motion or not len(noisy_dps) or float(np.std(noisy_dps)) < HIDDEN_STEPS * step_dps
     chosen = residual_dps[~at_rest if is_hidden else at_rest]
     bias_dps = float(np.median(chosen if len(chosen) > len(residual_dps) // FEW_BLOCKS else residual_dps))
     return Level(found_dps, bias_dps)

@@ -136,8 +136,6 @@ class Candidate:
         How many draws a size takes: one where chance plays no part.
     phase_deg, noise_share
         As in `Variant`.
-    hides_rest
-        As in `CandidateKind`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
     in_rig
@@ -159,7 +157,6 @@ class Candidate:
     realisations: int = 1
     phase_deg: float | None = None
     noise_share: float = 1.0
-    hides_rest: bool = False
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
@@ -220,8 +217,6 @@ class CandidateKind:
     matters_from
         Size of its parameter below which it is practically negligible for yaw, twice what the relevance threshold of
         its regressor amounts to (nonlinearity: eight times); None where nothing is known.
-    hides_rest
-        Whether it hides noise and bias at rest, so that both are found anew beside it.
     of_size
         From a size to the parameter, where that is not the size itself.
     """
@@ -235,7 +230,6 @@ class CandidateKind:
     touches: Touches = Touches.EVERYTHING
     realisations: int = 1
     matters_from: float | None = None
-    hides_rest: bool = False
     of_size: Callable[[float], float] = float
 
     @property
@@ -266,7 +260,6 @@ class CandidateKind:
             realisations=self.realisations,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
-            hides_rest=self.hides_rest,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 

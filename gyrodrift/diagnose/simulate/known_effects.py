@@ -39,6 +39,11 @@ def gyro_model_of(rig: Rig) -> GyroModel:
     return GyroModel(count_dps, delay_s)
 
 
+def hides_rest(effect: Effect) -> bool:
+    """Whether an effect of the rig hides noise and bias at rest."""
+    return effect.name == "deadband"
+
+
 def has_encoder_effects(rig: Rig) -> bool:
     """Whether the encoder of a rig sees another angle than there is."""
     return bool(_of_encoder(rig))

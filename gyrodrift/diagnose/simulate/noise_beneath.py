@@ -6,7 +6,11 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.known_effects import hides_rest
 from gyrodrift.diagnose.simulate.twin import Subject
+
+ZERO_SHARE = 0.02
+"""Of the samples at rest that read zero; with fewer nothing is hidden."""
 
 
 def with_noise_beneath(subject: Subject, tried: Sequence[Candidate], effects: tuple[Effect, ...]) -> Subject:
@@ -14,7 +18,13 @@ def with_noise_beneath(subject: Subject, tried: Sequence[Candidate], effects: tu
 
     Noise and bias of what hides them at rest are found beside it; else so much noise is tried as a candidate says.
     """
-    if any(one.hides_rest for one in tried):
+    if any(map(hides_rest, effects)) and _reads_zero(subject):
         subject = subject.recalibrated(effects)
     share = float(np.prod([one.noise_share for one in tried]))
     return subject if share == 1.0 else subject.with_noise(share)
+
+
+def _reads_zero(subject: Subject) -> bool:
+    """Whether the gyro says exactly zero at rest so often that something may hide there."""
+    rest_dps = subject.seen.rate_dps[subject.design.regimes.at_rest]
+    return len(rest_dps) == 0 or float(np.mean(rest_dps == 0.0)) > ZERO_SHARE

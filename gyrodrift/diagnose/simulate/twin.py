@@ -85,7 +85,7 @@ class Subject:
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
-        """The same with noise and bias found beside more effects of the rig, which hide either at rest."""
+        """The same with noise and bias found beside more effects of the rig, which hide both at rest."""
         if effects not in self.bases:
             rig = with_replaced(self.rig, effects)
             self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base

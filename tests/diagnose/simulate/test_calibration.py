@@ -77,3 +77,20 @@ def test_a_gyro_that_has_lost_its_noise_keeps_what_it_is_known_to_have() -> None
     assert subject_of(silent, Rig(base=BASE), NOISE_DPS_RTHZ).rig.base.noise_dps_rthz == NOISE_DPS_RTHZ
     noisier = subject_of(recording_of(session), Rig(base=BASE), 0.5 * BASE.noise_dps_rthz).rig.base
     assert noisier.noise_dps_rthz == pytest.approx(BASE.noise_dps_rthz, rel=0.1)
+
+
+@pytest.mark.parametrize(("noise", "bias_dps"), [(0.01, 0.05), (0.008, 0.15), (0.01, 0.25), (0.005, -0.15)])
+def test_beside_a_dead_band_noise_and_bias_are_found_anew(noise: float, bias_dps: float) -> None:
+    """It hides both at rest; and a rig that has it is calibrated so."""
+    band = parse_effect("deadband:width_dps=0.2")
+    own = {"noise_dps_rthz": noise, "bias_dps": bias_dps}
+    truth = Rig(base=BASE.model_copy(update=own), effects=(band,))
+    recording = recording_of(Simulation(truth, MOTION, seed=4, minutes=MOTION.seconds / 60.0).whole())
+    without = subject_of(recording, Rig(base=BASE))
+    assert without.rig.base.noise_dps_rthz != pytest.approx(noise, rel=0.25)
+    for base in (
+        without.recalibrated((band,)).rig.base,
+        subject_of(recording, Rig(base=BASE, effects=(band,))).rig.base,
+    ):
+        assert base.noise_dps_rthz == pytest.approx(noise, rel=0.15)
+        assert base.bias_dps == pytest.approx(bias_dps, abs=0.01)

@@ -48,7 +48,6 @@ CURVE_AND_TIMES = (
         COARSE_VALUES,
         (Need.MOTION,),
         Touches.VALUES,
-        hides_rest=True,
     ),
     CandidateKind(
         "quantization",
