@@ -24,7 +24,7 @@ tests: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
-	$(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
 
 # The whole blind check of diagnose: hours; what is interrupted goes on. BLIND_SEED draws other cases.
 blind: $(VENV)/ready-to-test
