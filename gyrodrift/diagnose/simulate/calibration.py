@@ -33,8 +33,8 @@ LEAST_STEP, MOST_STEP = 0.3, 3.0
 """By which a round changes the standard deviation of the noise."""
 
 STEEPEST, CLEAR_STEP = 4.0, 1.05
-"""What is measured may grow with so high a power of the noise that is hidden, as two rounds show that are so far apart;
-one less steep than the noise itself would overshoot."""
+"""What shows of the noise may grow with a power of it, as beside a dead band: two rounds tell which, that are so far
+apart. No step follows a power below 1, lest it overshoot."""
 
 FEW_BLOCKS = 10
 """With less than one block in so many, the bias is that of all of them."""
