@@ -7,6 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
+from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
@@ -39,7 +40,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         difference=difference,
         sigma=sigma,
         nulls=(np.array([table.nulls for table in tables]) - centre) / sigma[:, None],
-        responses=tuple(_response(tables, candidate, difference / sigma**2) for candidate in one_each),
+        responses=tuple(_response(tables, candidate, difference, sigma) for candidate in one_each),
         caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
     )
 
@@ -95,10 +96,10 @@ def common_share(nulls: Floats) -> Floats:
     return share
 
 
-def _response(tables: Sequence[ResponseTable], candidate: Candidate, weighted: Floats) -> Response:
-    """`weighted` is the difference of each session, (sessions, F), over its variance."""
+def _response(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Response:
+    """(sessions, F) each: what there is to explain, and what chance makes of it."""
     if candidate.is_phase_free:
-        return _turned(tables, candidate, _phases_deg(tables, candidate, weighted))
+        return _turned(tables, candidate, _phases_deg(tables, candidate, wanted, sigma))
     if candidate.phase_deg is not None:
         return _turned(tables, candidate, np.full(len(tables), candidate.phase_deg))
     simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realisations, F
@@ -118,12 +119,11 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     return Response(candidate, wide, interpolated(candidate, spread[:, None])[:, 0])
 
 
-def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, weighted: Floats) -> Floats:
-    """(sessions,) the phases at which a sine goes along best with what there is to explain, by least squares."""
+def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Floats:
+    """(sessions,) the phases that leave the least to explain."""
     at_0, at_90 = _quadratures(tables, candidate)
-    along = [(weighted[:, LINEAR] * at[:, LINEAR]).sum(axis=1) for at in (at_0, at_90)]
-    phases: Floats = np.rad2deg(np.arctan2(along[1], along[0]))
-    return phases
+    standardised, *turns = (values[:, LINEAR] / sigma[:, LINEAR] for values in (wanted, at_0, at_90))
+    return free_phases_deg(standardised, (turns[0], turns[1]), candidate.sizes / candidate.grid_points[0])
 
 
 def _quadratures(tables: Sequence[ResponseTable], candidate: Candidate) -> tuple[Floats, Floats]:

@@ -110,7 +110,7 @@ class Surrogate:
 
     def curves(self, others: Sequence[Cause], responses: Iterable[Response], step: int = 1) -> Iterator[Floats]:
         """(sizes, sessions) scores when each of the candidates joins others, at all of its sizes or every `step`th."""
-        beside = self.prediction(others)
+        beside = self._added(others)
         for response in responses:
             yield self._curve(beside, _responses(others), response, step)
 
@@ -120,22 +120,20 @@ class Surrogate:
 
     def planes(self, first: Response, responses: Iterable[Response], step: int) -> Iterator[Floats]:
         """(sizes of the first, sizes, sessions) scores when each of the candidates joins a first one."""
-        single = [self.prediction((Cause(first, at),)) for at in range(0, len(first.candidate.sizes), step)]
+        single = [self._added((Cause(first, at),)) for at in range(0, len(first.candidate.sizes), step)]
         beside = Prediction(*(np.array(each)[:, None] for each in zip(*single, strict=True)))
         for response in responses:
             yield self._curve(beside, frozenset({first}), response, step)
 
     def _curve(self, beside: Prediction, others: frozenset[Response], response: Response, step: int) -> Floats:
-        """(…, sizes, sessions) beside a prediction of shape (…, 1, sessions, F), or (sessions, F) for none."""
-        change, variance, discrepancy = beside
+        """(…, sizes, sessions) beside what the tables say of others, (…, 1, sessions, F), or (sessions, F) for none."""
         both = others | {response}
-        if not others or self._knows(both):
-            change = change + self._correction(both) - self._correction(both - {response})
-        residual = self.evidence.difference - combined(change, response.mean[::step])
+        change = combined(beside.change, response.mean[::step]) + self._correction(both)
         is_random = response.candidate.realisations > 1
         spread = response.spread[::step] if is_random else response.spread[:1]  # else 0 at all sizes
-        widened = self.evidence.sigma**2 + variance + np.square(spread)[:, None]
-        likelihood = log_likelihood(residual, widened, discrepancy + self.evidence.discrepancies[response][::step])
+        widened = self.evidence.sigma**2 + beside.variance + np.square(spread)[:, None]
+        discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
+        likelihood = log_likelihood(self.evidence.difference - change, widened, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted
 

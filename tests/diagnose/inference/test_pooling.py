@@ -153,9 +153,22 @@ def test_a_free_phase_is_found_in_each_session_at_one_amplitude() -> None:
     assert response.mean[1] == pytest.approx(0.5 * evidence.difference, abs=1e-12)
 
 
+def test_a_phase_is_found_where_sine_and_cosine_share_what_they_change() -> None:
+    """A turn and a half shows less of one than of the other, and what is like both: no two are at right angles."""
+    at_0, at_90 = row({"turn_sine": 3.0, "rate_cubed": 2.0}), row({"turn_cosine": 1.0, "rate_cubed": 2.0})
+    one = turning(0.0)
+    answers = {simulated_key(one, deg): at[None, None] for deg, at in ((0.0, at_0), (90.0, at_90))}
+    for shown_deg in (-150.0, -40.0, 20.0, 70.0):
+        phase = np.deg2rad(shown_deg)
+        difference = 2.0 * (np.cos(phase) * at_0 + np.sin(phase) * at_90)
+        shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
+        (response,) = evidence_of([shown], [one]).responses
+        assert response.phases_deg == pytest.approx([shown_deg])
+
+
 def test_a_phase_is_weighed_by_what_is_known() -> None:
     """A sine that chance makes as large says nothing of the phase: it is that of the cosine."""
-    one = turning(0.0)
+    one = replace(turning(0.0), sizes=np.array([1.0, 5.0 / 3.0, 4.0]))
     answers = {simulated_key(one, deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
     loud = np.array([row({"turn_sine": sine, "turn_cosine": 1e-9}) for sine in (100.0, -100.0)])
     shown = replace(table("one", loud, answers), difference=row({"turn_sine": 5.0, "turn_cosine": 5.0}))

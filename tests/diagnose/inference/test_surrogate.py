@@ -15,6 +15,9 @@ SURROGATE = Surrogate(evidence({"rate": 6.0, "clock_ratio": 6.0}, RATE, DRIFT, T
 TWO, THREE = Cause(RATE, 1), Cause(RATE, 2)
 ONE_DRIFT = Cause(DRIFT, 0)
 
+NAMES = ("scale_factor", "temp_bias", "clock_drift")
+LOG, OTHER_LOG = "wander_20s", "noise_rest_32"
+
 
 def test_changes_add_up() -> None:
     """Size 2 of 2 per size, and size 1 of 3."""
@@ -110,3 +113,21 @@ def test_a_plane_is_the_curves_beside_each_size_of_the_first() -> None:
         sizes = range(0, len(RATE.candidate.sizes), 2)
         beside = [surrogate.curve((Cause(RATE, at),), other, 2) for at in sizes]
         assert plane == pytest.approx(np.array(beside), rel=1e-12)
+
+
+def test_curves_and_planes_are_scores_whatever_was_simulated() -> None:
+    """Logarithms of variances do not add: what a simulation corrects comes behind the sum, in both alike."""
+    rng = np.random.default_rng()
+    names = ("rate", LOG, OTHER_LOG, "time")
+    one, two, three = (response(name, dict(zip(names, rng.normal(0.0, 2.0, 4), strict=True))) for name in NAMES)
+    surrogate = Surrogate(evidence(dict(zip(names, rng.normal(0.0, 3.0, 4), strict=True)), one, two, three))
+    sets = [(Cause(one, 1),), (Cause(two, 2),), (Cause(one, 1), Cause(two, 0)), (Cause(one, 0), Cause(three, 1))]
+    for known in rng.permutation(len(sets)):
+        change = surrogate.prediction(sets[known]).change
+        surrogate = surrogate.refined(sets[known], change + rng.normal(0.0, 1.0, change.shape))
+        for others in ((), *sets):
+            for new in {one, two, three} - {cause.response for cause in others}:
+                scores = [surrogate.scores((*others, Cause(new, at))) for at in range(len(SIZES))]
+                assert surrogate.curve(others, new) == pytest.approx(np.array(scores))
+        (plane,) = surrogate.planes(one, (two,), 1)
+        assert plane[1] == pytest.approx(surrogate.curve((Cause(one, 1),), two))
