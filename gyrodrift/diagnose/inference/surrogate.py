@@ -167,10 +167,20 @@ class Surrogate:
         return any(one.responses == responses for one in self.corrections)
 
     def _correction(self, responses: frozenset[Response]) -> Floats | float:
-        """Of the set, or of the largest part of it that was simulated as a whole."""
-        parts = [one for one in self.corrections if one.responses <= responses]
-        return max(parts, key=lambda one: len(one.responses)).change if parts else 0.0
+        """Of the set, or of the largest part of it that was simulated as a whole.
+
+        What was simulated of one variant of a candidate is believed of the others, too: else the fit would flee to
+        variants that were not corrected yet.
+        """
+        names = _names(responses)
+        parts = [one for one in self.corrections if _names(one.responses) <= names]
+        best = max(parts, key=lambda one: (len(one.responses), len(one.responses & responses)), default=None)
+        return 0.0 if best is None else best.change
 
 
 def _responses(causes: Sequence[Cause]) -> frozenset[Response]:
     return frozenset(cause.response for cause in causes)
+
+
+def _names(responses: frozenset[Response]) -> frozenset[str]:
+    return frozenset(one.candidate.name for one in responses)

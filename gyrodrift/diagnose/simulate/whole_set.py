@@ -12,8 +12,9 @@ from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject
 
-REALISATIONS = 4
-"""Of a set in which one at least is random: their mean is taken."""
+FIXED_REALISATIONS, RANDOM_REALISATIONS = 3, 4
+"""Of a set without chance of its own, and of one with: their mean is taken. The motion is rebuilt anew with each set,
+which moves slow features by chance."""
 
 
 class Sized(NamedTuple):
@@ -32,7 +33,8 @@ def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Seq
 
 def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> Floats:
     """(F,) the same in session `number`."""
-    seeds = range(1 if all(one.candidate.realisations == 1 for one in effects) else REALISATIONS)
+    is_random = any(one.candidate.realisations > 1 for one in effects)
+    seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
     change: Floats = np.mean([_features(effects, number, subject, seed) - table.runs[seed] for seed in seeds], axis=0)
     return change
 

@@ -72,6 +72,17 @@ def test_a_set_that_was_not_simulated_takes_the_largest_part_that_was() -> None:
     )
 
 
+def test_what_was_simulated_of_one_variant_is_believed_of_the_others() -> None:
+    """Until they are simulated themselves: a variant that has not been does not win for it."""
+    slower = response("scale_factor", {"rate": 3.0})
+    surrogate = Surrogate(evidence({"rate": 6.0}, RATE, slower)).refined((TWO,), rows({"rate": 5.0}))
+    assert surrogate.prediction((Cause(slower, 1),)).change == pytest.approx(rows({"rate": 7.0}))
+    assert not surrogate.knows((Cause(slower, 1),))
+    again = surrogate.refined((Cause(slower, 1),), rows({"rate": 6.5}))
+    assert again.prediction((Cause(slower, 1),)).change == pytest.approx(rows({"rate": 6.5}))
+    assert again.prediction((TWO,)).change == pytest.approx(rows({"rate": 5.0}))
+
+
 def test_of_parts_as_large_that_of_the_older_set_around_it_is_behind() -> None:
     """A part within a set that was simulated later is the older knowledge; elsewhere the first holds."""
     surrogate = SURROGATE.refined((TWO,), rows({"rate": 5.0})).refined((ONE_DRIFT,), rows({"clock_ratio": 4.0}))
