@@ -42,6 +42,16 @@ ALWAYS = ~LINEAR & _mask(lambda feature: feature.regime == "always")
 OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
 """What speaks of stamps and arrivals, whatever the motion."""
 
+OF_LOSS = _mask(lambda feature: feature.name in {"drop_share", "drop_runs"})
+"""What never arrived."""
+
+REGRESSORS = np.arange(STATIC)
+NOISE_IN_MOTION = tuple(
+    np.array([number for name, number in NUMBER.items() if name.startswith(start)])
+    for start in ("noise_slow_", "noise_fast_")
+)
+"""Numbers of features that share one error out among them: coefficients, and how rates scatter over some lengths."""
+
 NOT_OF_STEPS = ~_mask(
     lambda feature: (
         feature.name in {"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"}

@@ -15,13 +15,13 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, OF_TIMES, STATIC, rms_scale
+from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, NOISE_IN_MOTION, OF_LOSS, OF_TIMES, REGRESSORS, rms_scale
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
-PRIOR_SHARES = np.where(OF_TIMES, 0.1, 0.7)
+PRIOR_SHARES = np.where(OF_LOSS, 1.0, np.where(OF_TIMES, 0.1, 0.7))
 """Of the common difference, that the next recording may differ by: another motion shows another part of it, but for
-stamps and arrivals, which know nothing of motions."""
+stamps and arrivals, which know nothing of motions. What a radio loses goes by where it stands."""
 
 PRIOR_RUNS = 3.0
 """So many degrees of freedom is the prior worth."""
@@ -90,15 +90,28 @@ def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]
     centre = np.concatenate([table.nulls / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
     common = differences.mean(axis=0) - centre.mean(axis=0)
     shown = np.square(common)
-    shown[:STATIC] += shown[:STATIC].mean()  # another motion shares the same error out differently among regressors
+    squares = np.square(differences - differences.mean(axis=0)).sum(axis=0)
+    varies = np.where(LINEAR, 0.0, squares / max(1, len(tables) - 1))
     says = compared & (ALWAYS | np.any(centre != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
     return Baseline(
         common=np.where(says, common, 0.0),
-        squares=np.square(differences - differences.mean(axis=0)).sum(axis=0),
-        prior=np.square(PRIOR_SHARES) * shown,
+        squares=squares,
+        prior=np.square(PRIOR_SHARES) * (shown + _of_family(shown)) + _of_family(varies),
         compared=says,
         count=len(tables),
     )
+
+
+def _of_family(squares: Floats) -> Floats:
+    """(F,) mean over the family that a feature is of; 0 where it has none.
+
+    Another motion shares the same error out differently among regressors, and the same shaking among the lengths over
+    which noise in motion is averaged.
+    """
+    means = np.zeros_like(squares)
+    for family in (REGRESSORS, *NOISE_IN_MOTION):
+        means[family] = squares[family].mean()
+    return means
 
 
 def differences_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]) -> Floats:

@@ -144,3 +144,23 @@ def test_slow_features_say_nothing_of_single_samples() -> None:
     names = {FEATURES[number].name for number in np.flatnonzero(SLOW)}
     assert {"rate", "temperature", "turn_sine_rate", "wander_20s", "walk_60s", "two_levels"} <= names
     assert not any(name.startswith(("noise_", "equal_", "stamp_", "arrival_", "angle_", "tails_")) for name in names)
+
+
+def test_a_radio_loses_as_much_as_it_likes() -> None:
+    """Two per cent before and none today, 0.14 in the root of a share, is no difference; ten times as much is."""
+    baseline = baseline_of([table({"drop_share": lost}) for lost in (0.13, 0.14, 0.15)], [SHORT] * 3, ALL)
+    for lost, stands_out in ((0.0, False), (1.4, True)):
+        today = against([table({"drop_share": lost})] * 3, [SHORT] * 3, baseline)
+        z = today[0].difference / today[0].thresholds
+        assert (abs(z[NUMBER["drop_share"]]) > 5.0) == stands_out
+
+
+def test_noise_in_motion_varies_as_that_over_other_lengths_does() -> None:
+    """Two recordings that agree over one length and differ by 5 over another say little of either, and all of rest."""
+    names = ("noise_fast_1", "noise_fast_2", "noise_rest_1")
+    baseline = baseline_of(
+        [table(dict(zip(names, (0.01, way * 2.5, 0.01), strict=True))) for way in (-1, 1)], [SHORT] * 2, ALL
+    )
+    fast, other, rest = (baseline.scatter(ONE)[NUMBER[name]] for name in names)
+    assert 1.0 < fast < other
+    assert rest < 0.02
