@@ -77,8 +77,9 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 
 # What the firmware is compiled with and runs on in tests: a compiler for AVR, the Arduino core and a simulated AVR.
 FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
-# Clients that the outputs are proved with. RUNLEVEL=1 asks Debian not to start the services among them.
-CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils
+# Clients that the outputs are proved with, and shells whose completion is. RUNLEVEL=1 asks Debian not to start the services among them.
+CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils netcat-openbsd \
+  zsh fish
 
 # MAVProxy is a client that tests run; without what its maps and plots need. Clients of npm come beside those of PyPI;
 # Signal K's server without what it calls optional.

@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,9 @@ from support import Recordings
 
 settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
 settings.load_profile("untimed")
+
+ENDS_WITHIN_S = 1.0
+"""What a thread of a library takes at most to end, once it has been told to, on a busy machine."""
 
 
 def _children() -> set[str]:
@@ -26,6 +30,14 @@ def _descriptors() -> dict[str, str]:
         except OSError:
             continue  # the descriptor of the listing itself
     return found
+
+
+def _threads_beside(others: set[threading.Thread]) -> set[threading.Thread]:
+    """Those that are still there when a library had time to end what it was told to."""
+    until_s = time.monotonic() + ENDS_WITHIN_S
+    while (left := set(threading.enumerate()) - others) and time.monotonic() < until_s:
+        time.sleep(0.01)
+    return left
 
 
 def _may_stay(target: str) -> bool:
@@ -43,7 +55,7 @@ def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a descriptor, a child or a pty behind."""
     threads, children, descriptors = set(threading.enumerate()), _children(), _descriptors()
     yield
-    assert not set(threading.enumerate()) - threads, "threads left behind"
+    assert not _threads_beside(threads), "threads left behind"
     assert not _children() - children, "child processes left behind"
     left = {fd: to for fd, to in _descriptors().items() if descriptors.get(fd) != to and not _may_stay(to)}
     assert not left, f"descriptors left behind: {left}"
