@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, OF_MOTION
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
@@ -15,6 +15,9 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simul
 PRIOR_RUNS = 2.0
 """Null runs that it is worth to begin with independent sessions."""
 
+
+ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
+"""Features that know a phase: what another cause does to all others is none of its business."""
 
 ABSENT_SHARE = 0.1
 """Of the replays: a regressor that so many of them have not is on the edge of being one."""
@@ -122,7 +125,7 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
 def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Floats:
     """(sessions,) the phases that leave the least to explain."""
     at_0, at_90 = _quadratures(tables, candidate)
-    standardised, *turns = (values[:, LINEAR] / sigma[:, LINEAR] for values in (wanted, at_0, at_90))
+    standardised, *turns = (values[:, ONCE_PER_TURN] / sigma[:, ONCE_PER_TURN] for values in (wanted, at_0, at_90))
     return free_phases_deg(standardised, (turns[0], turns[1]), candidate.sizes / candidate.grid_points[0])
 
 

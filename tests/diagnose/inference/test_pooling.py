@@ -155,7 +155,7 @@ def test_a_free_phase_is_found_in_each_session_at_one_amplitude() -> None:
 
 def test_a_phase_is_found_where_sine_and_cosine_share_what_they_change() -> None:
     """A turn and a half shows less of one than of the other, and what is like both: no two are at right angles."""
-    at_0, at_90 = row({"turn_sine": 3.0, "rate_cubed": 2.0}), row({"turn_cosine": 1.0, "rate_cubed": 2.0})
+    at_0, at_90 = row({"turn_sine": 3.0, "turn_sine_rate": 2.0}), row({"turn_cosine": 1.0, "turn_sine_rate": 2.0})
     one = turning(0.0)
     answers = {simulated_key(one, deg): at[None, None] for deg, at in ((0.0, at_0), (90.0, at_90))}
     for shown_deg in (-150.0, -40.0, 20.0, 70.0):
@@ -164,6 +164,18 @@ def test_a_phase_is_found_where_sine_and_cosine_share_what_they_change() -> None
         shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
         (response,) = evidence_of([shown], [one]).responses
         assert response.phases_deg == pytest.approx([shown_deg])
+
+
+def test_another_cause_does_not_turn_a_phase() -> None:
+    """What has no phase of its own is left out, however large it is and however much a turn has of it."""
+    answers = {
+        simulated_key(turning(0.0), deg): (at_phase(deg, 1.0) + row({"abs_rate": 0.5}))[None, None]
+        for deg in (0.0, 90.0)
+    }
+    difference = at_phase(70.0, 2.0) + row({"abs_rate": -40.0})
+    shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
+    (response,) = evidence_of([shown], [turning(0.0)]).responses
+    assert response.phases_deg == pytest.approx([70.0])
 
 
 def test_a_phase_is_weighed_by_what_is_known() -> None:
