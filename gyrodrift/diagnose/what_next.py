@@ -11,7 +11,7 @@ from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.fit import best_of, without
 from gyrodrift.diagnose.inference.one_speed import is_one_speed
-from gyrodrift.diagnose.inference.ranking import would_explain
+from gyrodrift.diagnose.inference.ranking import hinted, would_explain
 from gyrodrift.diagnose.inference.surrogate import Surrogate
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
@@ -77,10 +77,11 @@ def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], r
         )
     if verdict.causes:
         return ()
-    is_quiet = verdict.kind is Kind.NONE
-    shown = [cause.candidate.make(cause.size) for cause in would_explain(surrogate)[: MOST_HYPOTHESES - 1]]
-    possible = _unseen(surrogate, rig) if is_quiet else shown
-    doubt = DOUBT if is_quiet else 1.0 / (1.0 + len(possible))
+    shown = hinted(surrogate) if verdict.kind is Kind.NONE else would_explain(surrogate)
+    possible = [cause.candidate.make(cause.size) for cause in shown[: MOST_HYPOTHESES - 1]]
+    doubt = 1.0 / (1.0 + len(possible))
+    if verdict.kind is Kind.NONE and not possible:
+        possible, doubt = _unseen(surrogate, rig), DOUBT
     nothing = RigHypothesis(NOTHING, calibrated, 1.0 - doubt * len(possible))
     return (nothing, *(RigHypothesis(one.name, with_replaced(calibrated, (one,)), doubt) for one in possible))
 

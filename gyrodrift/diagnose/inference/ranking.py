@@ -14,6 +14,10 @@ from gyrodrift.diagnose.inference.fit import best_of
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
+HINTED = 3.0
+"""Log-likelihood from which on an effect that is not accepted is worth a look: twenty to one, before it is counted how
+many were tried."""
+
 ALIKE = 0.8
 """Cosine of two responses from which on they are called alike."""
 
@@ -101,6 +105,12 @@ def would_explain(surrogate: Surrogate) -> tuple[Cause, ...]:
         if float(np.abs(left).max()) < evidence.stands_out:
             found.append((float(surrogate.scores((cause,)).sum()), cause))
     return tuple(cause for _, cause in sorted(found, key=lambda pair: -pair[0]))
+
+
+def hinted(surrogate: Surrogate) -> tuple[Cause, ...]:
+    """Of the effects that leave nothing that stands out, those that gain something; the best first."""
+    nothing = float(surrogate.scores(()).sum())
+    return tuple(one for one in would_explain(surrogate) if surrogate.scores((one,)).sum() - nothing > HINTED)
 
 
 def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:

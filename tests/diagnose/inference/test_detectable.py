@@ -6,7 +6,7 @@ from inference_support import SESSIONS, SIZES, candidate, evidence, response
 
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.evidence import Response
-from gyrodrift.diagnose.inference.ranking import lookalikes, ranking, would_explain
+from gyrodrift.diagnose.inference.ranking import hinted, lookalikes, ranking, would_explain
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
@@ -65,6 +65,13 @@ def test_what_would_explain_all_that_stands_out_is_listed_the_best_first() -> No
     strange = Response(candidate("?moving"), RATE.mean, RATE.spread)
     shown = evidence({"rate": 6.0, "lag": 2.4}, RATE, better, BOTH, strange)
     assert [one.name for one in would_explain(Surrogate(shown))] == ["latency", "scale_factor"]
+
+
+def test_what_gains_twenty_to_one_is_worth_a_look() -> None:
+    """A rate that is off by one sigma in each of four sessions hints at something; a tenth of it does not."""
+    better = response("latency", {"rate": 1.0, "lag": 0.4})
+    assert [one.name for one in hinted(Surrogate(evidence({"rate": 2.0}, RATE, better)))] == ["scale_factor", "latency"]
+    assert hinted(Surrogate(evidence({"rate": 0.1}, RATE, better))) == ()
 
 
 def test_lookalikes_have_their_cosine() -> None:
