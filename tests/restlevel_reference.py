@@ -667,7 +667,8 @@ def followed(h: ReferenceHypothesis, seconds: float, drift_dps_s: float) -> Refe
     now = (float(h.mean[1]), float(h.cov[1, 1]), 0.0)
     step = now[0] - recent[0]
     if h.slid_dps is None:
-        return replace(h, recent=now, settled=recent, slid_dps=0.0 if abs(step) <= drift_dps_s else None)
+        is_flat = abs(step) <= drift_dps_s + np.sqrt(recent[1])
+        return replace(h, recent=now, settled=recent, slid_dps=0.0 if is_flat else None)
     slid = float(np.sign(h.slid_dps + step)) * max(0.0, abs(h.slid_dps + step) - drift_dps_s)
     goes_on = np.sign(slid) * np.sign(h.slid_dps) > 0.0 and then[2] < 40.0
     return replace(h, recent=now, settled=then if goes_on else recent, slid_dps=slid)

@@ -4,8 +4,10 @@ By drift a rest follows the first seconds of a gentle curve, and all of one that
 a slide was drift or a curve shows at its end: a device that is carried off gently was in a curve. So the bias of
 each rest is looked at every few seconds, and where it began to slide is found by a cumulative sum (Page, "Continuous
 inspection schemes", Biometrika 41, 1954): the sum of steps, each less what a rest may do by itself, was zero there
-last. A rest that slides from its first seconds on slides by warming up.
+last. A rest that slides from its first seconds on slides by warming up, until a step is no more than its uncertainty.
 """
+
+from math import sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
@@ -40,7 +42,7 @@ def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> Non
     step_dps = h.bias_dps - recent.bias_dps
     before_dps = h.slide_dps
     h.slide_dps = _towards_zero(before_dps + step_dps, least_dps) if h.has_been_flat else 0.0
-    h.has_been_flat = h.has_been_flat or abs(step_dps) <= least_dps
+    h.has_been_flat = h.has_been_flat or abs(step_dps) <= least_dps + sqrt(recent.bias_var)
     if h.slide_dps * before_dps <= 0.0 or settled.ago_s >= LONGEST_SLIDE_S:
         settled.bias_dps, settled.bias_var, settled.ago_s = recent.bias_dps, recent.bias_var, recent.ago_s
     _mark(recent, h)

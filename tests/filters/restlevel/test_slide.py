@@ -14,12 +14,12 @@ C = coefficients(RestlevelParams(drift_dps_s=0.004))
 MARK_S = 4.0
 
 
-def rest_of(biases_dps: Sequence[float]) -> Hypothesis:
-    """A rest with these biases, four seconds apart; its variance is its number."""
-    h = Hypothesis(weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=biases_dps[0])
+def rest_of(biases_dps: Sequence[float], sigma_dps: float = 1e-6) -> Hypothesis:
+    """A rest with these biases, four seconds apart; its variance grows with its number."""
+    h = Hypothesis(weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=biases_dps[0], bias_var=sigma_dps**2)
     settle(h)
-    for number, dps in enumerate(biases_dps[1:], 1):
-        h.bias_dps, h.bias_var = dps, float(number)
+    for number, dps in enumerate(biases_dps[1:], 2):
+        h.bias_dps, h.bias_var = dps, number * sigma_dps**2
         follow_slide(C, h, MARK_S)
     return h
 
@@ -40,8 +40,14 @@ def test_a_slide_begins_where_the_rest_was_flat_last(biases_dps: Sequence[float]
     """What a rest has settled at is its bias before it began to slide, or as of four seconds ago."""
     h = rest_of(biases_dps)
     assert h.settled.bias_dps == biases_dps[since]
-    assert h.settled.bias_var == float(since)
+    assert h.settled.bias_var == (since + 1) * 1e-12
     assert h.settled.ago_s == pytest.approx(MARK_S * (len(biases_dps) - 1 - since))
+
+
+def test_a_first_step_within_the_uncertainty_is_no_slide() -> None:
+    """A step of 0.009 deg/s of a bias that is known to 0.006 is flat, so that what follows is a slide."""
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.006).settled.bias_dps == 0.109
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.004).settled.bias_dps == 0.15
 
 
 def test_what_was_taken_back_is_given_back_with_what_yaw_has_turned() -> None:
@@ -49,11 +55,11 @@ def test_what_was_taken_back_is_given_back_with_what_yaw_has_turned() -> None:
     h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
     h.moving_s, h.yaw_deg = 0.0, 5.0
     take_back(h)
-    assert (h.bias_dps, h.bias_var, h.moving_s) == (0.1, 2.0, 8.0)
+    assert (h.bias_dps, h.bias_var, h.moving_s) == (0.1, 3e-12, 8.0)
     h.yaw_deg -= h.bias_dps * 3.0
     h.moving_s += 3.0
     give_back(h)
-    assert (h.bias_dps, h.bias_var) == (0.3, 4.0)
+    assert (h.bias_dps, h.bias_var) == (0.3, 5e-12)
     assert h.moving_s == pytest.approx(3.0)
     assert h.yaw_deg == pytest.approx(5.0 - 0.3 * 3.0)
 
