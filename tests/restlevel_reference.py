@@ -77,8 +77,9 @@ class ReferenceHypothesis:
     moving_s: float = 0.0
     is_unexpected_bias: bool = False
     held_back: float = 1.0
-    recent: tuple[float, float] = (0.0, 0.0)
-    settled: tuple[float, float] = (0.0, 0.0)
+    recent: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    slid_dps: float | None = None
+    settled: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turned: float = 1.0
     checkpoint: tuple[float, Floats, float] = (0.0, np.zeros((2, 2)), 0.0)
 
@@ -276,10 +277,11 @@ class ReferenceFilter:
             self.blocks_ago, self.ended_mean, self.was_long = 1, mean_was, was * b.seconds >= 15.0
             self.ended_gently = is_gentle
             self.weigh_curves(0.002 if is_gentle else 1.0, "is_at_rest")
-            self.exchange("is_at_rest")
+            if is_gentle:
+                self.hypotheses = [taken_back(h) if h.is_at_rest else h for h in self.hypotheses]
             self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
         elif self.blocks_ago == 2 and self.ended_gently and not is_gentle:
-            self.exchange("was_at_rest")
+            self.hypotheses = [given_back(h) if h.was_at_rest else h for h in self.hypotheses]
             self.ended_gently = False
             self.weigh_curves(1.0 / 0.002, "was_at_rest")
 
@@ -288,11 +290,6 @@ class ReferenceFilter:
         for h in self.hypotheses:
             h.weight *= factor if h.is_unexpected_bias and getattr(h, when) else 1.0
         self.normalise()
-
-    def exchange(self, when: str) -> None:
-        """After a gentle end: the bias of rests, now or just before, for the one that they had settled at."""
-        if self.ended_gently:
-            self.hypotheses = [exchanged(h) if getattr(h, when) else h for h in self.hypotheses]
 
     def turn(self, b: ReferenceBlock, mean_dps: float, *, is_new: bool) -> None:
         """A mean rate of ten seconds outside of segments, or that of a new turn, goes to the last 32."""
@@ -353,10 +350,7 @@ class ReferenceFilter:
                     is_unexpected_bias=h.is_unexpected_bias and len(self.segment) * b.seconds < 8.0,
                 )
                 new, _ = kalman_update(lasting, mean_dps, var, ramp**2)
-                lasted_s = len(self.segment) * b.seconds
-                if int(lasted_s / 4.0) > int((lasted_s - b.seconds) / 4.0):
-                    new = replace(new, settled=new.recent, recent=(new.mean[1], new.cov[1, 1]))
-                self.hypotheses[k] = new
+                self.hypotheses[k] = followed(new, b.seconds, self.p.drift_dps_s)
         self.normalise()
         self.learn_noise(b, mean_dps, resting, pull)
 
@@ -534,7 +528,7 @@ class ReferenceFilter:
     def taken_up(self, h: ReferenceHypothesis) -> ReferenceHypothesis:
         """As it was before the end of the segment."""
         back = gone_back(h)
-        return exchanged(back) if self.ended_gently else back
+        return given_back(back) if self.ended_gently else back
 
     def is_from_start(self, b: ReferenceBlock, blocks: int, means: list[float]) -> bool:
         """Whether nothing has moved in these blocks, and there are few of them."""
@@ -661,15 +655,43 @@ def reference(
 
 def settled(h: ReferenceHypothesis) -> ReferenceHypothesis:
     """What it says now is what it has settled at."""
-    now = (float(h.mean[1]), float(h.cov[1, 1]))
-    return replace(h, recent=now, settled=now)
+    now = (float(h.mean[1]), float(h.cov[1, 1]), 0.0)
+    return replace(h, recent=now, settled=now, slid_dps=None)
+
+
+def followed(h: ReferenceHypothesis, seconds: float, drift_dps_s: float) -> ReferenceHypothesis:
+    """Every 4 s of a rest: whether it slides, and since when. Nothing is said of that before the first flat step."""
+    recent, then = ((bias, var, ago_s + seconds) for bias, var, ago_s in (h.recent, h.settled))
+    if recent[2] < 4.0:
+        return replace(h, recent=recent, settled=then)
+    now = (float(h.mean[1]), float(h.cov[1, 1]), 0.0)
+    step = now[0] - recent[0]
+    if h.slid_dps is None:
+        is_flat = abs(step) <= drift_dps_s + np.sqrt(recent[1])
+        return replace(h, recent=now, settled=recent, slid_dps=0.0 if is_flat else None)
+    slid = float(np.sign(h.slid_dps + step)) * max(0.0, abs(h.slid_dps + step) - drift_dps_s)
+    goes_on = np.sign(slid) * np.sign(h.slid_dps) > 0.0 and then[2] < 40.0
+    return replace(h, recent=now, settled=then if goes_on else recent, slid_dps=slid)
 
 
 def exchanged(h: ReferenceHypothesis) -> ReferenceHypothesis:
     """Bias and settled bias, with their variances."""
-    bias, var = h.settled
+    bias, var, ago_s = h.settled
     cov = np.array([[h.cov[0, 0], h.cov[0, 1]], [h.cov[1, 0], var]])
-    return replace(h, mean=np.array([h.mean[0], bias]), cov=cov, settled=(float(h.mean[1]), float(h.cov[1, 1])))
+    then = (float(h.mean[1]), float(h.cov[1, 1]), ago_s)
+    return replace(h, mean=np.array([h.mean[0], bias]), cov=cov, settled=then)
+
+
+def taken_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
+    """A rest that has ended gently: its last zero-velocity update was when it settled."""
+    return replace(exchanged(h), moving_s=h.moving_s + h.settled[2])
+
+
+def given_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
+    """As if the rest had not ended gently, and yaw had turned with its own bias since."""
+    own, passed_s = exchanged(h), h.moving_s - h.settled[2]
+    turned = np.array([(h.mean[1] - own.mean[1]) * passed_s, 0.0])
+    return replace(own, mean=own.mean + turned, moving_s=passed_s)
 
 
 def gone_back(h: ReferenceHypothesis) -> ReferenceHypothesis:

@@ -56,18 +56,25 @@ def judged(case: int, seed: int, *, is_still: bool) -> tuple[float, float]:
 
 
 def seconds(times_s: list[float], rates_dps: list[float], stepping: Any, c: Any, state: Any) -> float:
-    """Of one step, in the mean over a session."""
-    start_s = time.perf_counter()
+    """Of one step, in the mean over a session; of the processor, so that others on the machine count less."""
+    start_s = time.process_time()
     for t_s, rate_dps in zip(times_s, rates_dps, strict=True):
         stepping(c, state, t_s, rate_dps)
-    return (time.perf_counter() - start_s) / len(times_s)
+    return (time.process_time() - start_s) / len(times_s)
 
 
 def test_a_step_beside_one_of_hdr() -> None:
-    """In plain Python, on a turntable at 100 Hz."""
+    """In plain Python, on a turntable at 100 Hz: the best of five rounds, in which they take turns."""
     one = reference(0, 101, 0, is_still=True)
     times_s, rates = np.cumsum(one.dt_s).tolist(), one.rate_dps.tolist()
-    hdr_s = seconds(times_s, rates, hdr_step, hdr_coefficients(HdrParams()), HdrState())
-    own_s = seconds(times_s, rates, step, coefficients(RestlevelParams()), RestlevelState())
+    hdr, own = hdr_coefficients(HdrParams()), coefficients(RestlevelParams())
+    rounds = [
+        (
+            seconds(times_s, rates, hdr_step, hdr, HdrState()),
+            seconds(times_s, rates, step, own, RestlevelState()),
+        )
+        for _ in range(5)
+    ]
+    hdr_s, own_s = np.min(rounds, axis=0)
     rows = [("hdr", f"{hdr_s * 1e6:.2f} µs"), ("restlevel", f"{own_s * 1e6:.2f} µs, {own_s / hdr_s:.1f} times that")]
     show("A step", rows)

@@ -21,6 +21,15 @@ class YawCheckpoint:
 
 
 @dataclass(slots=True)
+class RestMark:
+    """The bias of a rest as it was some time ago, deg/s, its variance in (deg/s)², and how long ago that was, s."""
+
+    bias_dps: float = 0.0
+    bias_var: float = 0.0
+    ago_s: float = 0.0
+
+
+@dataclass(slots=True)
 class Hypothesis:
     """Which of the segments were rests, and the Gaussian over yaw and bias that follows. Weight 0 is a free place.
 
@@ -40,9 +49,11 @@ class Hypothesis:
         Time since its last rest, s.
     held_back
         Factor by which its probability is held back until its rest has lasted longer than a level does by chance.
-    recent_dps, recent_var, settled_dps, settled_var
-        Bias and its variance as its last rest had them up to four seconds ago, and four seconds before that; where the
-        rest has ended gently, the settled ones are exchanged with its bias.
+    slide_dps, has_been_flat
+        How far the bias has slid in its last rest beyond what is usual, to one side, and whether it stood still before.
+    recent, settled
+        Bias of its last rest up to four seconds ago, and before it began to slide; where the rest has ended gently, the
+        settled one is exchanged with its bias. See `restlevel.slide`.
     turn_density
         What it was weighed by last by the mean turns; see `restlevel.turns`.
     checkpoint
@@ -61,11 +72,11 @@ class Hypothesis:
     is_unexpected_bias: bool = False
     moving_s: float = 0.0
     held_back: float = 1.0
-    recent_dps: float = 0.0
-    recent_var: float = 0.0
-    settled_dps: float = 0.0
-    settled_var: float = 0.0
+    slide_dps: float = 0.0
+    has_been_flat: bool = False
     turn_density: float = 1.0
+    recent: RestMark = field(default_factory=RestMark)
+    settled: RestMark = field(default_factory=RestMark)
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 
 

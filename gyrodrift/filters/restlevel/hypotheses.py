@@ -16,6 +16,7 @@ from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_
 from gyrodrift.filters.restlevel.rate_state import NEVER, EndedSegment
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
+from gyrodrift.filters.restlevel.slide import follow_slide, give_back, settle, take_back
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density, loud_density
 
@@ -30,10 +31,6 @@ is left at each of these."""
 LOUD_REST = 0.1
 """What is left of the probability of all rests so far where the noise drops: they were motion, but for one in ten with
 a motor or a fan that ran on."""
-
-SETTLED_S = 4.0
-"""What a rest has learned in the last one or two of such times is taken back where it ends gently: by drift alone a
-curve may carry the bias along for as long."""
 
 SHORT_REST_S = 8.0
 """A rest of this length is no longer short."""
@@ -95,7 +92,7 @@ def leave_segment(s: RestlevelState) -> None:
         if h.is_at_rest and may_be_curve(h, s.ended):
             h.weight *= CURVE_PENALTY
         if h.is_at_rest and s.ended.ended_gently:
-            _exchange(h)
+            take_back(h)
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
     normalise(s)
@@ -107,7 +104,7 @@ def forgive_exit(s: RestlevelState) -> None:
         if h.was_at_rest and may_be_curve(h, s.ended):
             h.weight /= CURVE_PENALTY
         if h.weight > 0.0 and h.was_at_rest:
-            _exchange(h)
+            give_back(h)
     s.ended.ended_gently = False
     normalise(s)
 
@@ -187,7 +184,7 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
             was_unexpected_bias = h.is_unexpected_bias
             _go_back(h, h)
             if s.ended.ended_gently:
-                _exchange(h)
+                give_back(h)
             first_kalman_update(c, h, mean_dps, mean_var)
             h.is_at_rest, h.is_unexpected_bias = True, was_unexpected_bias
             if may_be_curve(h, s.ended):
@@ -203,8 +200,6 @@ def zero_velocity_update(
     mean_var = noise.angle_walk_var / seconds
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     rest_weight = excess_var = 0.0
-    lasted_s = s.segment.blocks * seconds
-    is_settling = int(lasted_s / SETTLED_S) > int((lasted_s - seconds) / SETTLED_S)
     for h in s.hypotheses:
         if h.weight == 0.0 or not h.is_at_rest:
             continue
@@ -219,9 +214,7 @@ def zero_velocity_update(
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
         h.moving_s = 0.0
-        if is_settling:
-            h.settled_dps, h.settled_var = h.recent_dps, h.recent_var
-            h.recent_dps, h.recent_var = h.bias_dps, h.bias_var
+        follow_slide(c, h, seconds)
     normalise(s)
     learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
 
@@ -229,18 +222,6 @@ def zero_velocity_update(
 def may_be_curve(h: Hypothesis, ended: EndedSegment) -> bool:
     """Whether the segment that has ended may have been a curve, for a hypothesis that takes it for a rest."""
     return h.is_unexpected_bias and ended.ended_gently
-
-
-def settle(h: Hypothesis) -> None:
-    """Its bias is certain from here on: a gentle end of the rest takes back no more than what follows."""
-    h.recent_dps = h.settled_dps = h.bias_dps
-    h.recent_var = h.settled_var = h.bias_var
-
-
-def _exchange(h: Hypothesis) -> None:
-    """Of bias and settled bias: the last seconds of a rest that ended gently may have been the beginning of a curve."""
-    h.bias_dps, h.settled_dps = h.settled_dps, h.bias_dps
-    h.bias_var, h.settled_var = h.settled_var, h.bias_var
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:

@@ -11,12 +11,12 @@ believed until it has said something else, and what it taught is as doubtful as 
 from math import exp, sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Witness
-from gyrodrift.filters.restlevel.hypotheses import settle
 from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, first_kalman_update, gaussian_logpdf, kalman_update
 from gyrodrift.filters.restlevel.mixture import merge_and_prune
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS
+from gyrodrift.filters.restlevel.slide import settle
 
 FIT_SIGMAS = 6.0
 """A block mean further from the bias than this contradicts that the device stands still."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
 from gyrodrift.filters.restlevel.hypotheses import doubt_loud_rests, forgive_exit, leave_segment
 from gyrodrift.filters.restlevel.model import RestlevelState
 
@@ -25,11 +25,9 @@ def test_a_gentle_end_takes_back_what_was_learned_last() -> None:
     for is_gentle, expected in ((True, (0.1, 4.0)), (False, (0.3, 1.0))):
         s = RestlevelState()
         s.ended.ended_gently = is_gentle
-        s.hypotheses[0] = Hypothesis(
-            weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=0.3, bias_var=1.0, settled_dps=0.1, settled_var=4.0
-        )
+        h = Hypothesis(weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=0.3, bias_var=1.0)
+        s.hypotheses[0], h.settled = h, RestMark(0.1, 4.0, 6.0)
         leave_segment(s)
-        h = s.hypotheses[0]
         assert (h.bias_dps, h.bias_var) == expected
         if is_gentle:
             forgive_exit(s)

@@ -1,0 +1,74 @@
+"""How far a rest has slid, and what of it is taken back where it ends gently: on numbers by hand, and in a drive."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.slide import follow_slide, give_back, settle, take_back
+from gyrodrift.filters.restlevel.step import coefficients, step
+
+C = coefficients(RestlevelParams(drift_dps_s=0.004))
+MARK_S = 4.0
+
+
+def rest_of(biases_dps: Sequence[float], sigma_dps: float = 1e-6) -> Hypothesis:
+    """A rest with these biases, four seconds apart; its variance grows with its number."""
+    h = Hypothesis(weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=biases_dps[0], bias_var=sigma_dps**2)
+    settle(h)
+    for number, dps in enumerate(biases_dps[1:], 2):
+        h.bias_dps, h.bias_var = dps, number * sigma_dps**2
+        follow_slide(C, h, MARK_S)
+    return h
+
+
+@pytest.mark.parametrize(
+    ("biases_dps", "since"),
+    [
+        ((0.1, 0.1, 0.1, 0.1), 2),  # flat: four seconds ago
+        ((0.1, 0.1, 0.1, 0.11, 0.12, 0.13), 2),  # it slides since the third
+        ((0.1, 0.1, 0.1, 0.09, 0.08, 0.07), 2),
+        ((0.1, 0.1, 0.1, 0.103, 0.106, 0.109), 4),  # by less than a quarter of what drift allows
+        ((0.1, 0.11, 0.12, 0.13, 0.14), 3),  # a warm-up slides from the first second on
+        ((0.1, 0.1, 0.11, 0.12, 0.09), 3),  # to the other side
+        ((0.1, 0.1, *(0.1 + 0.01 * k for k in range(1, 13))), 10),  # for longer than bends last, and once more since
+    ],
+)
+def test_a_slide_begins_where_the_rest_was_flat_last(biases_dps: Sequence[float], since: int) -> None:
+    """What a rest has settled at is its bias before it began to slide, or as of four seconds ago."""
+    h = rest_of(biases_dps)
+    assert h.settled.bias_dps == biases_dps[since]
+    assert h.settled.bias_var == (since + 1) * 1e-12
+    assert h.settled.ago_s == pytest.approx(MARK_S * (len(biases_dps) - 1 - since))
+
+
+def test_a_first_step_within_the_uncertainty_is_no_slide() -> None:
+    """A step of 0.009 deg/s of a bias that is known to 0.006 is flat, so that what follows is a slide."""
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.006).settled.bias_dps == 0.109
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.004).settled.bias_dps == 0.15
+
+
+def test_what_was_taken_back_is_given_back_with_what_yaw_has_turned() -> None:
+    """Of 0.3 deg/s that had settled at 0.1, eight seconds ago: three seconds later yaw is off by 0.6 deg."""
+    h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
+    h.moving_s, h.yaw_deg = 0.0, 5.0
+    take_back(h)
+    assert (h.bias_dps, h.bias_var, h.moving_s) == (0.1, 3e-12, 8.0)
+    h.yaw_deg -= h.bias_dps * 3.0
+    h.moving_s += 3.0
+    give_back(h)
+    assert (h.bias_dps, h.bias_var) == (0.3, 5e-12)
+    assert h.moving_s == pytest.approx(3.0)
+    assert h.yaw_deg == pytest.approx(5.0 - 0.3 * 3.0)
+
+
+def test_a_gentle_slide_behind_a_rest_is_a_curve() -> None:
+    """Ten seconds at rest, half a minute into a curve by 0.004 deg/s², and on: the bias is that of the rest."""
+    true_dps = np.r_[np.zeros(1000), 0.004 * np.arange(3000) / 100.0, 0.12 + 0.1 * np.arange(1, 2000) / 100.0]
+    rates_dps = 0.2 + true_dps + 0.07 * np.random.default_rng(20261123).standard_normal(len(true_dps))
+    s = RestlevelState()
+    for n, dps in enumerate(rates_dps.tolist()):
+        step(C, s, n / 100.0, dps)
+    assert s.bias_dps == pytest.approx(0.2, abs=0.02)
