@@ -7,7 +7,13 @@ from typing import NamedTuple
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
-from gyrodrift.diagnose.inference.one_speed import is_one_speed, tied_at_one_speed
+from gyrodrift.diagnose.inference.indistinct import (
+    AT_ONE_HEATING,
+    AT_ONE_SPEED,
+    is_one_heating,
+    is_one_speed,
+    tied_where_same,
+)
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
@@ -117,7 +123,9 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
         result = search(evidence, simulate)
         alternatives, surrogate = alternatives_of(result, simulate)
     if is_one_speed([one.design.regimes for one in simulated.subjects]):
-        alternatives = tied_at_one_speed(alternatives, evidence.candidate_names())
+        alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_SPEED)
+    if is_one_heating([one.posterior.mean for one in simulated.subjects]):
+        alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_HEATING)
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
 
 
