@@ -4,12 +4,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
 from gyrodrift.diagnose.inference.indistinct import (
     AT_ONE_HEATING,
     AT_ONE_SPEED,
+    Heating,
     is_one_heating,
     is_one_speed,
     tied_where_same,
@@ -124,9 +127,17 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
         alternatives, surrogate = alternatives_of(result, simulate)
     if is_one_speed([one.design.regimes for one in simulated.subjects]):
         alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_SPEED)
-    if is_one_heating([one.posterior.mean for one in simulated.subjects]):
+    if is_one_heating([_heating_of(one) for one in simulated.subjects]):
         alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_HEATING)
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
+
+
+def _heating_of(subject: Subject) -> Heating:
+    """Once a second."""
+    motion = subject.posterior.mean
+    every = max(1, round(1.0 / motion.period_s))
+    powered_s: Floats = motion.powered_s + motion.period_s * np.arange(len(motion.sensor_c), dtype=np.float64)
+    return Heating(powered_s[::every], motion.sensor_c[::every])
 
 
 def recordings_of(

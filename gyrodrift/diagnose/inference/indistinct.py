@@ -7,21 +7,18 @@ A device that warms by itself has a temperature that follows from the time since
 is a warm-up then; a warm-up may be quicker or slower than that.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.regimes import Regimes
 from gyrodrift.diagnose.inference.alternatives import Alternatives, Rival
-from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
 Same = Mapping[str, str]
 """Names of effects, and of those that they cannot be told from."""
-
-Course = Callable[[ReplayedMotion, Floats], Floats]
-"""A session and times since power-on, s, to values at these times."""
 
 AT_ONE_SPEED: Same = {"g_sensitivity": "encoder_eccentricity", "encoder_eccentricity": "g_sensitivity"}
 AT_ONE_HEATING: Same = {"temp_bias": "warmup"}
@@ -38,8 +35,12 @@ OTHER_SHARE = 0.003
 MOST_WARMING_C = 40.0
 """By which a device may warm: late after power-on a slope in the air is no end of that."""
 
-NOTED_S = 1.0
-"""How often a temperature is looked at."""
+
+class Heating(NamedTuple):
+    """Temperatures of a session, °C, at times since power-on, s; shape (n,) each."""
+
+    powered_s: Floats
+    sensor_c: Floats
 
 
 def is_one_speed(motions: Sequence[Regimes]) -> bool:
@@ -51,11 +52,11 @@ def is_one_speed(motions: Sequence[Regimes]) -> bool:
     return bool(fast_dps < LIKE_ONE * slow_dps)
 
 
-def is_one_heating(motions: Sequence[ReplayedMotion]) -> bool:
+def is_one_heating(sessions: Sequence[Heating]) -> bool:
     """Whether the temperature of all sessions is one decay since power-on, each about a level of its own."""
-    temps_c = _centred(motions, lambda one, _: one.sensor_c)
-    left = min(_left(temps_c, _centred(motions, _decay(float(tau_s)))) for tau_s in DECAYS_S)
-    return left < OTHER_SHARE * float(temps_c @ temps_c)
+    temps_c = _centred([one.sensor_c for one in sessions])
+    decays = (_centred([np.exp(-one.powered_s / decay_s) for one in sessions]) for decay_s in DECAYS_S)
+    return min(_left(temps_c, decay) for decay in decays) < OTHER_SHARE * float(temps_c @ temps_c)
 
 
 def tied_where_same(every: Sequence[Alternatives], tried: Sequence[str], same: Same) -> tuple[Alternatives, ...]:
@@ -68,19 +69,9 @@ def _tied(one: Alternatives, other: str) -> Alternatives:
     return replace(one, rivals=(Rival(other, 0.0, is_out_of_catalogue=False), *others))
 
 
-def _decay(time_constant_s: float) -> Course:
-    return lambda _, t_s: np.exp(-t_s / time_constant_s)
-
-
-def _centred(motions: Sequence[ReplayedMotion], course: Course) -> Floats:
-    """Values at times since power-on, of all sessions, less the mean of each."""
-    parts = []
-    for one in motions:
-        every = max(1, round(NOTED_S / one.period_s))
-        t_s: Floats = one.powered_s + one.period_s * np.arange(len(one.sensor_c), dtype=np.float64)
-        values = course(one, t_s)[::every]
-        parts.append(values - values.mean())
-    return np.concatenate(parts)
+def _centred(sessions: Sequence[Floats]) -> Floats:
+    """All values behind one another, less the mean of their session."""
+    return np.concatenate([values - values.mean() for values in sessions])
 
 
 def _left(values: Floats, decay: Floats) -> float:

@@ -13,6 +13,7 @@ from gyrodrift.diagnose.inference.alternatives import Alternatives, Rival
 from gyrodrift.diagnose.inference.indistinct import (
     AT_ONE_HEATING,
     AT_ONE_SPEED,
+    Heating,
     is_one_heating,
     is_one_speed,
     tied_where_same,
@@ -63,19 +64,18 @@ def test_an_effect_once_per_turn_is_tied_with_the_other_that_was_tried() -> None
     assert tied_where_same([gravity], ["g_sensitivity"], AT_ONE_SPEED)[0].rivals == rivals
 
 
-def warming(powered_s: float, air_c: Floats | float) -> ReplayedMotion:
-    """Four minutes at rest in air of a temperature, from so long after power-on, by the simulator's own law."""
-    powered_at_s: Floats = powered_s + np.arange(24_000, dtype=np.float64) * PERIOD_S
-    air: Floats = np.full(24_000, 1.0) * air_c
-    temps_c = sensor_temperature_c(air, powered_at_s) + RNG.normal(0.0, 0.02, 24_000)
-    return ReplayedMotion(PERIOD_S, np.zeros(24_000), np.zeros(24_000), temps_c, powered_s)
+def warming(powered_s: float, air_c: Floats | float) -> Heating:
+    """Four minutes in air of a temperature, from so long after power-on, by the simulator's own law."""
+    powered_at_s: Floats = powered_s + np.arange(240, dtype=np.float64)
+    air: Floats = np.full(240, 1.0) * air_c
+    return Heating(powered_at_s, sensor_temperature_c(air, powered_at_s) + RNG.normal(0.0, 0.02, 240))
 
 
 def test_a_device_that_warms_by_itself_knows_one_course_of_its_temperature() -> None:
     """From power-on and later on, in cold air and in warm; air that changes meanwhile is another course."""
     assert is_one_heating([warming(0.0, 20.0), warming(0.0, 23.0), warming(300.0, 21.0)])
-    assert not is_one_heating([warming(0.0, 20.0), warming(0.0, np.linspace(20.0, 24.0, 24_000))])
-    assert not is_one_heating([warming(5000.0, np.linspace(20.0, 30.0, 24_000))])
+    assert not is_one_heating([warming(0.0, 20.0), warming(0.0, np.linspace(20.0, 24.0, 240))])
+    assert not is_one_heating([warming(5000.0, np.linspace(20.0, 30.0, 240))])
 
 
 def test_a_bias_by_temperature_is_a_warm_up_there_and_a_warm_up_is_what_it_is() -> None:
