@@ -19,6 +19,9 @@ TAIL_SIGMAS = 5.0
 LEAST_TAIL_COUNTS = 1.2
 """Standard deviation of a second difference, in counts, below which steps of one count would pass for tails."""
 
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+"""Multiples of it less their whole part are spread evenly, however many there are."""
+
 LEAST_POINTS, FEW_SECONDS = 25, 20
 """Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
 
@@ -83,8 +86,13 @@ def _burst_ratio(noise: SampleNoise) -> float:
 
 
 def _tails(noise: SampleNoise, allowed: Mask) -> float:
-    """Root of the share of second differences beyond TAIL_SIGMAS."""
-    sizes = np.abs(noise.bends_dps[allowed[2:]])
+    """Root of the share of second differences beyond TAIL_SIGMAS.
+
+    They are spread evenly within their steps: else the median of few counts is one of two, and what is beyond it jumps.
+    """
+    bends_dps = noise.bends_dps[allowed[2:]]
+    within = np.arange(len(bends_dps)) * GOLDEN % 1.0 - 0.5
+    sizes = np.abs(bends_dps + noise.dps_per_lsb * within)
     if not len(sizes):
         return 0.0
     sigma = max(median(sizes) / MEDIAN_TO_SIGMA, LEAST_TAIL_COUNTS * noise.dps_per_lsb)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from features_support import AT_REST, PERIOD_S, T_S, TRUE_DPS, Observed, observed, white
+from features_support import AT_REST, FACTS, PERIOD_S, T_S, TRUE_DPS, Observed, observed, white
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.noise import root_share
@@ -97,6 +97,16 @@ def test_tails_are_the_share_of_far_values() -> None:
     share = 3.0 * len(places) / np.count_nonzero(AT_REST)
     assert noisy(noise).values()["tails_rest"] == pytest.approx(np.sqrt(share), rel=0.05)
     assert noisy(white(SIGMA)).values()["tails_rest"] < 0.02
+
+
+def test_a_little_more_noise_moves_tails_a_little() -> None:
+    """Of rates in coarse steps, with louder seconds: the median of a few counts is one whole number or the next."""
+    louder = np.where((T_S % 15.0) < 1.0, 6.0, 1.0) * white(FACTS.step_dps, 9)
+    found = []
+    for counts in np.arange(0.8, 1.6, 0.05):
+        stepped_dps = FACTS.step_dps * np.rint((TRUE_DPS + counts * louder) / FACTS.step_dps)
+        found.append(noisy(stepped_dps - TRUE_DPS).values()["tails_rest"])
+    assert np.abs(np.diff(found)).max() < 0.02
 
 
 def test_outliers_are_a_share_of_all() -> None:
