@@ -19,6 +19,9 @@ OUT_OF_CATALOGUE_COST = 4.0
 SWEEPS = 3
 """Coordinate-wise passes over the sizes of a set."""
 
+NEARLY = 6.0
+"""Log-likelihood by which a variant may be behind, by a correction that is another's, and be simulated itself."""
+
 RESIMULATIONS = 2
 """Of a set that is new: the first may move its sizes, the second is at these."""
 
@@ -120,6 +123,25 @@ def resimulated(surrogate: Surrogate, causes: Sequence[Cause], simulate: Simulat
         if again == now or was_known:
             break
         now = again
+    return _in_other_variants(Fitted(now, surrogate), simulate)
+
+
+def _in_other_variants(found: Fitted, simulate: Simulate) -> Fitted:
+    """Simulate each cause in its next best variant too, where that is nearly as good, and fit again.
+
+    What was corrected of one variant is only nearly right of another.
+    """
+    now, surrogate = found
+    for cause in found.causes:
+        kept = tuple(one for one in now if one.name != cause.name)
+        rest = [one for one in surrogate.evidence.variants(cause.name) if one is not cause.response]
+        if not rest or cause.candidate.phase_deg is not None:
+            continue
+        other = (*kept, best_of(surrogate, kept, rest))
+        behind = float((surrogate.scores(now) - surrogate.scores(other)).sum())
+        if behind < NEARLY and not surrogate.knows(other):
+            surrogate = surrogate.refined(other, simulate(other))
+            now = fitted(surrogate, now)
     return Fitted(now, surrogate)
 
 

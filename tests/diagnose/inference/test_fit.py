@@ -113,3 +113,32 @@ def test_what_no_effect_does_costs_more() -> None:
     surrogate = Surrogate(evidence({"rate": 6.0}, RATE, strange))
     totals = [cross_validated(surrogate, (Cause(one, 2),), added).found.total for one in (RATE, strange)]
     assert totals[0] - totals[1] == pytest.approx(4.0)
+
+
+def test_a_variant_that_is_nearly_as_good_is_simulated_itself() -> None:
+    """The tables have the slower one a little ahead; simulated, it is off by what the quicker one is not."""
+    slower, quicker = (replace(RATE, mean=RATE.mean + rows({"time": time})) for time in (0.0, 0.6))
+    simulated = []
+
+    def simulate(causes: Sequence[Cause]) -> Floats:
+        simulated.append(causes[0].response)
+        wrong = rows({"abs_rate": 1.0}) if causes[0].response is slower else rows({})
+        return added(causes) + wrong
+
+    found, surrogate = resimulated(Surrogate(evidence({"rate": 6.0}, slower, quicker)), (Cause(slower, 2),), simulate)
+    assert found == (Cause(quicker, 2),)
+    assert simulated == [slower, quicker]
+    assert surrogate.knows(found)
+
+
+def test_a_variant_that_is_far_behind_is_not() -> None:
+    """By more than a correction moves."""
+    slower, far = RATE, replace(RATE, mean=RATE.mean + rows({"time": 9.0}))
+    simulated = []
+
+    def simulate(causes: Sequence[Cause]) -> Floats:
+        simulated.append(causes[0].response)
+        return added(causes)
+
+    resimulated(Surrogate(evidence({"rate": 6.0}, slower, far)), (Cause(slower, 2),), simulate)
+    assert far not in simulated
