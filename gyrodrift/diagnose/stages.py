@@ -1,6 +1,7 @@
 """The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.exact_sizes import exact_sizes
 from gyrodrift.diagnose.inference.indistinct import (
     AT_ONE_HEATING,
     AT_ONE_SPEED,
@@ -120,11 +122,17 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
     evidence = evidence_of(simulated.tables, simulated.tried)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
 
+        def simulate_at(causes: Sequence[Cause], sizes: Sequence[float]) -> Floats:
+            pairs = zip(causes, sizes, strict=True)
+            return sets.change_of([Sized(one.candidate, size, one.response.phases_deg) for one, size in pairs])
+
         def simulate(causes: Sequence[Cause]) -> Floats:
-            return sets.change_of([Sized(one.candidate, one.size, one.response.phases_deg) for one in causes])
+            return simulate_at(causes, [one.size for one in causes])
 
         result = search(evidence, simulate)
         alternatives, surrogate = alternatives_of(result, simulate)
+        exact = exact_sizes(surrogate, result.found.causes, simulate_at)
+    alternatives = tuple(replace(one, exact=exact.get(one.cause.name)) for one in alternatives)
     if is_one_speed([one.design.regimes for one in simulated.subjects]):
         alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_SPEED)
     if is_one_heating([_heating_of(one) for one in simulated.subjects]):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.exact_sizes import ExactSize
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated, without
 from gyrodrift.diagnose.inference.search import SearchResult, with_one_more
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
@@ -34,12 +35,15 @@ class Alternatives:
         Of the log-likelihood of held-out sessions, by the cause beside the others.
     profile
         (sizes,) profile log-likelihood: the score of the whole set at each size of the cause.
+    exact
+        Its size between those of the grid; None where nothing more is known of it.
     """
 
     cause: Cause
     gain: float
     rivals: tuple[Rival, ...]
     profile: Floats
+    exact: ExactSize | None = None
 
     @property
     def tied_with(self) -> tuple[str, ...]:

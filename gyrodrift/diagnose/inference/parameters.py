@@ -9,8 +9,8 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import Alternatives
 
 PLAUSIBLE = 2.0
-"""Log-likelihood: sizes that score less than the best by no more belong to the interval; chi-square of one degree of
-freedom would have 1.92 for 95 %."""
+"""Log-likelihood: sizes that score less than the best by no more belong to the interval, and so do those within as many
+standard errors; chi-square of one degree of freedom would have 1.92 for 95 %, and 1.96 errors."""
 
 HALF_TURN_DEG = 180.0
 """A phase that is another one in each session is known to no better; the value is that of the first."""
@@ -64,20 +64,27 @@ def best_size(sizes: Floats, profile: Floats) -> float:
     return float(sizes[at] * ratio**shift)
 
 
+def size_of(one: Alternatives) -> float:
+    """The fitted size: exact, or by its profile where it could not be refined."""
+    return best_size(one.cause.candidate.sizes, one.profile) if one.exact is None else one.exact.size
+
+
 def effect_of(one: Alternatives) -> Effect:
     """The effect of the simulator at the fitted size; where phases are free, at that of the first session."""
-    candidate, phases_deg = one.cause.candidate, one.cause.response.phases_deg
-    made = candidate.make(best_size(candidate.sizes, one.profile))
+    phases_deg = one.cause.response.phases_deg
+    made = one.cause.candidate.make(size_of(one))
     return made if phases_deg is None else made.model_copy(update={"phase_deg": float(phases_deg[0])})
 
 
 def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
     """The size with its interval first, and then what is fixed with the candidate."""
     candidate, profile = one.cause.candidate, one.profile
-    best = best_size(candidate.sizes, profile)
+    best = size_of(one)
     plausible = candidate.sizes[profile > profile.max() - PLAUSIBLE]
+    error = 0.0 if one.exact is None else PLAUSIBLE * one.exact.error
     name, unit = candidate.parameter, unit_of(candidate.parameter)
-    value, *ends = (_value(candidate.make(float(size)), name) for size in (best, plausible[0], plausible[-1]))
+    reach = (best, best - error, best + error, plausible[0], plausible[-1])
+    value, *ends = (_value(candidate.make(float(size)), name) for size in reach)
     found = [Parameter(name, value, min(value, *ends), max(value, *ends), unit)]
     phases_deg = one.cause.response.phases_deg
     for other, fixed in candidate.make(best).model_dump().items():

@@ -5,6 +5,7 @@ import pytest
 from inference_support import SIZES, response
 
 from gyrodrift.diagnose.inference.alternatives import Alternatives
+from gyrodrift.diagnose.inference.exact_sizes import ExactSize
 from gyrodrift.diagnose.inference.parameters import best_size, effect_of, parameters_of, unit_of
 from gyrodrift.diagnose.inference.surrogate import Cause
 
@@ -35,6 +36,16 @@ def test_the_interval_holds_what_scores_less_by_two() -> None:
     assert one.value == pytest.approx(5.0)
     assert (one.low, one.high) == (4.0, 6.0)
     assert effect_of(Alternatives(cause, 1.0, (), profile)).name == "scale_factor"
+
+
+def test_an_exact_size_is_the_value_and_its_error_is_within_the_interval() -> None:
+    """The profile knows no sizes between those of the grid."""
+    profile = -50.0 * (SIZES - 5.0) ** 2
+    one = Alternatives(Cause(response("scale_factor", {"rate": 1.0}), 4), 1.0, (), profile, ExactSize(5.2, 0.05))
+    (found,) = parameters_of(one)
+    assert found.value == 5.2
+    assert (found.low, found.high) == pytest.approx((5.0, 5.3))
+    assert effect_of(one).model_dump()["error_percent"] == 5.2
 
 
 @pytest.mark.parametrize(
