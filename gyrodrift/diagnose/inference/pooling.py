@@ -25,24 +25,28 @@ ABSENT_SHARE = 0.1
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and work out the responses at all sizes."""
-    nulls = np.concatenate([table.nulls for table in tables])
-    centre = nulls.mean(axis=0)
-    variance = np.square(nulls - centre).sum(axis=0) / max(1, len(nulls) - 1)
+    own_nulls = np.array([table.nulls for table in tables])
+    differences = np.array([table.difference for table in tables])
+    has = own_nulls.any(axis=1) | (differences != 0.0)
+    runs = np.maximum(has.sum(axis=0) * own_nulls.shape[1], 1)
+    centre = np.where(has, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
+    away = own_nulls - centre[:, None]
+    variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
     thresholds = np.array([table.thresholds for table in tables])
-    common = variance * common_share(np.array([table.nulls for table in tables]) - centre)
-    again = np.where(OF_MOTION, beyond_chance(centre, variance / len(nulls)), 0.0)
+    common = np.maximum(variance, 0.5 * (variance + np.square(away).mean(axis=1))) * common_share(away)
+    again = np.where(OF_MOTION, beyond_chance(own_nulls.sum(axis=(0, 1)) / runs, variance / runs), 0.0)
     changes = np.array([table.smoother for table in tables])
     smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
     sigma = np.sqrt(common + thresholds**2 + len(tables) * (again + smoother))
     sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
-    difference = np.array([table.difference for table in tables]) - centre
+    difference = differences - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
-        nulls=(np.array([table.nulls for table in tables]) - centre) / sigma[:, None],
+        nulls=away / sigma[:, None],
         responses=tuple(_response(tables, candidate, difference, sigma) for candidate in one_each),
         caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
     )

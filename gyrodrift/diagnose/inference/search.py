@@ -76,6 +76,7 @@ def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Sim
     evidence, taken = surrogate.evidence, {cause.name for cause in causes}
     rest = [name for name in evidence.candidate_names() if name not in taken]
     tried = [best_of(surrogate, causes, evidence.variants(name)) for name in rest]
+    tried = [one for one in tried if not any(one.candidate.stands_against(cause.candidate) for cause in causes)]
     totals = [surrogate.scores((*causes, cause)).sum() for cause in tried]
     order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
     return _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
@@ -87,7 +88,7 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
     chosen = [best_of(surrogate, (), evidence.variants(name)).response for name in evidence.candidate_names()]
     tried: list[tuple[float, tuple[Cause, Cause]]] = []
     for number, first in enumerate(chosen):
-        rest = chosen[number + 1 :]
+        rest = [one for one in chosen[number + 1 :] if not first.candidate.stands_against(one.candidate)]
         for second, scores in zip(rest, surrogate.planes(first, rest, COARSE_STEP), strict=True):
             totals = scores.sum(axis=-1)
             for at, best in enumerate(totals.argmax(axis=1)):

@@ -7,6 +7,7 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -16,7 +17,7 @@ from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
-from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
+from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
@@ -49,6 +50,14 @@ REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
 LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
 """Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
 where none does, those that stand for this share of the longest."""
+
+SLIDE_S, SLIDE_SIGMAS, SLIDE_COUNTS = 5.0, 3.0, 0.1
+"""A rest is left gently: what the gyro turned within this time before, beyond chance and a part of a count, is motion
+already, though the count stands."""
+
+GENTLE_DPSS, GENTLE_SHARE = 0.1, 0.1
+"""A motion that begins so gently has turned that part of a count when no gyro tells it from rest; of a short rest no
+more than this share is left open for it."""
 
 CREEP_LIKE = 0.5
 """A count that stands between two steps of one direction, and no longer than its neighbours over this, is creeping."""
@@ -129,7 +138,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     """Of a recording without holes, outliers and jumps; `encoder_deg` are its angles where they were corrected."""
     period_s = seen.recording.period_s
     angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
-    is_clipped = at_limit(seen.rate_dps)
+    is_clipped = at_limit(seen.rate_dps, angle_deg, period_s)
     known_dps = seen.rate_dps
     if is_clipped.any():
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
@@ -177,13 +186,14 @@ def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Float
 
     A count that stands while the device creeps does not stand at all.
     """
-    count_deg = seen.step_deg or STILL_DEG
+    steps_deg = steps_of(seen.recording.encoder_deg)
+    count_deg = steps_deg.mean or STILL_DEG
     counts = np.rint(seen.encoder_deg / count_deg)
     begins = np.flatnonzero(np.concatenate([[True], np.diff(counts) != 0.0]))
     lengths = np.diff(np.concatenate([begins, [len(counts)]]))
     lasts = np.repeat(lengths, lengths)
     most = _points(STANDS_MOST_S, seen.recording.period_s)
-    own = max(count_deg**2 / 12.0, _encoder_noise_deg(seen) ** 2)
+    own = max(count_deg**2 / 12.0 + steps_deg.uneven**2, _encoder_noise_deg(seen) ** 2)
     variance = np.where(np.isfinite(seen.recording.encoder_deg), own * np.minimum(lasts, most), NOT_MEASURED)
     edge_deg, edge_variance = np.zeros(len(counts)), np.zeros(len(counts))
     shorter = np.minimum(lengths[1:], lengths[:-1])
@@ -192,7 +202,7 @@ def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Float
     at = begins[1:][clear]
     between_deg = 0.5 * count_deg * steps[clear]
     edge_deg[at] = angle_deg[at] - between_deg
-    edge_variance[at] = own / np.square(shorter[clear])
+    edge_variance[at] = own / np.square(shorter[clear]) + steps_deg.uneven**2
     stands = np.where(np.repeat(_creeping(steps, lengths), lengths), 0, lasts)
     return (angle_deg, variance), (edge_deg, edge_variance), stands * seen.recording.period_s
 
@@ -265,27 +275,57 @@ def _rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float
     """Where the count stands and the gyro is at its level of other rests near by."""
     points = _points(REST_MEAN_S, period_s)
     slow_dps = uniform_filter1d(rate_dps, points)
-    level_dps = _level_dps(rate_dps, stands_s, period_s, count_deg)
+    level_dps = _level_dps(slow_dps, stands_s, period_s, count_deg)
     near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(points)
     still = (stands_s > RESTS_S) & near
     shrunk: Mask = minimum_filter1d(still.astype(np.uint8), _points(REST_EDGE_S, period_s) | 1) > 0
+    least_deg = SLIDE_COUNTS * count_deg
+    gentle = _points(float(np.sqrt(2.0 * least_deg / GENTLE_DPSS)), period_s)
+    for first, end in _stretches(shrunk):
+        away_dps = rate_dps[first:end] - np.median(slow_dps[first:end])
+        least = min(gentle, round(GENTLE_SHARE * (end - first)))
+        begins, ends = (
+            max(least, _slide(one[: _points(SLIDE_S, period_s)], sigma_dps, least_deg / period_s))
+            for one in (away_dps, away_dps[::-1])
+        )
+        shrunk[first : first + begins * (first > 0)] = shrunk[end - ends * (end < len(shrunk)) : end] = False
     return shrunk
 
 
-def _level_dps(rate_dps: Floats, stands_s: Floats, period_s: float, count_deg: float) -> Floats:
-    """What the gyro says at rest, at each sample: medians over counts that stand long, and between them."""
+def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
+    """So many samples from the edge of a rest on, the gyro turns: where its sum is furthest beyond chance."""
+    chance_dps = SLIDE_SIGMAS * sigma_dps * np.sqrt(np.arange(1, len(away_dps) + 1))
+    over_dps = np.abs(np.cumsum(away_dps)) - np.maximum(chance_dps, least_dps)
+    furthest = int(np.argmax(over_dps))
+    return furthest + 1 if over_dps[furthest] > 0.0 else 0
+
+
+def _level_dps(slow_dps: Floats, stands_s: Floats, period_s: float, count_deg: float) -> Floats:
+    """What the gyro says at rest, at each sample: medians over counts that stand long, and between them.
+
+    slow_dps
+        Means: a median of single samples would be one of the steps that they come in.
+    """
     least_s = min(max(LEVEL_S, count_deg / CREEP_DPS), LONGEST_SHARE * float(stands_s.max()))
     pieces = _stretches(stands_s > least_s)
     if not pieces:
-        return np.full(len(rate_dps), float(np.median(rate_dps)))
-    points = _points(STANDS_MOST_S, period_s)
-    pieces = tuple((at, min(at + points, end)) for first, end in pieces for at in range(first, end, points))
+        return np.full(len(slow_dps), float(np.median(slow_dps)))
+    pieces = _divided(pieces, _points(STANDS_MOST_S, period_s))
     middles = np.array([0.5 * (first + end) for first, end in pieces])
-    levels = np.array([np.median(rate_dps[first:end]) for first, end in pieces])
+    levels = np.array([np.median(slow_dps[first:end]) for first, end in pieces])
     wide = np.pad(levels, LEVEL_RUNS, mode="edge")
     held = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
-    level: Floats = np.interp(np.arange(len(rate_dps)), middles, held)
+    level: Floats = np.interp(np.arange(len(slow_dps)), middles, held)
     return level
+
+
+def _divided(pieces: tuple[tuple[int, int], ...], most: int) -> tuple[tuple[int, int], ...]:
+    """Each in equal parts of so many samples at most: what is left over would be too short for a level."""
+    found: list[tuple[int, int]] = []
+    for first, end in pieces:
+        cuts = np.linspace(first, end, -(-(end - first) // most) + 1).astype(int).tolist()
+        found += pairwise(cuts)
+    return tuple(found)
 
 
 def _stretches(inside: Mask) -> tuple[tuple[int, int], ...]:

@@ -1,6 +1,7 @@
 """Outliers out of the rate, jumps out of the angle; each is kept as a finding, and all else sees past it."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -54,8 +55,24 @@ NEXT_LEVEL = 1.6
 LIMIT_RUN, LIMIT_DPS = 5, 10.0
 """So many samples in a row at the largest or the least rate of all, beyond LIMIT_DPS, stand at the gyro's limit."""
 
+LIMIT_SHARE, LIMIT_EXCESS = 5.0, 1.03
+"""For each sample a step below a limit more than so many stand at it; and the encoder turns by so much more."""
+
 DECIMALS = 9
 """Values that agree in so many are one level: what parsing and unwrapping add is less."""
+
+
+class Steps(NamedTuple):
+    """The steps that values come in.
+
+    mean
+        From one level to the next.
+    uneven
+        Standard deviation of a level about where it would be in even steps: counts that were rounded to others.
+    """
+
+    mean: float
+    uneven: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,14 +109,37 @@ def cleaned(recording: Recording) -> Cleaned:
     return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg)
 
 
-def at_limit(rate_dps: Floats) -> Mask:
-    """Which samples say no more than that it turned faster than the gyro goes, shape (n,)."""
-    extreme = ((rate_dps == rate_dps.max()) | (rate_dps == rate_dps.min())) & (np.abs(rate_dps) > LIMIT_DPS)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], extreme, [False]]).astype(np.int8)))
+def at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
+    """Which samples say no more than that it turned faster than the gyro goes, shape (n,).
+
+    A steady motion at the largest rate of all looks alike where noise is less than a step; but then its encoder does
+    not turn by more than that rate, and with more noise many samples stand a step below.
+    """
     found: Mask = np.zeros(len(rate_dps), bool)
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        found[first:end] = end - first >= LIMIT_RUN
+    for way in (1.0, -1.0):
+        largest_dps = float((way * rate_dps).max())
+        runs = _runs_of(way * rate_dps == largest_dps)
+        if largest_dps <= LIMIT_DPS or not runs:
+            continue
+        turned_deg = sum(way * (angle_deg[end - 1] - angle_deg[first]) for first, end in runs)
+        read_deg = largest_dps * period_s * sum(end - first - 1 for first, end in runs)
+        if turned_deg > LIMIT_EXCESS * read_deg and not _stands_below(way * rate_dps, largest_dps):
+            for first, end in runs:
+                found[first:end] = True
     return found
+
+
+def _runs_of(extreme: Mask) -> list[tuple[int, int]]:
+    """First sample, and the one after the last, of each run of LIMIT_RUN and more."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], extreme, [False]]).astype(np.int8)))
+    return [(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True) if end - first >= LIMIT_RUN]
+
+
+def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:
+    """Whether many samples stand a step below the largest rate."""
+    below_dps = rate_dps[rate_dps < largest_dps]
+    near = np.count_nonzero(below_dps > largest_dps - NEXT_LEVEL * granularity(rate_dps))
+    return bool(LIMIT_SHARE * near > len(rate_dps) - len(below_dps))
 
 
 def granularity(values: Floats) -> float:
@@ -109,9 +149,15 @@ def granularity(values: Floats) -> float:
 
 def step_of(values: Floats) -> float:
     """The step that values come in, from how many of them span their range; 0 where there is one value only."""
+    return steps_of(values).mean
+
+
+def steps_of(values: Floats) -> Steps:
+    """The same with how even the steps are."""
     gaps = np.diff(_levels(values))
     grain = _closest(gaps)
-    return float(gaps[gaps < NEXT_LEVEL * grain].mean()) if grain else 0.0
+    near = gaps[gaps < NEXT_LEVEL * grain]
+    return Steps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else Steps(0.0, 0.0)
 
 
 def _levels(values: Floats) -> Floats:

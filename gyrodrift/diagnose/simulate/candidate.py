@@ -171,6 +171,10 @@ class Candidate:
         """Whether it is no effect of the catalogue."""
         return self.shape is not None
 
+    def stands_against(self, other: "Candidate") -> bool:
+        """Whether one of the two stands for what no effect of the other's group does: they are not held together."""
+        return self.group == other.group and self.is_out_of_catalogue != other.is_out_of_catalogue
+
     def applied(self, size: float, effects: Sequence[Effect]) -> Effect:
         """The effect of a size in a rig whose effects may have a phase of their own in this session."""
         return self.turned(self.make(size), effects)

@@ -12,10 +12,15 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape
 from gyrodrift.diagnose.simulate.grids import between
+from gyrodrift.diagnose.simulate.kinds.groups import LAG
 
 THRESHOLDS_SIMULATED = 100.0
 THRESHOLDS_LEAST, THRESHOLDS_MOST = 3.0, 3000.0
 """Sizes of regressors, in multiples of their relevance thresholds."""
+
+LEAD_S = 0.01
+LEAST_LEAD_S, MOST_LEAD_S = 0.001, 0.06
+"""By which the encoder comes late: a rate that comes late is an effect of the catalogue, one that leads is none."""
 
 PERIODIC_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
 PERIODIC_REALISATIONS = 4
@@ -27,6 +32,7 @@ def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
     for column in COLUMNS:
         if not column.in_catalogue:
             yield _of_regressor(column.name, column.threshold)
+    yield _lead()
     yield _of_sine("?swing", in_time(hints.period_s))
     yield _of_sine("?ripple", in_angle(hints.turn_order))
     yield _of_sine("?angle_ripple", of_angle_error(hints.angle_turn_order))
@@ -35,6 +41,11 @@ def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
 def regressor(name: str) -> Shape:
     """In proportion to one of the columns that no effect of the catalogue depends on."""
     return lambda design, _: design.regressor(name)
+
+
+def ahead(design: DesignMatrix, _: np.random.Generator) -> Floats:
+    """What a rate gains that comes a second early, to first order: its own change."""
+    return np.gradient(design.motion.rate_dps, design.period_s)
 
 
 def in_time(period_s: float) -> Shape:
@@ -80,6 +91,19 @@ def _of_regressor(name: str, threshold: float) -> Candidate:
         sizes=np.concatenate([-up[::-1], up]),
         group=f"?{name}",
         shape=regressor(name),
+    )
+
+
+def _lead() -> Candidate:
+    return Candidate(
+        name="?acceleration",
+        variant="",
+        make=_no_effect,
+        parameter="size",
+        grid_points=np.array([-LEAD_S, LEAD_S]),
+        sizes=between(LEAST_LEAD_S, MOST_LEAD_S),
+        group=LAG.name,
+        shape=ahead,
     )
 
 

@@ -126,7 +126,7 @@ def test_creeping_is_no_rest(cpr: int, rate_hz: float, dps: float) -> None:
     one = seen(creeping(dps), cpr, rate_hz, seconds=41.0)
     still = one.posterior().mean.rate_dps == 0.0
     assert not still[np.abs(one.rate_dps) > 0.5 * abs(dps)].any()
-    assert still[one.rate_dps == 0.0].mean() > 0.9
+    assert still[one.rate_dps == 0.0].mean() > 0.85
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
