@@ -18,6 +18,11 @@ WORST_Z = 20.0
 """No feature counts for more than this: a z of hundreds says no more than one of twenty."""
 
 
+EQUAL_IN_MOTION, EQUAL_AT_REST, REPEATED, SENSOR = "equal_moving", "equal_rest", "equal_quick", "sensor"
+"""A link that repeats samples does so while the rate changes, too; where it does not, values that are equal at rest and
+in motion are the sensor's."""
+
+
 @dataclass(frozen=True, slots=True)
 class Deviation:
     """A feature that deviates; z pooled over all sessions, and its share of all that deviates."""
@@ -45,7 +50,11 @@ def held_out_z(surrogate: Surrogate, found: CauseSet) -> Floats:
 def deviations(z: Floats, threshold: float) -> tuple[Deviation, ...]:
     """Features whose pooled z, (F,), is beyond a threshold, the worst first."""
     order = [int(number) for number in np.argsort(-np.abs(z)) if abs(z[number]) > threshold]
-    return shared([_deviation(number, float(z[number])) for number in order])
+    found = [_deviation(number, float(z[number])) for number in order]
+    names = {one.feature for one in found}
+    if EQUAL_AT_REST in names and REPEATED not in names:
+        found = [replace(one, stage=SENSOR) if one.feature == EQUAL_IN_MOTION else one for one in found]
+    return shared(found)
 
 
 def out_of_catalogue(surrogate: Surrogate, found: CauseSet) -> list[Deviation]:

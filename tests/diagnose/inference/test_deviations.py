@@ -40,6 +40,19 @@ def test_what_deviates_is_listed_worst_first_with_its_share() -> None:
     assert found[0].stage == "sensor"
 
 
+@pytest.mark.parametrize(
+    ("off", "stage"),
+    [
+        ({"equal_moving": 9.0}, "link"),
+        ({"equal_moving": 9.0, "equal_rest": 8.0}, "sensor"),
+        ({"equal_moving": 9.0, "equal_rest": 8.0, "equal_quick": 5.0}, "link"),
+    ],
+)
+def test_values_that_are_equal_at_rest_too_are_the_sensors(off: dict[str, float], stage: str) -> None:
+    """Unless they repeat while the rate changes."""
+    assert deviations(rows(off)[0], 4.5)[0].stage == stage
+
+
 def test_a_feature_is_listed_once() -> None:
     """Where it is worse."""
     one, other = (Deviation("sensor", "rate", "moving", "", z) for z in (6.0, -9.0))

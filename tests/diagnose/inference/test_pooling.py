@@ -35,13 +35,36 @@ def test_nulls_of_all_sessions_are_one_sample() -> None:
     nulls = [np.array([row({"rate": 1e-12}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
     evidence = evidence_of([table("one", nulls[0]), table("two", nulls[1])], [])
     at = NUMBER["rate"]
-    variance = np.var([0.0, 2.0, 1.0, 5.0], ddof=1) * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
+    pooled = np.var([0.0, 2.0, 1.0, 5.0], ddof=1)
+    own = np.array([[pooled], [0.5 * (pooled + 5.0)]])  # the second scatters by more, 1 and 9
+    variance = own * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
     variance += 2.0 * (2.0**2 - np.var([0.0, 2.0, 1.0, 5.0], ddof=1) / 4.0)  # of rebuilding, shared by both
     assert evidence.names == ("one", "two")
     assert evidence.difference[:, at] == pytest.approx([5.0, 5.0])
-    assert evidence.sigma[:, at] == pytest.approx(np.sqrt(variance + 4.0))
+    assert evidence.sigma[:, at, None] == pytest.approx(np.sqrt(variance + 4.0))
     assert evidence.nulls[:, :, at] == pytest.approx(np.array([[-2.0, 0.0], [-1.0, 3.0]]) / np.sqrt(variance + 4.0))
-    assert evidence.z[0, at] == pytest.approx(5.0 / np.sqrt(variance + 4.0))
+    assert evidence.z[0, at] == pytest.approx(5.0 / np.sqrt(variance[0, 0] + 4.0))
+
+
+def test_sessions_that_have_no_such_motion_make_no_spread_smaller() -> None:
+    """Of three the first alone has the regressor: its spread is its own, and nothing is taken off the others."""
+    own = np.array([row({"rate_cubed": value}) for value in (-3.0, 1.0, 2.0, 4.0)])
+    absent = np.zeros_like(own)
+    evidence = evidence_of([table("fast", own), table("slow", absent), table("slower", absent)], [])
+    at = NUMBER["rate_cubed"]
+    share = common_share(np.array([own - row({"rate_cubed": 1.0}), absent, absent]))[at]
+    assert evidence.sigma[0, at] == pytest.approx(np.sqrt(np.var([-3.0, 1.0, 2.0, 4.0], ddof=1) * share))
+    assert evidence.difference[:, at] == pytest.approx([-1.0, 0.0, 0.0])
+
+
+def test_a_session_that_scatters_more_than_others_is_believed_less() -> None:
+    """Half of its own variance and half of that of all; one that scatters less is not believed more."""
+    wide, narrow = (np.array([row({"rate_cubed": size * way}) for way in (-1.0, 1.0)] * 8) for size in (3.0, 1.0))
+    evidence = evidence_of([table("fast", wide), table("slow", narrow)], [])
+    pooled = (9.0 + 1.0) * 16.0 / 31.0
+    share = common_share(np.array([wide, narrow]))[NUMBER["rate_cubed"]]
+    expected = np.sqrt(np.array([0.5 * (pooled + 9.0), pooled]) * share)
+    assert evidence.sigma[:, NUMBER["rate_cubed"]] == pytest.approx(expected)
 
 
 def test_what_sessions_have_in_common_widens_their_mean() -> None:

@@ -1,5 +1,7 @@
 """The search over sets of causes, on toys whose truth is known: one cause, masked pairs, idle causes, and none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from inference_support import SESSIONS, added, candidate, evidence, random_response, response, rows
@@ -131,3 +133,13 @@ def test_a_search_ends_the_same_whatever_was_searched_before() -> None:
     again = search(one, added)
     assert again.found.causes == first.found.causes
     assert np.array_equal(again.found.scores, first.found.scores)
+
+
+def test_two_that_stand_against_each_other_are_never_held_together() -> None:
+    """A rate that leads, and one that lags by less: one motion of one clock."""
+    late = response("latency", {"acceleration": 2.0, "lag": 2.0})
+    lead = response("?acceleration", {"acceleration": -2.0, "lag": -1.0})
+    against = replace(lead.candidate, group=late.candidate.group)
+    lead = Response(against, lead.mean, lead.spread)
+    found = search(evidence({"acceleration": -12.0, "lag": -4.0}, late, lead), added).found
+    assert found.names == ("?acceleration",)

@@ -18,6 +18,7 @@ from gyrodrift.simulation.sessions import Simulation
 
 SECONDS = 50.0
 ENCODERS = [(512, 50.0), (1024, 200.0), (4096, 100.0), (36_000, 50.0), (36_000, 400.0)]
+STARTS_DEG = np.linspace(0.0, 0.7, 15)
 PIECES = [("identify", 60.0), ("turntable", 100.0), ("drive", 400.0)]
 
 
@@ -47,6 +48,22 @@ class Piece(NamedTuple):
         return self.profile.sensor_c_at(t_s + self.first_s)
 
 
+class Begun(NamedTuple):
+    """A motion that begins at another angle."""
+
+    course: Course
+    first_deg: float
+
+    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle and rate."""
+        angle_deg, rate_dps = self.course.at(t_s)
+        return angle_deg + self.first_deg, rate_dps
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature."""
+        return self.course.sensor_c_at(t_s)
+
+
 class Seen(NamedTuple):
     """A recording of a known motion, (n,) angle and rate."""
 
@@ -68,9 +85,10 @@ class Seen(NamedTuple):
         return float(np.sqrt(np.square(motion.angle_deg - self.angle_deg).mean()))
 
 
-def seen(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS) -> Seen:
-    """By the shipped gyro."""
-    rig = Rig(base=Base(sample_rate_hz=rate_hz, encoder_cpr=cpr), effects=tuple(map(parse_effect, effects)))
+def seen(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS, **gyro: float) -> Seen:
+    """By the shipped gyro, or one with another bias and noise."""
+    base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr).model_copy(update=gyro)
+    rig = Rig(base=base, effects=tuple(map(parse_effect, effects)))
     recording = recording_of(Simulation(rig, motion, 3, 0, seconds / 60.0).whole(), round(seconds * rate_hz))
     return Seen(recording, *motion.at(np.arange(len(recording.rate_dps)) / rate_hz))
 
@@ -127,6 +145,39 @@ def test_creeping_is_no_rest(cpr: int, rate_hz: float, dps: float) -> None:
     still = one.posterior().mean.rate_dps == 0.0
     assert not still[np.abs(one.rate_dps) > 0.5 * abs(dps)].any()
     assert still[one.rate_dps == 0.0].mean() > 0.85
+
+
+@pytest.mark.parametrize("bias_dps", [-0.055, 0.0, 0.05])
+@pytest.mark.parametrize(("cpr", "rate_hz"), [(512, 200.0), (4096, 100.0)])
+def test_rests_are_found_through_coarse_steps(cpr: int, rate_hz: float, bias_dps: float) -> None:
+    """The level between two steps is none of these."""
+    step = "quantization:step_dps=0.1525"
+    one = seen(creeping(2.0), cpr, rate_hz, step, seconds=41.0, bias_dps=bias_dps, noise_dps_rthz=0.008)
+    still = motion_posterior_of(one.cleaned, GyroModel(0.1525)).mean.rate_dps == 0.0
+    assert not still[np.abs(one.rate_dps) > 0.2].any()
+    assert still[one.rate_dps == 0.0].mean() > 0.85
+
+
+@pytest.mark.parametrize("seconds", [60.0, 60.2, 75.0])
+def test_a_long_rest_ends_where_it_ends(seconds: float) -> None:
+    """What is left of it behind whole half minutes is too short to show a level."""
+    segments = [{"kind": "rest", "seconds": seconds}, {"kind": "ramp", "seconds": 5.0, "to_dps": 30.0}]
+    motion = Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
+    one = seen(motion, 512, 50.0, seconds=seconds + 4.5)
+    ((first, end),) = one.posterior().rests
+    assert first == 0
+    assert seconds - 2.0 < end / 50.0 < seconds
+
+
+@pytest.mark.parametrize("cpr", [512, 1024, 2048])
+def test_a_motion_that_begins_gently_is_not_held_back(cpr: int) -> None:
+    """0.1 deg/s/s: the angle before is known to a quarter of a count, wherever within its count it stood."""
+    segments = [{"kind": "rest", "seconds": 10.0}, {"kind": "ramp", "seconds": 20.0, "to_dps": 2.0}]
+    gentle = Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
+    for first_deg in STARTS_DEG:
+        one = seen(Piece(Begun(gentle, first_deg), 0.0), cpr, 100.0, seconds=30.0, noise_dps_rthz=0.012)
+        away_deg = (one.posterior().mean.angle_deg - one.angle_deg)[:900]
+        assert np.abs(away_deg).max() < 0.25 * 360.0 / cpr
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)

@@ -5,7 +5,7 @@ import pytest
 from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded, white
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, step_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, cleaned, granularity, step_of, steps_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 
@@ -121,3 +121,38 @@ def test_corners_of_a_quick_motion_are_no_jumps(seed: int) -> None:
     angles_deg = np.rint(angle_deg[::every] / count_deg) * count_deg
     found = cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
     assert len(found.slips_deg) == 0
+
+
+def plateau(limit_dps: float, sigma_dps: float, step_dps: float = 0.061) -> tuple[Floats, Floats]:
+    """Rate and angle of a table that speeds up to 60 deg/s, turns steadily and stops, of a gyro of some limit."""
+    true_dps = np.interp(np.arange(3000) / 100.0, [0.0, 5.0, 10.0, 20.0, 25.0], [0.0, 0.0, 60.0, 60.0, 0.0])
+    noise = np.random.default_rng(5).normal(0.0, sigma_dps, len(true_dps))
+    rate_dps = np.rint(np.minimum(true_dps + noise, limit_dps) / step_dps) * step_dps
+    return rate_dps, np.floor(np.cumsum(true_dps) / 100.0 / 0.35) * 0.35
+
+
+@pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
+def test_a_steady_motion_is_at_no_limit(sigma_dps: float) -> None:
+    """Whether its noise hides within a step or not."""
+    assert not at_limit(*plateau(1000.0, sigma_dps), 0.01).any()
+
+
+@pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
+@pytest.mark.parametrize("limit_dps", [40.0, 55.0])
+def test_what_the_encoder_goes_beyond_is_a_limit(limit_dps: float, sigma_dps: float) -> None:
+    """All of the steady motion, and nothing of a slow one; the same the other way round."""
+    rate_dps, angle_deg = plateau(limit_dps, sigma_dps)
+    found = at_limit(rate_dps, angle_deg, 0.01)
+    assert found[1010:1990].all()
+    assert not found[:800].any()
+    assert np.array_equal(at_limit(-rate_dps, -angle_deg, 0.01), found)
+
+
+def test_counts_that_were_rounded_to_others_are_uneven() -> None:
+    """410 counts told in those of 1024: every third of a count off, which is uniform within one."""
+    fine, coarse = 360.0 / 1024.0, 360.0 / 410.0
+    rounded_deg = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
+    assert steps_of(rounded_deg).mean == pytest.approx(coarse, rel=0.01)
+    assert steps_of(rounded_deg).uneven == pytest.approx(fine / 12.0**0.5, rel=0.3)
+    assert steps_of(np.arange(100) * fine).uneven == pytest.approx(0.0, abs=1e-9)
+    assert steps_of(np.ones(5)) == (0.0, 0.0)

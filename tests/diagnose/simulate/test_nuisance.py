@@ -5,18 +5,38 @@ import pytest
 from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, response_at
 
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
-from gyrodrift.diagnose.simulate.nuisance import in_angle, in_time, of_angle_error
+from gyrodrift.diagnose.simulate.kinds.groups import LAG
+from gyrodrift.diagnose.simulate.nuisance import ahead, in_angle, in_time, of_angle_error
 
 
 def test_they_are_told_from_effects_by_name_and_make_none() -> None:
-    """Each begins with a question mark, comes behind all effects, and is a group of its own."""
+    """Each begins with a question mark, comes behind all effects, and is a group of its own, or stands against one."""
     found = candidates(HINTS)
     outside = [one for one in found if one.is_out_of_catalogue]
     assert found[-len(outside) :] == outside
     assert {one.name for one in outside}.isdisjoint(KINDS)
-    assert all(one.name.startswith("?") and one.group == one.name and not one.needs for one in outside)
+    assert all(one.name.startswith("?") and not one.needs for one in outside)
+    assert all(one.group in {one.name, LAG.name} for one in outside)
     with pytest.raises(LookupError, match="no effect"):
         outside[0].make(1.0)
+
+
+def test_a_rate_that_leads_stands_against_what_makes_it_lag() -> None:
+    """It only ever leads, and nothing else of the catalogue is ruled out by it."""
+    lead = candidate_of("?acceleration")
+    against = {one.name for one in candidates(HINTS) if lead.stands_against(one)}
+    assert against == {"latency", "bandwidth"}
+    assert (lead.sizes > 0.0).all()
+
+
+def test_a_rate_that_leads_is_what_it_is_a_little_later() -> None:
+    """To first order: 10 ms, where it takes some tenths of a second to change."""
+    design = plain().design
+    rate_dps = design.motion.rate_dps
+    t_s = np.arange(len(rate_dps)) / RATE_HZ
+    early_dps = rate_dps + 0.01 * ahead(design, np.random.default_rng(0))
+    calm = np.abs(np.gradient(np.gradient(rate_dps))) * RATE_HZ**2 < 50.0
+    assert early_dps[calm] == pytest.approx(np.interp(t_s + 0.01, t_s, rate_dps)[calm], abs=0.01)
 
 
 def test_a_sine_in_time_has_its_period() -> None:
