@@ -7,17 +7,17 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 """
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
+from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, points_of, rests, stretches
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
@@ -43,33 +43,11 @@ BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
 SMOOTH_S = 0.35
 """Widest half window over which a motion is taken for a cubic."""
 
-RESTS_S = 1.0
-"""A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
-
-REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
-LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
-"""Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
-where none does, those that stand for this share of the longest."""
-
-SLIDE_S, SLIDE_SIGMAS, SLIDE_COUNTS = 5.0, 3.0, 0.1
-"""A rest is left gently: what the gyro turned within this time before, beyond chance and a part of a count, is motion
-already, though the count stands."""
-
-GENTLE_DPSS, GENTLE_SHARE = 0.1, 0.1
-"""A motion that begins so gently has turned that part of a count when no gyro tells it from rest; of a short rest no
-more than this share is left open for it."""
-
 CREEP_LIKE = 0.5
 """A count that stands between two steps of one direction, and no longer than its neighbours over this, is creeping."""
 
-STANDS_MOST_S = 30.0
-"""A count that stands longer is measured again, and shows another level: a bias may wander meanwhile."""
-
 STILL_DEG = 0.01
 """Stands for a count of an encoder that never moved."""
-
-LEVEL_RUNS = 2
-"""Of such runs on either side whose median is the level."""
 
 REST_VARIANCE, REST_JERK = 1e-6, 1e-3
 """Of the rate at rest, (deg/s)², and of the jerk beside that of steady motion."""
@@ -145,26 +123,26 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     sigma_dps = max(_noise_dps(seen.rate_dps[~is_clipped], period_s), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
-    at_rest = _rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
+    at_rest = rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
     jerk = _jerk(rate_dps, sigma_dps, period_s)
     least = sigma_dps**2 * period_s / STEADY_S**5
     jerk = np.where(at_rest, REST_JERK * least, np.maximum(jerk, least))
-    change_dpss = np.gradient(uniform_filter1d(rate_dps, _points(BIAS_STEP_S, period_s)), period_s)
+    change_dpss = np.gradient(uniform_filter1d(rate_dps, points_of(BIAS_STEP_S, period_s)), period_s)
     crossover = sigma_dps**2 * period_s * (2.0 * np.pi * CROSSOVER_HZ) ** 2
     walk = crossover + BIAS_STEP_S * np.square(BIAS_SHARE * change_dpss)
     rates = rate_dps, np.where(is_clipped, NOT_MEASURED, sigma_dps**2)
     passed = filtered(period_s, angles, edges, rates, np.where(at_rest, REST_VARIANCE, NOT_MEASURED), (jerk, walk))
     none = np.zeros((1, STATES))
     path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
-    rests = _stretches(at_rest)
+    found = stretches(at_rest)
     like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
-    return MotionPosterior(_motion(path, like, rests), passed, rests)
+    return MotionPosterior(_motion(path, like, found), passed, found)
 
 
 def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:
     """A path without the noise of the gyro, as far as it is smooth; what is slower than SMOOTH_S stays as it is."""
     angle_deg, rate_dps = path[:, 0], path[:, 1]
-    less_dps = local_cubic(rate_dps, sigma_dps, _points(SMOOTH_S, period_s)) - rate_dps
+    less_dps = local_cubic(rate_dps, sigma_dps, points_of(SMOOTH_S, period_s)) - rate_dps
     less_deg = cumulative_trapezoid(less_dps, dx=period_s, initial=0.0)
     slow_deg = gaussian(less_deg, SMOOTH_S / period_s)
     # A derivative of `less_deg` would leave in the path what alternates from sample to sample.
@@ -192,7 +170,7 @@ def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Float
     begins = np.flatnonzero(np.concatenate([[True], np.diff(counts) != 0.0]))
     lengths = np.diff(np.concatenate([begins, [len(counts)]]))
     lasts = np.repeat(lengths, lengths)
-    most = _points(STANDS_MOST_S, seen.recording.period_s)
+    most = points_of(STANDS_MOST_S, seen.recording.period_s)
     own = max(count_deg**2 / 12.0 + steps_deg.uneven**2, _encoder_noise_deg(seen) ** 2)
     variance = np.where(np.isfinite(seen.recording.encoder_deg), own * np.minimum(lasts, most), NOT_MEASURED)
     edge_deg, edge_variance = np.zeros(len(counts)), np.zeros(len(counts))
@@ -229,7 +207,7 @@ def _noise_dps(rate_dps: Floats, period_s: float) -> float:
 
 def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     """By the calmer part of means: a tone is no noise of what is slower."""
-    points = _points(NOISE_MEAN_S, period_s)
+    points = points_of(NOISE_MEAN_S, period_s)
     count = len(rate_dps) // points
     bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
     if not len(bends):
@@ -257,7 +235,7 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
     """Intensity of the white noise that drives the acceleration, deg²/s⁵, at each sample."""
     intensity = np.zeros(len(rate_dps))
     sums = np.concatenate([[0.0], np.cumsum(rate_dps)])
-    for points in dict.fromkeys(_points(step_s, period_s) for step_s in JERK_STEPS_S):
+    for points in dict.fromkeys(points_of(step_s, period_s) for step_s in JERK_STEPS_S):
         if 3 * points > len(rate_dps):
             break
         means_dps = (sums[points:] - sums[:-points]) / points
@@ -271,69 +249,6 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
     return intensity
 
 
-def _rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float, count_deg: float) -> Mask:
-    """Where the count stands and the gyro is at its level of other rests near by."""
-    points = _points(REST_MEAN_S, period_s)
-    slow_dps = uniform_filter1d(rate_dps, points)
-    level_dps = _level_dps(slow_dps, stands_s, period_s, count_deg)
-    near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(points)
-    still = (stands_s > RESTS_S) & near
-    shrunk: Mask = minimum_filter1d(still.astype(np.uint8), _points(REST_EDGE_S, period_s) | 1) > 0
-    least_deg = SLIDE_COUNTS * count_deg
-    gentle = _points(float(np.sqrt(2.0 * least_deg / GENTLE_DPSS)), period_s)
-    for first, end in _stretches(shrunk):
-        away_dps = rate_dps[first:end] - np.median(slow_dps[first:end])
-        least = min(gentle, round(GENTLE_SHARE * (end - first)))
-        begins, ends = (
-            max(least, _slide(one[: _points(SLIDE_S, period_s)], sigma_dps, least_deg / period_s))
-            for one in (away_dps, away_dps[::-1])
-        )
-        shrunk[first : first + begins * (first > 0)] = shrunk[end - ends * (end < len(shrunk)) : end] = False
-    return shrunk
-
-
-def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
-    """So many samples from the edge of a rest on, the gyro turns: where its sum is furthest beyond chance."""
-    chance_dps = SLIDE_SIGMAS * sigma_dps * np.sqrt(np.arange(1, len(away_dps) + 1))
-    over_dps = np.abs(np.cumsum(away_dps)) - np.maximum(chance_dps, least_dps)
-    furthest = int(np.argmax(over_dps))
-    return furthest + 1 if over_dps[furthest] > 0.0 else 0
-
-
-def _level_dps(slow_dps: Floats, stands_s: Floats, period_s: float, count_deg: float) -> Floats:
-    """What the gyro says at rest, at each sample: medians over counts that stand long, and between them.
-
-    slow_dps
-        Means: a median of single samples would be one of the steps that they come in.
-    """
-    least_s = min(max(LEVEL_S, count_deg / CREEP_DPS), LONGEST_SHARE * float(stands_s.max()))
-    pieces = _stretches(stands_s > least_s)
-    if not pieces:
-        return np.full(len(slow_dps), float(np.median(slow_dps)))
-    pieces = _divided(pieces, _points(STANDS_MOST_S, period_s))
-    middles = np.array([0.5 * (first + end) for first, end in pieces])
-    levels = np.array([np.median(slow_dps[first:end]) for first, end in pieces])
-    wide = np.pad(levels, LEVEL_RUNS, mode="edge")
-    held = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
-    level: Floats = np.interp(np.arange(len(slow_dps)), middles, held)
-    return level
-
-
-def _divided(pieces: tuple[tuple[int, int], ...], most: int) -> tuple[tuple[int, int], ...]:
-    """Each in equal parts of so many samples at most: what is left over would be too short for a level."""
-    found: list[tuple[int, int]] = []
-    for first, end in pieces:
-        cuts = np.linspace(first, end, -(-(end - first) // most) + 1).astype(int).tolist()
-        found += pairwise(cuts)
-    return tuple(found)
-
-
-def _stretches(inside: Mask) -> tuple[tuple[int, int], ...]:
-    """First sample, and the one after the last, of each stretch."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
-    return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
 def _advanced(values: Floats, samples: float) -> Floats:
     """Earlier by so many samples; straight lines between them."""
     if samples == 0.0:
@@ -341,7 +256,3 @@ def _advanced(values: Floats, samples: float) -> Floats:
     place = np.arange(len(values), dtype=np.float64)
     moved: Floats = np.interp(place + samples, place, values)
     return moved
-
-
-def _points(seconds: float, period_s: float) -> int:
-    return max(1, round(seconds / period_s))

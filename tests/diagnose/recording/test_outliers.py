@@ -151,7 +151,7 @@ def test_what_the_encoder_goes_beyond_is_a_limit(limit_dps: float, sigma_dps: fl
 def test_counts_that_were_rounded_to_others_are_uneven() -> None:
     """410 counts told in those of 1024: every third of a count off, which is uniform within one."""
     fine, coarse = 360.0 / 1024.0, 360.0 / 410.0
-    rounded_deg = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
+    rounded_deg: Floats = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
     assert steps_of(rounded_deg).mean == pytest.approx(coarse, rel=0.01)
     assert steps_of(rounded_deg).uneven == pytest.approx(fine / 12.0**0.5, rel=0.3)
     assert steps_of(np.arange(100) * fine).uneven == pytest.approx(0.0, abs=1e-9)
