@@ -20,7 +20,7 @@ SPIKE_SIGMAS = 10.0
 """An outlier of the rate is this far off the median of the five samples about it."""
 
 COUNTS_OF_A_SPIKE = 4.0
-"""Steps of the rate: less is no outlier where its noise hides within a step."""
+"""LevelSteps of the rate: less is no outlier where its noise hides within a step."""
 
 SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
@@ -50,7 +50,7 @@ CLOSEST = 4
 """But for so many pairs that are closer by chance, the closest values lie a step apart."""
 
 NEXT_LEVEL = 1.6
-"""Steps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
+"""LevelSteps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
 
 LIMIT_RUN, LIMIT_DPS = 5, 10.0
 """So many samples in a row at the largest or the least rate of all, beyond LIMIT_DPS, stand at the gyro's limit."""
@@ -62,7 +62,7 @@ DECIMALS = 9
 """Values that agree in so many are one level: what parsing and unwrapping add is less."""
 
 
-class Steps(NamedTuple):
+class LevelSteps(NamedTuple):
     """The steps that values come in.
 
     mean
@@ -152,12 +152,12 @@ def step_of(values: Floats) -> float:
     return steps_of(values).mean
 
 
-def steps_of(values: Floats) -> Steps:
+def steps_of(values: Floats) -> LevelSteps:
     """The same with how even the steps are."""
     gaps = np.diff(_levels(values))
     grain = _closest(gaps)
     near = gaps[gaps < NEXT_LEVEL * grain]
-    return Steps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else Steps(0.0, 0.0)
+    return LevelSteps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else LevelSteps(0.0, 0.0)
 
 
 def _levels(values: Floats) -> Floats:

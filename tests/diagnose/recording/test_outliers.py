@@ -154,5 +154,6 @@ def test_counts_that_were_rounded_to_others_are_uneven() -> None:
     rounded_deg: Floats = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
     assert steps_of(rounded_deg).mean == pytest.approx(coarse, rel=0.01)
     assert steps_of(rounded_deg).uneven == pytest.approx(fine / 12.0**0.5, rel=0.3)
-    assert steps_of(np.arange(100) * fine).uneven == pytest.approx(0.0, abs=1e-9)
+    even_deg: Floats = np.arange(100.0) * fine
+    assert steps_of(even_deg).uneven == pytest.approx(0.0, abs=1e-9)
     assert steps_of(np.ones(5)) == (0.0, 0.0)
