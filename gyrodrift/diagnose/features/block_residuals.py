@@ -42,7 +42,7 @@ class BlockResiduals:
 def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
     """All that the features of the blocks are computed from."""
     centred_dps = _centred_dps(seen, design)
-    static = design.static.vectors.T @ centred_dps
+    static = _static(centred_dps, design)
     unexplained_dps = _without_static(centred_dps, static, design)
     limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * median(np.abs(unexplained_dps)) + LEAST_DPS
     held_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
@@ -69,7 +69,7 @@ def block_residual_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
 def unexplained_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
     """What the regressors leave of the block residuals, deg/s, shape (blocks,)."""
     centred_dps = _centred_dps(seen, design)
-    return _without_static(centred_dps, design.static.vectors.T @ centred_dps, design)
+    return _without_static(centred_dps, _static(centred_dps, design), design)
 
 
 def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
@@ -81,13 +81,20 @@ def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
     return centred
 
 
+def _static(centred_dps: Floats, design: DesignMatrix) -> Floats:
+    static: Floats = design.static.vectors.T @ (design.root_weights * centred_dps)
+    return static
+
+
 def _without_static(centred_dps: Floats, static: Floats, design: DesignMatrix) -> Floats:
-    left: Floats = centred_dps - centred_dps.mean() - design.static.vectors @ static
+    mean_dps = np.average(centred_dps, weights=np.square(design.root_weights))
+    left: Floats = centred_dps - mean_dps - design.static.vectors @ static / design.root_weights
     return left
 
 
 def _bias_dps(centred_dps: Floats, design: DesignMatrix) -> Floats:
-    slow_dps = centred_dps - design.fast_vectors @ (design.fast_vectors.T @ centred_dps)
+    roots = design.root_weights
+    slow_dps = centred_dps - design.fast_vectors @ (design.fast_vectors.T @ (roots * centred_dps)) / roots
     place, even = np.arange(len(slow_dps)), design.regimes.block_is_even
     bias_dps: Floats = np.interp(place, place[even], slow_dps[even]) if even.any() else slow_dps
     return bias_dps

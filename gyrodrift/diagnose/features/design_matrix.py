@@ -10,6 +10,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
+from gyrodrift.diagnose.features.block_weights import root_weights_of
 from gyrodrift.diagnose.features.drift_columns import DRIFT_COLUMNS
 from gyrodrift.diagnose.features.history_columns import HISTORY_COLUMNS
 from gyrodrift.diagnose.features.motion_terms import motion_terms_of
@@ -39,10 +40,13 @@ class DesignMatrix:
 
     samples, period_s, block
         Length of the grid, distance in s, samples in a block.
+    root_weights
+        Shape (blocks,): square roots of how well the encoder knows the mean rate of each block, 1 for very well.
     static
-        Of COLUMNS, vectors of shape (blocks, columns).
+        Of COLUMNS, vectors of shape (blocks, columns), orthonormal under these weights: to be used on what was
+        multiplied by the roots.
     fast_vectors
-        Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal.
+        Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal likewise.
     lag
         Of LAG_FEATURES: what the rate does within a second, vectors of shape (n, features).
     warming
@@ -57,6 +61,7 @@ class DesignMatrix:
     block: int
     regimes: Regimes
     spread_places: SpreadPlaces
+    root_weights: Floats
     static: Basis
     fast_vectors: Floats
     lag: Basis
@@ -70,15 +75,16 @@ class DesignMatrix:
         return column.compute(motion_terms_of(self.motion, self.regimes.speed_dps))
 
 
-def design_matrix_of(real: Cleaned, motion: ReplayedMotion) -> DesignMatrix:
-    """The design matrix of a recording and the motion that was rebuilt from it."""
+def design_matrix_of(real: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0.0) -> DesignMatrix:
+    """The design matrix of a recording and the motion that was rebuilt from it; white noise of a sample of its gyro."""
     samples, period_s = len(motion.rate_dps), real.recording.period_s
     block = max(1, round(BLOCK_S / period_s))
     lag = lag_basis(real.encoder_deg, period_s)
     regimes = regimes_of(motion, block)
     terms = motion_terms_of(motion, regimes.speed_dps)
     means = [slopes(integral_of(column.compute(terms), period_s), period_s, block) for column in COLUMNS]
-    regressors = np.column_stack([np.ones(samples // block), *means])
+    root_weights = root_weights_of(motion, real.step_deg, block, sigma_dps)
+    regressors = root_weights[:, None] * np.column_stack([np.ones(samples // block), *means])
     turn_basis, turn_rate_basis = turn_bases(terms, block)
     return DesignMatrix(
         motion=motion,
@@ -87,6 +93,7 @@ def design_matrix_of(real: Cleaned, motion: ReplayedMotion) -> DesignMatrix:
         block=block,
         regimes=regimes,
         spread_places=spread_places_of(regimes),
+        root_weights=root_weights,
         static=orthonormal(regressors, np.array([column.threshold for column in COLUMNS]), CONSTANT),
         fast_vectors=_fast_vectors(regressors),
         lag=lag,

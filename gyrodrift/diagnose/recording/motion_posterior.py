@@ -93,11 +93,14 @@ class MotionPosterior:
         What the forward filter gave.
     rests
         First and last sample but one of each rest.
+    sigma_dps
+        White noise of a sample of the gyro.
     """
 
     mean: ReplayedMotion
     passed: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
     rests: tuple[tuple[int, int], ...] = field(repr=False)
+    sigma_dps: float = 0.0
 
     def draw(self, rng: np.random.Generator) -> ReplayedMotion:
         """A motion that encoder and gyro leave possible."""
@@ -136,7 +139,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
     found = stretches(at_rest)
     like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
-    return MotionPosterior(_motion(path, like, found), passed, found)
+    return MotionPosterior(_motion(path, like, found), passed, found, sigma_dps)
 
 
 def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:

@@ -233,7 +233,7 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     """What an encoder and a gyro of this rig say of how they were moved."""
     gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
     posterior = motion_posterior_of(seen, gyro)
-    design = design_matrix_of(seen, posterior.mean)
+    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps)
     known = with_phases(rig, seen, design)
     if not has_encoder_effects(rig):
         return Rebuilt(known, posterior, design, seen.encoder_deg)
@@ -241,7 +241,7 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     for _ in range(CORRECTIONS):
         encoder_deg = angles_before(known, seen.encoder_deg, posterior.mean)
         posterior = motion_posterior_of(seen, gyro, encoder_deg)
-    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean), encoder_deg)
+    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean, posterior.sigma_dps), encoder_deg)
 
 
 def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:

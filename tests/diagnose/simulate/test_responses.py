@@ -101,7 +101,7 @@ def test_an_effect_on_values_leaves_times_alone(name: str) -> None:
     assert not moved[OF_TIMES].any()
     off = np.abs(response_at(candidate, size)[0, 0] - moved)
     cross_talk = np.where(np.arange(len(moved)) < STATIC, 0.04 * np.linalg.norm(moved[:STATIC]), 0.0)
-    allowed = 0.2 * np.abs(moved) + cross_talk + 2.0 * scale_of_chance()
+    allowed = 0.2 * np.abs(moved) + cross_talk + 3.0 * scale_of_chance()
     assert [FEATURES[number].name for number in np.flatnonzero(off > allowed)] in ([], ["reach"])
 
 
