@@ -42,12 +42,13 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
+    responses = [_response(tables, candidate, difference, sigma) for candidate in one_each]
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
         nulls=away / sigma[:, None],
-        responses=tuple(_response(tables, candidate, difference, sigma) for candidate in one_each),
+        responses=(*responses, *_beside_each_other(tables, responses, difference, sigma)),
         caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
     )
 
@@ -124,6 +125,30 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     spread = np.sqrt(np.square(pooled - mean[:, None]).mean(axis=1))
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
     return Response(candidate, wide, interpolated(candidate, spread[:, None])[:, 0])
+
+
+def _beside_each_other(
+    tables: Sequence[ResponseTable], responses: Sequence[Response], wanted: Floats, sigma: Floats
+) -> list[Response]:
+    """What has free phases once more, at those that fit what is left beside the other of its kind.
+
+    Two that come once per turn change the same features: the phases of the weaker one would be those of the stronger.
+    """
+    free = [one for one in responses if one.phases_deg is not None]
+    pairs = [(one, other) for one in free for other in free if one is not other]
+    return [
+        _turned(
+            tables, one.candidate, _phases_deg(tables, one.candidate, wanted - _nearest(other, wanted, sigma), sigma)
+        )
+        for one, other in pairs
+    ]
+
+
+def _nearest(response: Response, wanted: Floats, sigma: Floats) -> Floats:
+    """(sessions, F) change at the size that leaves the least of what comes once per turn."""
+    left = ((wanted - response.mean) / sigma)[:, :, ONCE_PER_TURN]
+    nearest: Floats = response.mean[int(np.square(left).sum(axis=(1, 2)).argmin())]
+    return nearest
 
 
 def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Floats:

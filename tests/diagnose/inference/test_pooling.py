@@ -201,6 +201,29 @@ def test_another_cause_does_not_turn_a_phase() -> None:
     assert response.phases_deg == pytest.approx([70.0])
 
 
+def test_the_phase_of_the_weaker_of_two_is_found_beside_the_stronger() -> None:
+    """An eccentric encoder errs in what a tilt changes, too: by itself the tilt would have its phase."""
+    tilt = turning(0.0)
+    encoder = replace(tilt, name="encoder_eccentricity", sizes=np.array([4.0, 8.0, 12.0]))
+    bias = {deg: at_phase(deg, 1.0) for deg in (0.0, 90.0)}
+    angle = {
+        0.0: row({"turn_sine_rate": 6.0, "turn_cosine": 2.0}),
+        90.0: row({"turn_cosine_rate": 6.0, "turn_sine": 2.0}),
+    }
+    answers = {
+        simulated_key(one, deg): at[deg][None, None] for one, at in ((tilt, bias), (encoder, angle)) for deg in at
+    }
+    tilt_deg, encoder_deg = 30.0, -140.0
+    phase = np.deg2rad(encoder_deg)
+    difference = at_phase(tilt_deg, 2.0) + 8.0 * (np.cos(phase) * angle[0.0] + np.sin(phase) * angle[90.0])
+    shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
+    evidence = evidence_of([shown], [tilt, encoder])
+    found = {name: [one.phases_deg for one in evidence.variants(name)] for name in (tilt.name, encoder.name)}
+    assert found[encoder.name][0] == pytest.approx([encoder_deg], abs=20.0)
+    assert found[tilt.name][0] != pytest.approx([tilt_deg], abs=30.0)
+    assert found[tilt.name][1] == pytest.approx([tilt_deg], abs=20.0)
+
+
 def test_a_phase_is_weighed_by_what_is_known() -> None:
     """A sine that chance makes as large says nothing of the phase: it is that of the cosine."""
     one = replace(turning(0.0), sizes=np.array([1.0, 5.0 / 3.0, 4.0]))
