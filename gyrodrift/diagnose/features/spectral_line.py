@@ -28,6 +28,9 @@ WHITE_BAND = (0.02, 0.12)
 GRAIN_OF_NOISE = 0.3
 """Noise that is less than this share of a count does not show at rest."""
 
+SHOWN_AT_REST = 32
+"""Of so many samples at rest some would be another value, were there more noise than that."""
+
 LEAST_POWER = 1e-6
 """Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a line to stand out of."""
 
@@ -76,7 +79,7 @@ def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
     if at_rest > hidden_dps:
         return at_rest
     slow = float(np.sqrt(spreads.slow[MOVING_POINTS.index(WHITE_POINTS[0])]))
-    return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= WINDOW else slow
+    return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= SHOWN_AT_REST else slow
 
 
 def windows_within(values: Floats, allowed: Mask) -> Floats:

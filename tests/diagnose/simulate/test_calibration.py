@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from simulate_support import BASE, MOTION, session_of
 
+from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.twin import subject_of
@@ -94,3 +95,14 @@ def test_beside_a_dead_band_noise_and_bias_are_found_anew(noise: float, bias_dps
     ):
         assert base.noise_dps_rthz == pytest.approx(noise, rel=0.15)
         assert base.bias_dps == pytest.approx(bias_dps, abs=0.01)
+
+
+def test_a_short_rest_shows_that_there_is_no_more_noise_than_its_steps_hide() -> None:
+    """Four seconds of one value before a motion that never turns steadily: what moves is not taken for noise."""
+    turns = [{"kind": "ramp", "seconds": 0.3, "to_dps": to_dps} for to_dps in (38.0, 5.0, 30.0, 10.0)]
+    segments = [{"kind": "rest", "seconds": 4.0}, *turns * 20]
+    motion = Profile.model_validate({"about": "Of a test.", "segments": segments})
+    own = {"sample_rate_hz": 50.0, "dps_per_lsb": 0.061, "noise_dps_rthz": 0.0016, "bias_dps": 0.183}
+    rig = Rig(base=BASE.model_copy(update={**own, "encoder_cpr": 8192}))
+    session = Simulation(rig, motion, seed=2, minutes=0.45).whole()
+    assert subject_of(recording_of(session), rig).rig.base.noise_dps_rthz < 0.0061
