@@ -9,7 +9,7 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, fitted_without, without
-from gyrodrift.diagnose.inference.surrogate import Surrogate
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 UNEXPLAINED = 1.25
 """In units of the family-wise threshold: what causes leave may be off by what is not exact in them."""
@@ -55,6 +55,14 @@ def deviations(z: Floats, threshold: float) -> tuple[Deviation, ...]:
     if EQUAL_AT_REST in names and REPEATED not in names:
         found = [replace(one, stage=SENSOR) if one.feature == EQUAL_IN_MOTION else one for one in found]
     return shared(found)
+
+
+def moved_by(surrogate: Surrogate, found: CauseSet, one: Cause) -> float:
+    """The largest pooled z of what one of the causes moves beside the others."""
+    change, variance, _ = surrogate.prediction(found.causes)
+    moved = change - surrogate.prediction(without(found.causes, one)).change
+    z = pooled_z(moved / np.sqrt(surrogate.evidence.sigma**2 + variance)) / surrogate.evidence.caution
+    return float(np.abs(z).max())
 
 
 def out_of_catalogue(surrogate: Surrogate, found: CauseSet) -> list[Deviation]:

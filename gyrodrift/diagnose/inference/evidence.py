@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
-from gyrodrift.diagnose.inference.likelihood import discrepancy_variance
+from gyrodrift.diagnose.inference.likelihood import CROSS_TALK, EXACT_CROSS_TALK, discrepancy_variance
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 NOT_COMPARED = 1e6
@@ -61,7 +61,7 @@ class Evidence:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stands_out", family_wise_threshold(self.nulls))
-        found = {response: discrepancy_variance(response.mean, self.difference) for response in self.responses}
+        found = {one: discrepancy_variance(one.mean, self.difference, _cross_talk(one)) for one in self.responses}
         object.__setattr__(self, "discrepancies", found)
 
     @property
@@ -80,3 +80,7 @@ class Evidence:
     def variants(self, name: str) -> list[Response]:
         """The responses of one candidate: it is tried with several values of its second parameter."""
         return [response for response in self.responses if response.candidate.name == name]
+
+
+def _cross_talk(response: Response) -> float:
+    return EXACT_CROSS_TALK if response.candidate.is_exact else CROSS_TALK

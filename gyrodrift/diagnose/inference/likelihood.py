@@ -14,8 +14,9 @@ from gyrodrift.diagnose.features.vector import IS_LOG, STATIC
 DEGREES_OF_FREEDOM = 4.0
 """Of the Student density: few, so that no single feature decides."""
 
-DISCREPANCY, CROSS_TALK = 0.1, 0.04
-"""Shares of its own change by which a candidate may be off, in the same feature and in other regressors."""
+DISCREPANCY, CROSS_TALK, EXACT_CROSS_TALK = 0.1, 0.04, 0.01
+"""Shares of its own change by which a candidate may be off, in the same feature and in other regressors; and in these
+where a device can follow no other form: what a strong one of these leaves there is another effect."""
 
 LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
 """Bounds of logarithms of variances that are added as variances, so that nothing overflows or becomes 0."""
@@ -34,7 +35,7 @@ def combined(change: Floats, more: Floats) -> Floats:
     return added
 
 
-def discrepancy_variance(mean: Floats, difference: Floats) -> Floats:
+def discrepancy_variance(mean: Floats, difference: Floats, cross_talk: float = CROSS_TALK) -> Floats:
     """Variance for not being the exact form: a share of the change itself, and of all that goes to the regressors.
 
     But no more than of what there is to explain, or far too large a cause would excuse everything.
@@ -43,10 +44,12 @@ def discrepancy_variance(mean: Floats, difference: Floats) -> Floats:
         (…, F) what a candidate changes.
     difference
         (sessions, F) what there is to explain.
+    cross_talk
+        Share that goes to other regressors.
     """
     variance: Floats = np.square(DISCREPANCY * np.minimum(np.abs(mean), np.abs(difference)))
-    cross_talk = CROSS_TALK * np.minimum(_static(mean), _static(difference))
-    variance[..., :STATIC] += cross_talk**2
+    leaks = cross_talk * np.minimum(_static(mean), _static(difference))
+    variance[..., :STATIC] += leaks**2
     return variance
 
 

@@ -15,6 +15,7 @@ from gyrodrift.diagnose.inference.deviations import (
     deviations,
     explained_share,
     held_out_z,
+    moved_by,
     out_of_catalogue,
     shared,
     worst_first,
@@ -120,7 +121,7 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     explained = explained_share(deviates, before, after) if deviates.any() else 1.0
     others = out_of_catalogue(surrogate, result.found)
     unexplained = worst_first([*others, *deviations(after, UNEXPLAINED * evidence.stands_out)])
-    causes = _named(alternatives, float(np.clip(1.0 - explained, 0.0, 1.0)))
+    causes = _named(alternatives, result, float(np.clip(1.0 - explained, 0.0, 1.0)), unexplained)
     if not deviates.any():
         causes = tuple(one for one in causes if one.probability > LIKELY)
     kind = kind_of(deviates, explained, has_causes=bool(causes), has_unexplained=bool(unexplained))
@@ -180,19 +181,28 @@ def kind_of(deviates: Mask, explained: float, *, has_causes: bool, has_unexplain
     return Kind.PARTLY if explained >= EXPLAINED else Kind.UNKNOWN
 
 
-def _named(alternatives: Sequence[Alternatives], unexplained: float) -> tuple[NamedCause, ...]:
-    """The most probable first."""
-    named = [
-        NamedCause(
-            cause=one.cause,
-            effect=effect_of(one),
-            group=one.cause.candidate.group,
-            meaning=KINDS[one.cause.name].meaning,
-            probability=probability_of(LogisticFeatures(one.rival_weight, unexplained, one.cause.is_random)),
-            parameters=parameters_of(one),
-            tied_with=one.tied_with,
+def _named(
+    alternatives: Sequence[Alternatives], result: SearchResult, share_left: float, unexplained: Sequence[Deviation]
+) -> tuple[NamedCause, ...]:
+    """The most probable first, beside a share of what deviates that all causes leave."""
+    worst = max((abs(one.z) for one in unexplained), default=0.0)
+    named = []
+    for one in sorted(alternatives, key=lambda one: -one.gain):
+        moves = moved_by(result.surrogate, result.found, one.cause)
+        beside_unknown = worst**2 / (worst**2 + moves**2) if worst else 0.0
+        probability = probability_of(
+            LogisticFeatures(one.rival_weight, share_left, one.cause.is_random, beside_unknown)
         )
-        for one in sorted(alternatives, key=lambda one: -one.gain)
-    ]
+        named.append(
+            NamedCause(
+                cause=one.cause,
+                effect=effect_of(one),
+                group=one.cause.candidate.group,
+                meaning=KINDS[one.cause.name].meaning,
+                probability=probability,
+                parameters=parameters_of(one),
+                tied_with=one.tied_with,
+            )
+        )
     # Of causes that are as good as equally probable, first what has no realisations to choose from.
     return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.candidate.realisations)))

@@ -134,6 +134,8 @@ class Candidate:
         Effects of one group are easily taken for each other.
     realisations
         How many draws a size takes: one where chance plays no part.
+    is_exact
+        Whether a device can follow no other form.
     phase_deg, noise_share
         As in `Variant`.
     is_phase_free
@@ -155,6 +157,7 @@ class Candidate:
     needs: tuple[Need, ...] = ()
     touches: Touches = Touches.EVERYTHING
     realisations: int = 1
+    is_exact: bool = False
     phase_deg: float | None = None
     noise_share: float = 1.0
     is_phase_free: bool = False
@@ -218,6 +221,8 @@ class CandidateKind:
         What recordings have to hold for it, and what it changes in them.
     realisations
         How many draws a size takes: one where chance plays no part.
+    is_exact
+        Whether a device can follow no other form: a gain is a line, and a tilt a sine, where a bend may be any curve.
     matters_from
         Size of its parameter below which it is practically negligible for yaw, twice what the relevance threshold of
         its regressor amounts to (nonlinearity: eight times); None where nothing is known.
@@ -233,6 +238,7 @@ class CandidateKind:
     needs: tuple[Need, ...] = ()
     touches: Touches = Touches.EVERYTHING
     realisations: int = 1
+    is_exact: bool = False
     matters_from: float | None = None
     of_size: Callable[[float], float] = float
 
@@ -262,6 +268,7 @@ class CandidateKind:
             needs=self.needs,
             touches=self.touches,
             realisations=self.realisations,
+            is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
             is_phase_free=is_phase_free and variant.phase_deg is not None,

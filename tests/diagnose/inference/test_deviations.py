@@ -10,6 +10,7 @@ from gyrodrift.diagnose.inference.deviations import (
     deviations,
     explained_share,
     held_out_z,
+    moved_by,
     worst_first,
 )
 from gyrodrift.diagnose.inference.family_wise import pooled_z
@@ -82,3 +83,12 @@ def test_without_causes_all_is_left() -> None:
     """As it was."""
     one = evidence({"rate": 6.0})
     assert np.array_equal(held_out_z(Surrogate(one), CauseSet((), np.zeros(4))), one.z)
+
+
+def test_what_a_cause_moves_is_told_beside_the_others() -> None:
+    """3 in each of four sessions are 6; what another moves is not its own."""
+    rate, drift = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"clock_ratio": 1.0})
+    causes = (Cause(rate, 2), Cause(drift, 6))
+    surrogate = Surrogate(evidence({"rate": 3.0, "clock_ratio": 7.0}, rate, drift))
+    found = CauseSet(causes, surrogate.scores(causes))
+    assert [moved_by(surrogate, found, one) for one in causes] == pytest.approx([6.0, 14.0])

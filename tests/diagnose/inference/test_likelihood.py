@@ -1,12 +1,15 @@
 """The likelihood of features: a Student density, and a model that is known to be inexact."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from inference_support import row
+from inference_support import evidence, response, row
 from scipy.stats import t as student
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC
 from gyrodrift.diagnose.inference.likelihood import combined, discrepancy_variance, log_likelihood
+from gyrodrift.diagnose.simulate.candidates import KINDS
 
 NONE = np.zeros(len(FEATURES))
 LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
@@ -37,6 +40,19 @@ def test_discrepancy_is_a_share_of_the_change_and_leaks_to_other_regressors() ->
     assert variance[NUMBER["abs_rate"]] == pytest.approx(0.4**2 + 0.2**2)
     assert variance[NUMBER["rate_cubed"]] == pytest.approx(0.2**2)
     assert not variance[STATIC:].any()
+
+
+def test_what_has_but_one_form_leaks_less() -> None:
+    """A gain is a line: 1 % of the length 10, beside a bend whose 4 % would hide another cause."""
+    line, bend = response("scale_factor", {"rate": 10.0}), response("temp_bias", {"rate": 10.0})
+    exact = replace(line, candidate=replace(line.candidate, is_exact=True))
+    found = evidence({"rate": 10.0}, exact, bend).discrepancies
+    number = NUMBER["rate_cubed"]
+    assert found[exact][0, :, number] == pytest.approx(0.1**2)
+    assert found[bend][0, :, number] == pytest.approx(0.4**2)
+    assert {name for name, kind in KINDS.items() if kind.is_exact} == {
+        "scale_factor", "scale_asymmetry", "clock_drift", "g_sensitivity", "encoder_eccentricity",
+    }  # fmt: skip
 
 
 def test_a_cause_that_is_far_too_large_excuses_no_more_than_there_is() -> None:

@@ -36,6 +36,16 @@ def test_more_unexplained_never_raises_it(rivals: float, shares: list[float]) ->
     )
 
 
+@given(RIVALS, st.lists(SHARES, min_size=2))
+def test_more_unknown_beside_it_never_raises_it(rivals: float, shares: list[float]) -> None:
+    """Nor lowers it where nothing is left."""
+    found = [
+        probability_of(LogisticFeatures(rivals, 0.1, is_random=False, beside_unknown=one)) for one in sorted(shares)
+    ]
+    assert all(first >= second for first, second in pairwise(found))
+    assert found[0] <= probability_of(LogisticFeatures(rivals, 0.1, is_random=False))
+
+
 @pytest.mark.parametrize(
     ("one", "logit"),
     [
@@ -43,8 +53,10 @@ def test_more_unexplained_never_raises_it(rivals: float, shares: list[float]) ->
         (LogisticFeatures(1.0, 0.0, is_random=False), 2.8 - 4.0 * 0.693147),
         (LogisticFeatures(0.0, 0.2, is_random=False), 1.6),
         (LogisticFeatures(0.0, 0.2, is_random=True), -0.2),
+        (LogisticFeatures(0.0, 0.0, is_random=False, beside_unknown=0.3), 1.3),
     ],
 )
 def test_it_is_a_logistic_curve(one: LogisticFeatures, logit: float) -> None:
-    """Of 2.8, less 4 for the logarithm of rivals, 6 for all that is unexplained, 1.8 for what is random."""
+    """Of 2.8, less 4 for the logarithm of rivals, 6 for all that is unexplained, 1.8 for what is random, 5 for what
+    nobody knows."""
     assert probability_of(one) == pytest.approx(1.0 / (1.0 + np.exp(-logit)), rel=1e-5)

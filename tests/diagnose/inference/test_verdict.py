@@ -80,6 +80,14 @@ def test_a_cause_that_leaves_something_explains_it_partly() -> None:
     assert verdict.causes[0].probability < judged(evidence({"rate": 10.0}, RATE, DRIFT)).causes[0].probability
 
 
+def test_a_cause_that_explains_less_than_is_left_is_not_likely() -> None:
+    """It may be a part of what is not known; one that explains much more is as likely as ever."""
+    weak = judged(evidence({"rate": 5.0, "temperature_rate": 6.0, "clock_ratio": 20.0}, RATE, DRIFT))
+    found = {one.effect.name: one.probability for one in weak.causes}
+    assert found["scale_factor"] < 0.5
+    assert found["clock_drift"] > found["scale_factor"] + 0.3
+
+
 @pytest.mark.parametrize("names", [("latency", "backlash"), ("backlash", "latency")])
 def test_two_that_do_the_same_are_tied(names: tuple[str, str]) -> None:
     """Whichever is named tells of the other, and is less probable for it: 2.8 less four times the logarithm of 2."""

@@ -15,6 +15,7 @@ LINEAR = (
         SCALE,
         (Need.MOTION,),
         Touches.SLOW_RATE,
+        is_exact=True,
         matters_from=0.06,
     ),
     CandidateKind(
@@ -25,6 +26,7 @@ LINEAR = (
         EVEN_IN_RATE,
         (Need.MOTION,),
         Touches.SLOW_RATE,
+        is_exact=True,
         matters_from=0.03,
     ),
     CandidateKind(
@@ -85,6 +87,7 @@ LINEAR = (
         CLOCK,
         (Need.HOST,),
         Touches.TIMES,
+        is_exact=True,
         matters_from=30.0,
     ),
     CandidateKind(
@@ -95,6 +98,7 @@ LINEAR = (
         ONCE_PER_TURN,
         (Need.MOTION,),
         Touches.SLOW_RATE,
+        is_exact=True,
         matters_from=0.004,
     ),
     CandidateKind(
@@ -105,6 +109,7 @@ LINEAR = (
         ONCE_PER_TURN,
         (Need.MOTION,),
         Touches.VALUES,
+        is_exact=True,
         matters_from=0.02,
     ),
 )
