@@ -57,6 +57,5 @@ def test_more_unknown_beside_it_never_raises_it(rivals: float, shares: list[floa
     ],
 )
 def test_it_is_a_logistic_curve(one: LogisticFeatures, logit: float) -> None:
-    """Of 2.8, less 4 for the logarithm of rivals, 6 for all that is unexplained, 1.8 for what is random, 5 for what
-    nobody knows."""
+    """Of 2.8, less 4 for the logarithm of rivals, 6 for all that is left, 1.8 for what is random, 5 for the unknown."""
     assert probability_of(one) == pytest.approx(1.0 / (1.0 + np.exp(-logit)), rel=1e-5)
