@@ -10,11 +10,16 @@ import numpy as np
 from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.recording.order_statistics import running_median_5
 
 RESTS_S = 1.0
 """A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
 
 REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
+WILD_SIGMAS = 10.0
+"""A sample this far off the median of the five about it is no motion, and ends no rest; where it moves the mean over
+REST_MEAN_S by REST_DPS and more, that median stands in its place."""
+
 LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
 """Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
 where none does, those that stand for this share of the longest."""
@@ -45,6 +50,7 @@ def rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float,
         White noise of a sample of the gyro, step of the encoder.
     """
     points = points_of(REST_MEAN_S, period_s)
+    rate_dps = _without_wild(rate_dps, max(WILD_SIGMAS * sigma_dps, REST_DPS * points))
     slow_dps = uniform_filter1d(rate_dps, points)
     level_dps = _level_dps(slow_dps, stands_s, period_s, count_deg)
     near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(points)
@@ -61,6 +67,13 @@ def rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float,
         )
         resting[first : first + begins * (first > 0)] = resting[end - ends * (end < len(resting)) : end] = False
     return resting
+
+
+def _without_wild(rate_dps: Floats, least_dps: float) -> Floats:
+    """A step from one rate to another is none of them: the median follows it."""
+    near_dps = running_median_5(rate_dps)
+    calm_dps: Floats = np.where(np.abs(rate_dps - near_dps) > least_dps, near_dps, rate_dps)
+    return calm_dps
 
 
 def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:

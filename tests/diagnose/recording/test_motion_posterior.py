@@ -158,6 +158,16 @@ def test_rests_are_found_through_coarse_steps(cpr: int, rate_hz: float, bias_dps
     assert still[one.rate_dps == 0.0].mean() > 0.85
 
 
+@pytest.mark.parametrize(("cpr", "rate_hz"), [(512, 50.0), (1024, 100.0)])
+def test_a_wild_sample_ends_no_rest(cpr: int, rate_hz: float) -> None:
+    """Though counts too coarse for it leave it in the rate: what is not at rest is not seen as noise there."""
+    one = seen(creeping(2.0), cpr, rate_hz, "spikes:height_dps=10,share_percent=1", seconds=41.0)
+    assert not len(one.cleaned.spikes_dps)
+    still = one.posterior().mean.rate_dps == 0.0
+    assert not still[np.abs(one.rate_dps) > 0.2].any()
+    assert still[one.rate_dps == 0.0].mean() > 0.85
+
+
 @pytest.mark.parametrize("seconds", [60.0, 60.2, 75.0])
 def test_a_long_rest_ends_where_it_ends(seconds: float) -> None:
     """What is left of it behind whole half minutes is too short to show a level."""

@@ -4,12 +4,15 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from simulate_support import BASE, plain, session_of, subject_from
+from simulate_support import BASE, MOTION, plain, session_of, subject_from
 
 from firmware_sim.rig import Rig, parse_effect
+from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.hints import SOURCES, hints_of
+from gyrodrift.diagnose.simulate.twin import subject_of
+from gyrodrift.simulation.sessions import Simulation
 
 
 def hints_with(*effects: str) -> Hints:
@@ -65,6 +68,15 @@ def test_of_a_single_level_there_are_sizes_all_the_same(level_dps: float) -> Non
 def test_outliers_are_found_with_their_height() -> None:
     """But for the noise of the samples around them."""
     assert hints_with("spikes:height_dps=30,share_percent=0.2").spike_dps == pytest.approx(30.0, rel=0.01)
+
+
+def test_outliers_that_coarse_counts_hide_are_found_at_rest() -> None:
+    """Where no encoder is needed to tell them from motion."""
+    base = BASE.model_copy(update={"encoder_cpr": 512})
+    rig = Rig(base=base, effects=(parse_effect("spikes:height_dps=15,share_percent=0.4"),))
+    one = subject_of(recording_of(Simulation(rig, MOTION, seed=1, minutes=1.5).whole()), Rig(base=base))
+    assert not len(one.seen.spikes_dps)
+    assert hints_of([one]).spike_dps == pytest.approx(15.0, rel=0.05)
 
 
 def test_a_dead_band_shows_as_the_smallest_rate() -> None:
