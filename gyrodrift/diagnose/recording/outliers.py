@@ -34,6 +34,10 @@ COUNTS_OF_A_SLIP = 2.5
 """What stands out of the median of the nine samples about it by so much is no noise; a jump is more than the steps of a
 coarse encoder."""
 
+NEARLY_ALL, ROUNDED = 0.995, 1.05
+"""Where so many samples are off by no more than so many steps, rounding is all that they are off by: it never makes a
+jump of more, and its spread says nothing of jumps."""
+
 CORNER_PERIODS = 0.5
 """Of a sample: where the rate bends within it, or comes so much late, the angle is off by this part of the bend."""
 
@@ -192,7 +196,9 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     out_deg = np.concatenate([[0.0], over_deg - running_median_9(over_deg)])
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
     least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
-    is_slip: Mask = np.abs(out_deg) > np.maximum(SLIP_SIGMAS * _sigma(out_deg, recording), least_deg)
+    is_rounded = float(row_quantiles(np.abs(out_deg)[None], NEARLY_ALL)[0]) < ROUNDED * step_deg
+    noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(out_deg, recording)
+    is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg
 

@@ -62,6 +62,20 @@ def test_steps_of_a_coarse_encoder_are_no_jumps() -> None:
     assert found.step_deg == pytest.approx(0.5)
 
 
+def test_jumps_of_a_few_coarse_steps_are_found() -> None:
+    """Rounding makes none of more than a step, so that three are no chance, at rest and turning."""
+    found = seen(jumps={2000: 1.7, 9000: -1.7, 15_000: 2.3}, cpr=720)
+    assert found.slips_deg == pytest.approx([1.7, -1.7, 2.3], abs=0.55)
+
+
+@pytest.mark.parametrize("steps", [0.1, 0.2, 0.3, 0.35, 0.4, 0.5, 1.0])
+def test_noise_of_a_coarse_encoder_makes_no_jumps(steps: float) -> None:
+    """A magnet that is read with noise of so many steps."""
+    noise_deg = np.random.default_rng(4).normal(0.0, 0.5 * steps, len(T_S))
+    found = cleaned(recorded(TRUE_DPS + white(SIGMA), TRUE_DEG + noise_deg, 720))
+    assert len(found.slips_deg) == 0
+
+
 def test_holes_are_filled_before_anything_is_looked_for() -> None:
     """And none of them is an outlier."""
     rate_dps = TRUE_DPS + white(SIGMA)
