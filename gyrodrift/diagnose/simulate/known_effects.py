@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
 from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
@@ -16,9 +17,16 @@ from gyrodrift.diagnose.features.orthogonal import orthonormal_vectors
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import GyroModel
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.simulate.candidates import KINDS
 
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
 """Effects with a phase, by the names of their amplitudes."""
+
+OF_THE_RATE = (Place.LOW_PASS, Place.RATE, Place.OUTPUT)
+"""Where an effect that leaves nothing to chance gives the same error of the rate for the same motion."""
+
+NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
+"""Of these: steps that no noise smooths are others, and phases are what is looked for."""
 
 PHASES_DEG = np.arange(0.0, 360.0, 3.0)
 
@@ -51,9 +59,7 @@ def has_encoder_effects(rig: Rig) -> bool:
 
 def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:
     """Angles of the encoder without what the rig says it errs by, of a motion that is about right."""
-    t_s: Floats = np.arange(len(motion.angle_deg), dtype=np.float64) * motion.period_s
-    moments = Moments(t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s)
-    angle_deg = motion.angle_deg
+    moments, angle_deg = moments_of(motion), motion.angle_deg
     for effect in _of_encoder(rig):
         angle_deg = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(angle_deg, moments)
     corrected: Floats = encoder_deg - (angle_deg - motion.angle_deg)
@@ -65,7 +71,7 @@ def with_phases(rig: Rig, seen: Cleaned, design: DesignMatrix) -> Rig:
     turning = [effect for effect in rig.effects if effect.name in ONCE_PER_TURN]
     if rig.base.encoder_absolute or not turning:
         return rig
-    left = _Left.of(seen, design)
+    left = _Left.of(seen, design, _error_dps(rig, design.motion))
     for effect in turning:
         left = left.without(effect)
     effects = list(rig.effects)
@@ -87,7 +93,8 @@ class _Left:
     columns: dict[str, tuple[Floats, Floats]]
 
     @classmethod
-    def of(cls, seen: Cleaned, design: DesignMatrix) -> "_Left":
+    def of(cls, seen: Cleaned, design: DesignMatrix, known_dps: Floats) -> "_Left":
+        """Of a rate that errs by what is known, shape (n,)."""
         turn, rate = np.deg2rad(design.motion.angle_deg), np.deg2rad(design.motion.rate_dps)
         sine, cosine = np.sin(turn), np.cos(turn)
         common = np.column_stack([np.ones(len(turn)), rate])
@@ -103,7 +110,7 @@ class _Left:
 
         pairs = {"g_sensitivity": (sine, cosine), "encoder_eccentricity": (-rate * cosine, rate * sine)}
         columns = {name: (beside(mean_of(first)), beside(mean_of(second))) for name, (first, second) in pairs.items()}
-        return cls(beside(block_residual_dps(seen, design)), columns)
+        return cls(beside(block_residual_dps(seen, design) - mean_of(known_dps)), columns)
 
     def _of(self, effect: Effect, phase_deg: float) -> Floats:
         first, second = self.columns[effect.name]
@@ -127,6 +134,33 @@ class _Left:
         phase_deg = float(PHASES_DEG[np.argmin(costs)]) if is_better else own_deg
         best = effect.model_copy(update={"phase_deg": phase_deg})
         return best, replace(self, residual_dps=residual_dps).without(best)
+
+
+def _error_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
+    """By how much the rate of a motion errs through the rig's other effects, deg/s, shape (n,).
+
+    Where a table turns whole turns each way, a gain that differs by direction looks as if it came once per turn.
+    """
+    moments = moments_of(motion)
+    none, rate_hz = np.random.default_rng(0), 1.0 / motion.period_s
+    seen_s = moments.t_s
+    effects = [effect for effect in in_acting_order(rig.effects) if KINDS[effect.name].realisations == 1]
+    for effect in effects:
+        if effect.place is Place.LAG:
+            seen_s = effect.begin(none, rate_hz)(seen_s, moments)
+    rate_dps: Floats = np.interp(seen_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
+    for place in OF_THE_RATE:
+        for effect in effects:
+            if effect.place is place and effect.name not in NOT_BY_ITSELF:
+                rate_dps = effect.begin(none, rate_hz)(rate_dps, moments)
+    error_dps: Floats = rate_dps - motion.rate_dps
+    return error_dps
+
+
+def moments_of(motion: ReplayedMotion) -> Moments:
+    """The truth at its samples, as effects are handed it."""
+    t_s: Floats = np.arange(len(motion.angle_deg), dtype=np.float64) * motion.period_s
+    return Moments(t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s)
 
 
 def _of_encoder(rig: Rig) -> list[Effect]:

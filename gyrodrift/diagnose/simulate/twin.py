@@ -12,7 +12,7 @@ from zlib import crc32
 
 import numpy as np
 
-from firmware_sim.effects.effect import Effect, Moments
+from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.arrays import Floats
@@ -31,7 +31,13 @@ from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
 from gyrodrift.diagnose.simulate.calibration import calibrated
 from gyrodrift.diagnose.simulate.candidate import Shape
-from gyrodrift.diagnose.simulate.known_effects import angles_before, gyro_model_of, has_encoder_effects, with_phases
+from gyrodrift.diagnose.simulate.known_effects import (
+    angles_before,
+    gyro_model_of,
+    has_encoder_effects,
+    moments_of,
+    with_phases,
+)
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
 
@@ -144,10 +150,7 @@ class Subject:
     def with_rate(self, effects: tuple[Effect, ...], base: BaseRun) -> Cleaned:
         """What a simulation is with effects that only add to the rate, without playing it again."""
         motion = self.motion(base.seed)
-        t_s: Floats = np.arange(self.design.samples, dtype=np.float64) * motion.period_s
-        truth = Moments(
-            t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s
-        )
+        truth = moments_of(motion)
         rate_dps = base.seen.rate_dps
         for effect in effects:
             rng = np.random.default_rng([self._stream(base.seed), crc32(effect.name.encode())])

@@ -17,15 +17,27 @@ STATED_DEG = 40.0
 ONCE = ["g_sensitivity:amplitude_dps=0.05", "encoder_eccentricity:amplitude_deg=0.3"]
 
 
-def seen(effect: Effect, zeroed_deg: float = 0.0, *, absolute: bool = False, known: bool = True) -> Subject:
-    """A session of a rig with an effect, whose encoder was zeroed at an angle of the table."""
+OTHERS = [
+    "scale_asymmetry:error_percent=0.5",
+    "nonlinearity:error_percent_fs=0.5",
+    "latency:delay_ms=12",
+    "bandwidth:cutoff_hz=15",
+    "temp_bias:slope_dps_per_c=0.05",
+]
+"""Each errs by far more than what comes once per turn."""
+
+
+def seen(
+    effect: Effect, zeroed_deg: float = 0.0, *others: Effect, absolute: bool = False, known: bool = True
+) -> Subject:
+    """A session of a rig with an effect and perhaps others, whose encoder was zeroed at an angle of the table."""
     base = BASE.model_copy(update={"encoder_phase_deg": zeroed_deg})
-    rig = Rig(base=base, effects=(effect,))
+    rig = Rig(base=base, effects=(effect, *others))
     session = Simulation(rig, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
     assert session.encoder_deg is not None
     session = replace(session, encoder_deg=session.encoder_deg - zeroed_deg)
     stated = BASE.model_copy(update={"encoder_absolute": absolute})
-    return subject_of(recording_of(session), Rig(base=stated, effects=(effect,) if known else ()))
+    return subject_of(recording_of(session), Rig(base=stated, effects=(effect, *others) if known else ()))
 
 
 def once(text: str) -> Effect:
@@ -49,6 +61,14 @@ def test_a_phase_is_that_of_the_session(text: str, zeroed_deg: float) -> None:
     """sin(θ + φ) of a table that stood at θ₀ when the encoder was zeroed is sin(θ' + θ₀ + φ) by the encoder."""
     (effect,) = seen(once(text), zeroed_deg).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], zeroed_deg + STATED_DEG) < 10.0
+
+
+@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("text", ONCE)
+def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, other: str) -> None:
+    """What errs by direction, speed or temperature may look as if it came once per turn."""
+    (effect, _) = seen(once(text), 130.0, parse_effect(other)).rig.effects
+    assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 12.0
 
 
 @pytest.mark.parametrize("text", ONCE)
