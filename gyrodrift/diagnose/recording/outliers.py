@@ -50,8 +50,9 @@ MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
 LEAST_POINTS = 8
 """Samples, at least, whose spread counts as that of a second."""
 
-CLOSEST = 4
-"""But for so many pairs that are closer by chance, the closest values lie a step apart."""
+CLOSEST, CLOSEST_SHARE = 4, 0.15
+"""But for so many pairs that are closer by chance, and no more than this share of all, the closest values lie a step
+apart: a motion that passes quickly visits few of them."""
 
 NEXT_LEVEL = 1.6
 """LevelSteps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
@@ -173,7 +174,7 @@ def _levels(values: Floats) -> Floats:
 def _closest(gaps: Floats) -> float:
     if not len(gaps):
         return 0.0
-    last = min(CLOSEST, len(gaps) - 1)
+    last = min(CLOSEST, int(CLOSEST_SHARE * len(gaps)))
     return float(np.partition(gaps, last)[last])
 
 

@@ -108,6 +108,12 @@ def test_a_step_between_two_levels_is_their_mean() -> None:
     assert step_of(values) == pytest.approx(0.025, rel=0.02)
 
 
+def test_the_step_of_few_levels_is_that_of_the_closest() -> None:
+    """Of a rest in three steps, and a ramp through zero that visits every seventh."""
+    levels = np.concatenate([[0.0, 1.0, 2.0, 3.0], np.arange(-5, 6) * 7.0 + 40.0])
+    assert granularity(0.05 * levels) == pytest.approx(0.05)
+
+
 @pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(5), np.full(3, np.nan)])
 def test_one_value_has_no_step(values: Floats) -> None:
     """Nor has none."""
