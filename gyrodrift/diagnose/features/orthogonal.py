@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
+from gyrodrift.arrays import Floats
 
 NEW_SHARE = 0.03
 """A column that is made of those before it but for less than this share says nothing new."""
@@ -17,6 +17,9 @@ TALL = 1500
 
 APART = 1e-2
 """Columns of which each has so much new are told apart by their products to twelve digits."""
+
+TWICE_IS_ENOUGH = 2
+"""Rounds that make a vector orthogonal to the last digit (W. Kahan's rule, B. N. Parlett 1980)."""
 
 TINY = 1e-300
 """Keeps the norm of a column of zeros from dividing by zero."""
@@ -35,40 +38,48 @@ class Basis(NamedTuple):
 def orthonormal(columns: Floats, thresholds: Floats, dropped: int) -> Basis:
     """Of columns in their order: what two share counts for the first. The first ones are taken out, then dropped."""
     norms = _norms(columns)
-    vectors, triangle = _factors(columns, norms, dropped)
-    amounts = triangle[dropped:, dropped:] * (norms[dropped:] * thresholds)
-    vectors *= (np.sign(np.diag(triangle)) * _is_new(triangle))[dropped:]
+    vectors = _vectors(columns, norms)[:, dropped:]
+    amounts = vectors.T @ (columns[:, dropped:] * thresholds)
     return Basis(vectors, np.linalg.norm(amounts, axis=1))
 
 
 def orthonormal_vectors(columns: Floats) -> Floats:
-    """Vectors that span the columns, orthonormal, of either sign, zero where a column says nothing new."""
-    vectors, triangle = _factors(columns, _norms(columns), 0)
-    kept: Floats = vectors * _is_new(triangle)
-    return kept
+    """Vectors that span the columns, orthonormal, zero where a column says nothing new."""
+    return _vectors(columns, _norms(columns))
 
 
-def _factors(columns: Floats, norms: Floats, dropped: int) -> tuple[Floats, Floats]:
-    """Orthonormal vectors but for the first, and the triangle that makes columns of unit length of all of them."""
+def _vectors(columns: Floats, norms: Floats) -> Floats:
+    """One for each column, along what is new of it."""
     if len(columns) >= TALL:
         products = columns.T @ columns / norms / norms[:, None]
         if np.linalg.eigvalsh(products)[0] > APART**2:
             lower = np.asarray(np.linalg.cholesky(products), dtype=np.float64)
-            vectors: Floats = (np.linalg.inv(lower)[dropped:] / norms @ columns.T).T
-            return vectors, lower.T
-    rows, count = columns.shape
-    told = min(count, rows, max(1, rows // ROWS_EACH))
-    whole, triangle = np.linalg.qr((columns / norms)[:, :told])
-    more = count - told
-    whole, triangle = np.pad(whole, ((0, 0), (0, more))), np.pad(triangle, ((0, more), (0, more)))
-    return whole[:, dropped:], triangle
+            if np.diag(lower).min() > NEW_SHARE:
+                vectors: Floats = (np.linalg.inv(lower) / norms @ columns.T).T
+                return vectors
+    return _one_by_one(columns / norms)
+
+
+def _one_by_one(units: Floats) -> Floats:
+    """Vectors of columns of unit length, by Gram and Schmidt.
+
+    A column that says nothing new has no part in those behind it: what is left of it is rounding and noise, and would
+    turn them any way.
+    """
+    rows, count = units.shape
+    vectors, kept = np.zeros((rows, count)), np.zeros((rows, count))
+    found = 0
+    for number in range(min(count, rows, max(1, rows // ROWS_EACH))):
+        new, basis = units[:, number], kept[:, :found]
+        for _ in range(TWICE_IS_ENOUGH):
+            new = new - basis @ (basis.T @ new)
+        length = float(np.linalg.norm(new))
+        if length > NEW_SHARE:
+            vectors[:, number] = kept[:, found] = new / length
+            found += 1
+    return vectors
 
 
 def _norms(columns: Floats) -> Floats:
     norms: Floats = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), TINY)
     return norms
-
-
-def _is_new(triangle: Floats) -> Mask:
-    new: Mask = np.abs(np.diag(triangle)) > NEW_SHARE
-    return new

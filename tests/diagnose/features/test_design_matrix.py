@@ -43,6 +43,21 @@ def test_a_column_that_says_nothing_new_is_left_out() -> None:
     assert np.linalg.norm(orthonormal_vectors(columns), axis=0) == pytest.approx([1.0, 1.0, 0.0, 0.0])
 
 
+@pytest.mark.parametrize("rows", [16, 4000])
+def test_a_column_that_says_nothing_new_turns_none_behind_it(rows: int) -> None:
+    """What is left of it is noise, and another one in a recording and in its simulation: both have the same vectors."""
+    rng = np.random.default_rng(7)
+    first, last = np.tile(A, rows // 16), rng.standard_normal(rows)
+    noise = 1e-3 * rng.standard_normal((2, rows))
+    one, other = (
+        orthonormal(np.column_stack([np.ones(rows), first, 3.0 * first + away, last]), np.ones(3), 1).vectors
+        for away in noise
+    )
+    assert not one[:, 1].any()
+    assert one[:, 2] @ other[:, 2] == pytest.approx(1.0, abs=1e-12)
+    assert one[:, 2] @ last / np.linalg.norm(last - last.mean()) > (0.7 if rows < 100 else 0.99)
+
+
 def test_a_column_takes_two_rows() -> None:
     """Of five columns six rows tell three; the others are there, and say nothing."""
     columns = np.random.default_rng(1).standard_normal((6, 5))
