@@ -37,19 +37,14 @@ class Basis(NamedTuple):
 
 def orthonormal(columns: Floats, thresholds: Floats, dropped: int) -> Basis:
     """Of columns in their order: what two share counts for the first. The first ones are taken out, then dropped."""
-    norms = _norms(columns)
-    vectors = _vectors(columns, norms)[:, dropped:]
+    vectors = orthonormal_vectors(columns)[:, dropped:]
     amounts = vectors.T @ (columns[:, dropped:] * thresholds)
     return Basis(vectors, np.linalg.norm(amounts, axis=1))
 
 
 def orthonormal_vectors(columns: Floats) -> Floats:
     """Vectors that span the columns, orthonormal, zero where a column says nothing new."""
-    return _vectors(columns, _norms(columns))
-
-
-def _vectors(columns: Floats, norms: Floats) -> Floats:
-    """One for each column, along what is new of it."""
+    norms = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), TINY)
     if len(columns) >= TALL:
         products = columns.T @ columns / norms / norms[:, None]
         if np.linalg.eigvalsh(products)[0] > APART**2:
@@ -67,19 +62,12 @@ def _one_by_one(units: Floats) -> Floats:
     turn them any way.
     """
     rows, count = units.shape
-    vectors, kept = np.zeros((rows, count)), np.zeros((rows, count))
-    found = 0
+    vectors = np.zeros((rows, count))
     for number in range(min(count, rows, max(1, rows // ROWS_EACH))):
-        new, basis = units[:, number], kept[:, :found]
+        new, before = units[:, number], vectors[:, :number]
         for _ in range(TWICE_IS_ENOUGH):
-            new = new - basis @ (basis.T @ new)
+            new = new - before @ (before.T @ new)
         length = float(np.linalg.norm(new))
         if length > NEW_SHARE:
-            vectors[:, number] = kept[:, found] = new / length
-            found += 1
+            vectors[:, number] = new / length
     return vectors
-
-
-def _norms(columns: Floats) -> Floats:
-    norms: Floats = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), TINY)
-    return norms

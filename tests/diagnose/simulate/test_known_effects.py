@@ -9,6 +9,7 @@ from simulate_support import BASE, MOTION, RATE_HZ
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate import known_effects
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, has_encoder_effects
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
@@ -69,6 +70,13 @@ def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, other: str) ->
     """What errs by direction, speed or temperature may look as if it came once per turn."""
     (effect, _) = seen(once(text), 130.0, parse_effect(other)).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 12.0
+
+
+def test_an_effect_that_is_no_candidate_may_stand_in_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that is registered with the simulator alone: nobody knows whether chance plays a part in it."""
+    monkeypatch.setattr(known_effects, "KINDS", {})
+    (effect, _) = seen(once(ONCE[0]), 130.0, parse_effect("scale_factor:error_percent=0.5")).rig.effects
+    assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 10.0
 
 
 @pytest.mark.parametrize("text", ONCE)
