@@ -3,6 +3,7 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.recording.order_statistics import median
 
 LEAST_DPS = 2e-3
@@ -36,8 +37,9 @@ def log_variance(values_dps: Floats) -> float:
 
 def integral_of(values: Floats, period_s: float) -> Floats:
     """By the trapezoidal rule, zero at the first sample, shape (n,)."""
-    sums: Floats = period_s * (np.cumsum(values) - 0.5 * (values + values[0]))
-    return sums
+    integral = np.empty(len(values))
+    _integrate(values, period_s, integral)
+    return integral
 
 
 def slopes(integral: Floats, period_s: float, block: int) -> Floats:
@@ -46,11 +48,30 @@ def slopes(integral: Floats, period_s: float, block: int) -> Floats:
     Residuals and regressors go through this same window, so that an error in proportion to a regressor is taken out
     with it.
     """
-    points = max(1, round(EDGE_S / period_s))
-    edges = np.arange(len(integral) // block + 1) * block
-    edges[-1] = min(edges[-1], len(integral) - 1)
-    sums = np.concatenate([[0.0], np.cumsum(integral)])
-    first, end = np.maximum(edges - points // 2, 0), np.minimum(edges + points // 2 + 1, len(integral))
-    means = (sums[end] - sums[first]) / (end - first)
-    found: Floats = np.diff(means) / (np.diff(0.5 * (first + end)) * period_s)
+    found = np.empty(len(integral) // block)
+    _slopes_between(integral, period_s, block, max(1, round(EDGE_S / period_s)) // 2, found)
     return found
+
+
+@compiled_once()
+def _integrate(values: Floats, period_s: float, integral: Floats) -> None:
+    total = -0.5 * values[0]
+    for n in range(len(values)):
+        total += values[n]
+        integral[n] = period_s * (total - 0.5 * values[n])
+
+
+@compiled_once()
+def _slopes_between(integral: Floats, period_s: float, block: int, beside: int, found: Floats) -> None:
+    """`beside` is how many samples before and behind an edge are averaged with it."""
+    count, mean_before, middle_before = len(integral), 0.0, 0.0
+    for edge in range(len(found) + 1):
+        place = min(edge * block, count - 1)
+        first, end = max(place - beside, 0), min(place + beside + 1, count)
+        total = 0.0
+        for n in range(first, end):
+            total += integral[n]
+        mean, middle = total / (end - first), 0.5 * (first + end)
+        if edge > 0:
+            found[edge - 1] = (mean - mean_before) / ((middle - middle_before) * period_s)
+        mean_before, middle_before = mean, middle

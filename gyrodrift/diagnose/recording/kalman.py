@@ -25,6 +25,9 @@ LEAST_VARIANCE = 1e-14
 
 
 Array = npt.NDArray[np.float64]
+Passed = tuple[Floats, Floats, Floats, Floats]
+"""What a filter leaves for the way back: means (n, 4) and covariances (n, 4, 4) after each sample, and the drives. What
+was predicted for a sample follows from these; to keep it takes longer than to work it out again."""
 
 
 @compiled_once(nogil=False, inline="always")
@@ -75,17 +78,19 @@ def _predict(mean: Array, covariance: Array, t: float, jerk: float, walk: float)
 
 
 @compiled_once(nogil=False, inline="always")
-def _cholesky(matrix: Array, lower: Array) -> None:
-    """Lower triangle of a matrix that may lack rank."""
+def _cholesky(matrix: Array, lower: Array, inverse: Array) -> None:
+    """Lower triangle of a matrix that may lack rank, and of each pivot the inverse, 0 where it lacks it."""
     for i in range(4):
-        for j in range(i + 1):
+        for j in range(i):
             rest = matrix[i, j]
             for k in range(j):
                 rest -= lower[i, k] * lower[j, k]
-            if i == j:
-                lower[i, i] = np.sqrt(rest) if rest > LEAST_RANK else 0.0
-            else:
-                lower[i, j] = rest / lower[j, j] if lower[j, j] > 0.0 else 0.0
+            lower[i, j] = rest * inverse[j]
+        rest = matrix[i, i]
+        for k in range(i):
+            rest -= lower[i, k] * lower[i, k]
+        lower[i, i] = np.sqrt(rest) if rest > LEAST_RANK else 0.0
+        inverse[i] = 1.0 / lower[i, i] if rest > LEAST_RANK else 0.0
 
 
 @compiled_once(nogil=False)
@@ -96,8 +101,8 @@ def filtered(
     rates: tuple[Floats, Floats],
     rest_variance: Floats,
     drives: tuple[Floats, Floats],
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Means (n, 4) and covariances (n, 4, 4) after each sample, and those that were predicted for it.
+) -> Passed:
+    """Take all that was measured into a state, from the first sample to the last.
 
     angles
         Angle at each sample, degrees, and its variance.
@@ -112,7 +117,6 @@ def filtered(
     """
     count = len(rest_variance)
     means, covariances = np.empty((count, 4)), np.empty((count, 4, 4))
-    predicted_means, predicted = np.empty((count, 4)), np.empty((count, 4, 4))
     mean, gain = np.zeros(4), np.zeros(4)
     covariance = np.diag(np.array([1.0, 1e4, 1e6, 1.0]))
     mean[0] = angles[0][0]
@@ -121,7 +125,6 @@ def filtered(
     for k in range(count):
         if k > 0:
             _predict(mean, covariance, period_s, drives[0][k], drives[1][k])
-        predicted_means[k], predicted[k] = mean, covariance
         if angles[1][k] > 0.0:
             _measure(mean, covariance, of_angle, angles[0][k], angles[1][k], gain)
         if edges[1][k] > 0.0:
@@ -131,43 +134,45 @@ def filtered(
         if rest_variance[k] > 0.0:
             _measure(mean, covariance, of_rate, 0.0, rest_variance[k], gain)
         means[k], covariances[k] = mean, covariance
-    return means, covariances, predicted_means, predicted
+    return means, covariances, drives[0], drives[1]
 
 
 @compiled_once(nogil=False)
 def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
     period_s: float,
-    passed: tuple[Floats, Floats, Floats, Floats],
+    passed: Passed,
     noise: Floats,
     is_drawn: bool,  # noqa: FBT001 - numba takes no keywords
 ) -> Floats:
     """Angle and rate at each sample, (n, 2): a path drawn by standard normal numbers, (n, 4), or the mean of all."""
-    means, covariances, predicted_means, predicted = passed
+    means, covariances, jerk, walk = passed
     count, t = len(means), period_s
     half = 0.5 * t * t
     lower, gain, ahead, rest = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
-    d, state, last = np.zeros(4), np.zeros(4), np.zeros(4)
+    predicted_mean, predicted = np.zeros(4), np.zeros((4, 4))
+    d, state, last, inverse = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
     path = np.empty((count, 2))
     for k in range(count - 1, -1, -1):
-        for i in range(4):
-            last[i] = state[i] - predicted_means[k + 1, i] if k < count - 1 else 0.0
         if k < count - 1:
+            predicted_mean[:], predicted[:] = means[k], covariances[k]
+            _predict(predicted_mean, predicted, t, jerk[k + 1], walk[k + 1])
             for i in range(4):
+                last[i] = state[i] - predicted_mean[i]
                 ahead[i, 0] = covariances[k, i, 0] + t * covariances[k, i, 1] + half * covariances[k, i, 2]
                 ahead[i, 1] = covariances[k, i, 1] + t * covariances[k, i, 2]
                 ahead[i, 2], ahead[i, 3] = covariances[k, i, 2], covariances[k, i, 3]
-            _cholesky(predicted[k + 1], lower)
+            _cholesky(predicted, lower, inverse)
             for r in range(4):
                 for i in range(4):
                     left = ahead[r, i]
                     for j in range(i):
                         left -= lower[i, j] * d[j]
-                    d[i] = left / lower[i, i] if lower[i, i] > 0.0 else 0.0
+                    d[i] = left * inverse[i]
                 for i in range(3, -1, -1):
                     left = d[i]
                     for j in range(i + 1, 4):
                         left -= lower[j, i] * gain[r, j]
-                    gain[r, i] = left / lower[i, i] if lower[i, i] > 0.0 else 0.0
+                    gain[r, i] = left * inverse[i]
         for i in range(4):
             state[i] = means[k, i]
             for j in range(4):
@@ -179,7 +184,7 @@ def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
                     for r in range(4):
                         left -= gain[i, r] * ahead[j, r]
                     rest[i, j] = left
-            _cholesky(rest, lower)
+            _cholesky(rest, lower, inverse)
             for i in range(4):
                 for j in range(i + 1):
                     state[i] += lower[i, j] * noise[k, j]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import DECIMALS, NEXT_LEVEL
 
 STEPS_LOOKED_AT = 5
@@ -68,7 +69,7 @@ class Levels:
 
 def levels_of(values: Floats) -> Levels:
     """What values there are, and in which decimals."""
-    held: Floats = np.unique(np.round(values[np.isfinite(values)], DECIMALS))
+    held = distinct(values, DECIMALS)
     return Levels(held, _text(held[:: max(1, len(held) // LEVELS_TRIED)]))
 
 

@@ -13,9 +13,10 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
-from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
+from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
+from gyrodrift.diagnose.recording.order_statistics import quantile
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, points_of, rests, stretches
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
@@ -98,7 +99,7 @@ class MotionPosterior:
     """
 
     mean: ReplayedMotion
-    passed: tuple[Floats, Floats, Floats, Floats] = field(repr=False)
+    passed: Passed = field(repr=False)
     rests: tuple[tuple[int, int], ...] = field(repr=False)
     sigma_dps: float = 0.0
 
@@ -215,7 +216,7 @@ def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
     if not len(bends):
         return 0.0
-    found = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
+    found = quantile(bends, CALM_QUANTILE) / CALM_SIGMAS
     return found * float(np.sqrt(points / NOISE_GAIN))
 
 
@@ -226,12 +227,12 @@ def _noise_of_calmest_dps(rate_dps: Floats) -> float:
     if not count:
         return float("inf")
     stretches = squares[: count * CALMEST_POINTS].reshape(count, CALMEST_POINTS).mean(axis=1)
-    return float(np.sqrt(np.quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
+    return float(np.sqrt(quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
 
 
 def _middle(values: Floats) -> float:
     """Standard deviation by the middle of normal numbers."""
-    return float(np.quantile(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS
+    return quantile(np.abs(values), MIDDLE_QUANTILE) / MIDDLE_SIGMAS
 
 
 def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:

@@ -9,7 +9,9 @@ from scipy.ndimage import maximum_filter1d
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import (
+    distinct,
     median,
+    quantile,
     row_quantiles,
     running_median_5,
     running_median_9,
@@ -149,7 +151,7 @@ def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:
 
 def granularity(values: Floats) -> float:
     """Distance of neighbouring values where they lie densest; 0 where there is one value only."""
-    return _closest(np.diff(_levels(values)))
+    return _closest(np.diff(distinct(values, DECIMALS)))
 
 
 def step_of(values: Floats) -> float:
@@ -159,16 +161,10 @@ def step_of(values: Floats) -> float:
 
 def steps_of(values: Floats) -> LevelSteps:
     """The same with how even the steps are."""
-    gaps = np.diff(_levels(values))
+    gaps = np.diff(distinct(values, DECIMALS))
     grain = _closest(gaps)
     near = gaps[gaps < NEXT_LEVEL * grain]
     return LevelSteps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else LevelSteps(0.0, 0.0)
-
-
-def _levels(values: Floats) -> Floats:
-    """Which values there are, rising."""
-    levels: Floats = np.unique(np.round(values[np.isfinite(values)], DECIMALS))
-    return levels
 
 
 def _closest(gaps: Floats) -> float:
@@ -197,7 +193,7 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     out_deg = np.concatenate([[0.0], over_deg - running_median_9(over_deg)])
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
     least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
-    is_rounded = float(row_quantiles(np.abs(out_deg)[None], NEARLY_ALL)[0]) < ROUNDED * step_deg
+    is_rounded = quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
     noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(out_deg, recording)
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
@@ -210,7 +206,7 @@ def _sigma(values: Floats, recording: Recording) -> Floats:
     seconds = max(1, len(values) // points)
     absolute = np.abs(values)
     spread = row_quantiles(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE) / MIDDLE_SIGMAS
-    spread = np.maximum(spread, max(median(spread), float(row_quantiles(absolute[None], 0.5)[0]) / MIDDLE_SIGMAS))
+    spread = np.maximum(spread, max(median(spread), quantile(absolute, 0.5) / MIDDLE_SIGMAS))
     padded = np.concatenate([spread[:1], spread, spread[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     last = np.minimum(np.arange(len(values)) // points, seconds - 1)

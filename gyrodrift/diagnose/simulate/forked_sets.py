@@ -23,6 +23,9 @@ class _Held(NamedTuple):
     candidates: dict[str, Candidate]
 
 
+Sent = tuple[tuple[str, float, tuple[float, ...] | None], ...]
+"""Key, size and phases of each candidate of a set."""
+
 _held: list[_Held] = []
 
 
@@ -32,6 +35,7 @@ class ForkedSets:
     def __init__(
         self, subjects: Sequence[Subject], tables: Sequence[ResponseTable], tried: Sequence[Candidate], jobs: int
     ) -> None:
+        self._known: dict[Sent, Floats] = {}
         self._own = _Held(subjects, tables, {key(candidate): candidate for candidate in tried})
         jobs = min(jobs, len(subjects))
         self._pool = None if jobs == 1 else ProcessPoolExecutor(jobs, get_context("fork"), _hold, (self._own,))
@@ -48,11 +52,16 @@ class ForkedSets:
             self._pool.shutdown()
 
     def change_of(self, effects: Sequence[Sized]) -> Floats:
-        """(sessions, F) what a whole set of candidates does to the features."""
+        """(sessions, F) what a whole set of candidates does to the features; the same set is simulated once."""
+        sent = tuple((key(one.candidate), one.size, _as_tuple(one.phases_deg)) for one in effects)
+        if sent not in self._known:
+            self._known[sent] = self._simulated(effects, sent)
+        return self._known[sent]
+
+    def _simulated(self, effects: Sequence[Sized], sent: Sent) -> Floats:
         if self._pool is None:
             return change_of(effects, self._own.subjects, self._own.tables)
         numbers = range(len(self._own.subjects))
-        sent = [(key(one.candidate), one.size, one.phases_deg) for one in effects]
         return np.array(list(self._pool.map(_change_of_sent, [sent] * len(numbers), numbers)))
 
 
@@ -60,7 +69,14 @@ def _hold(held: _Held) -> None:
     _held.append(held)
 
 
-def _change_of_sent(sent: Sequence[tuple[str, float, Floats | None]], number: int) -> Floats:
+def _as_tuple(phases_deg: Floats | None) -> tuple[float, ...] | None:
+    return None if phases_deg is None else tuple(phases_deg.tolist())
+
+
+def _change_of_sent(sent: Sent, number: int) -> Floats:
     held = _held[0]
-    effects = [Sized(held.candidates[name], size, phases_deg) for name, size, phases_deg in sent]
+    effects = [
+        Sized(held.candidates[name], size, None if phases_deg is None else np.array(phases_deg))
+        for name, size, phases_deg in sent
+    ]
     return change_in(effects, number, held.subjects[number], held.tables[number])

@@ -128,6 +128,13 @@ class Subject:
         """Features of a simulation, against the motion that is rebuilt from itself."""
         return measure(seen, rebuilt(seen, self.rig).design, self.facts)
 
+    def values_measured_again(self, seen: Cleaned) -> Floats:
+        """The same but for those of times, which are the last."""
+        design = rebuilt(seen, self.rig).design
+        return np.concatenate(
+            [residuals.measure(seen, design).values, measure_samples(seen, design, self.facts).values]
+        )
+
     def base_run(self, seed: int) -> BaseRun:
         """The rig as it stands, driven through the recording's motion."""
         seen = self.replayed((), seed)

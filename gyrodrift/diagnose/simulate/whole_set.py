@@ -7,7 +7,7 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -35,18 +35,24 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
     """(F,) the same in session `number`."""
     is_random = any(one.candidate.realisations > 1 for one in effects)
     seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
-    change: Floats = np.mean([_features(effects, number, subject, seed) - table.runs[seed] for seed in seeds], axis=0)
+    runs = [table.runs[seed] for seed in seeds]
+    changes = [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
+    change: Floats = np.mean(changes, axis=0)
     return change
 
 
-def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int) -> Floats:
+def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:
+    """(F,) of the set in session `number`; those that it does not touch are taken over from a run without it."""
     of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
     calibrated = with_noise_beneath(subject, [one.candidate for one in effects], of_catalogue)
     seen = calibrated.replayed(of_catalogue, seed)
     for one in effects:
         if one.candidate.shape is not None:
             seen = subject.with_shape(one.candidate.shape, one.size, seed, seen)
-    return subject.measured_again(seen).values
+    if any(one.candidate.touches in (Touches.TIMES, Touches.EVERYTHING) for one in effects):
+        return subject.measured_again(seen).values
+    values = subject.values_measured_again(seen)
+    return np.concatenate([values, run[len(values) :]])
 
 
 def in_session(one: Sized, number: int, subject: Subject) -> Effect:
