@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_MOTION
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_EVENTS, OF_MOTION, happened_in, mean_where
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
@@ -38,7 +38,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     changes = np.array([table.smoother for table in tables])
     smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
     sigma = np.sqrt(common + thresholds**2 + len(tables) * (again + smoother))
-    sigma[absent_of(tables)] = NOT_COMPARED
+    sigma[absent_of(tables) | _without_events(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
@@ -84,6 +84,12 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     return found
 
 
+def _without_events(tables: Sequence[ResponseTable]) -> Mask:
+    """(sessions, F) sizes of events, of a session that has none, with a rig that makes none."""
+    nothing: Mask = np.array([(table.difference == 0.0) & ~table.runs.any(axis=0) for table in tables])
+    return nothing & OF_EVENTS
+
+
 def common_share(nulls: Floats) -> Floats:
     """(F,) by how much the variance of a mean over sessions is more than that of independent ones; at least 1.
 
@@ -121,8 +127,9 @@ def _response(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Flo
 def _random(simulated: Floats, candidate: Candidate) -> Response:
     """Realisations of all sessions are one sample; what may go either way has no mean."""
     pooled = simulated.transpose(1, 0, 2, 3).reshape(simulated.shape[1], -1, simulated.shape[-1])
-    mean = np.where(LINEAR, 0.0, pooled.mean(axis=1))
-    spread = np.sqrt(np.square(pooled - mean[:, None]).mean(axis=1))
+    happened = happened_in(pooled)
+    mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
+    spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
     return Response(candidate, wide, interpolated(candidate, spread[:, None])[:, 0])
 

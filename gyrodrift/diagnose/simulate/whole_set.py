@@ -7,6 +7,7 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import happened_in, mean_where
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
@@ -28,7 +29,14 @@ class Sized(NamedTuple):
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> Floats:
     """(sessions, F) what a whole set of candidates does to the features."""
     pairs = enumerate(zip(subjects, tables, strict=True))
-    return np.array([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
+    return with_events([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
+
+
+def with_events(changes: Sequence[Floats]) -> Floats:
+    """(sessions, F) of some sessions; where events happened in none of its runs, they are as large as in the others."""
+    each = np.array(changes)
+    happened = happened_in(each)
+    return np.where(happened, each, mean_where(happened, each, axis=0))
 
 
 def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> Floats:
@@ -37,8 +45,7 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
     seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
     runs = [table.runs[seed] for seed in seeds]
     changes = [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
-    change: Floats = np.mean(changes, axis=0)
-    return change
+    return mean_where(happened_in(np.array(changes)), np.array(changes), axis=0)
 
 
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:

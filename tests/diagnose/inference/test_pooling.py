@@ -8,6 +8,7 @@ from inference_support import candidate, row
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, evidence_of, interpolated, scaled
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
@@ -140,6 +141,23 @@ def test_realisations_of_all_sessions_are_one_sample() -> None:
     assert response.spread[0, NUMBER["time"]] == pytest.approx(np.sqrt((9.0 + 1.0 + 9.0) / 4.0))
     assert response.mean[0, :, NUMBER[LOG]] == pytest.approx([1.5, 1.5])
     assert response.spread[0, NUMBER[LOG]] == pytest.approx(np.std([1.0, 2.0, 3.0, 0.0]))
+
+
+def test_how_large_events_are_is_told_by_those_that_happen() -> None:
+    """A session without one says nothing of it, and a run without one does not make them smaller."""
+    one = replace(candidate("encoder_slip"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))
+    limits = {"slip_size": 0.3}
+    draws = [[row({"slip_size": 2.0}), row({})], [row({"slip_size": 3.0}), row({})]]
+    tables = [
+        replace(table(str(number), np.zeros((2, len(FEATURES))), {key(one): np.array([draw])}), thresholds=row(limits))
+        for number, draw in enumerate(draws)
+    ]
+    tables[1] = replace(tables[1], difference=row({"slip_size": 2.2}))
+    evidence, at = evidence_of(tables, [one]), NUMBER["slip_size"]
+    assert evidence.sigma[:, at] == pytest.approx([NOT_COMPARED, limits["slip_size"]])
+    (response,) = evidence.responses
+    assert response.mean[0, :, at] == pytest.approx([2.5, 2.5])
+    assert response.spread[0, at] == pytest.approx(0.5)
 
 
 def turning(phase_deg: float) -> Candidate:

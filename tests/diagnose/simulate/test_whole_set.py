@@ -10,13 +10,14 @@ from simulate_support import BASE, HINTS, candidate_of, feature, plain, session_
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import Sized, change_of, in_session
+from gyrodrift.diagnose.simulate.whole_set import Sized, change_of, in_session, with_events
 
 TILT = parse_effect("g_sensitivity:amplitude_dps=0.1,phase_deg=30")
 
@@ -49,6 +50,15 @@ def test_a_set_is_played_as_one_rig() -> None:
     effects: tuple[Effect, ...] = (parse_effect("scale_factor:error_percent=1"), parse_effect("latency:delay_ms=20"))
     by_hand = [plain().simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
+
+
+def test_how_large_events_are_is_told_by_sessions_that_have_them() -> None:
+    """All else is what each session shows."""
+    at, other = NUMBER["slip_size"], NUMBER["slip_count"]
+    changes = np.zeros((3, len(FEATURES)))
+    changes[:, at], changes[:, other] = (0.0, 2.0, 3.0), (0.0, 1.0, 2.0)
+    assert with_events(list(changes))[:, at].tolist() == [2.5, 2.0, 3.0]
+    assert with_events(list(changes))[:, other].tolist() == [0.0, 1.0, 2.0]
 
 
 def test_a_random_one_is_the_mean_of_four() -> None:
