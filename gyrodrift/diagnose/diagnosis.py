@@ -62,7 +62,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     surrogate, subjects = inferred.surrogate, simulated.subjects
     verdict = _set_aside(verdict, subjects)
     asked.progress(WHAT_NEXT, 0, 0)
-    following = what_next(verdict, surrogate, subjects, simulated.untestable, asked.rig)
+    following = what_next(verdict, surrogate, subjects, simulated.untestable, asked.rig, asked.jobs)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
     asked.progress(YAW_IMPACT, 0, 0)

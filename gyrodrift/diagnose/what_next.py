@@ -49,9 +49,14 @@ class Next(NamedTuple):
 
 
 def what_next(
-    verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], untestable: Sequence[Untestable], rig: Rig
+    verdict: Verdict,
+    surrogate: Surrogate,
+    subjects: Sequence[Subject],
+    untestable: Sequence[Untestable],
+    rig: Rig,
+    jobs: int,
 ) -> Next:
-    """The experiment that decides, or else what there is to say."""
+    """The experiment that decides, chosen by so many processes, or else what there is to say."""
     open_ones = _open(verdict, surrogate, subjects, rig)
     if len(open_ones) < 2:
         return Next(_without_experiment(verdict, untestable, len(subjects)), None)
@@ -59,7 +64,7 @@ def what_next(
     recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
     # A replay of one speed bends by what the encoder errs by, which the very next recording would not.
     again = None if is_one_speed([one.design.regimes for one in subjects]) else recorded
-    found = next_recording_of(open_ones, minutes, SEED, again)
+    found = next_recording_of(open_ones, minutes, SEED, again, jobs)
     return Next(sentence(found, FILE), profile_yaml(found.profile))
 
 

@@ -9,10 +9,15 @@ from gyrodrift.diagnose.inference.exact_sizes import ExactSize
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated, without
 from gyrodrift.diagnose.inference.search import SearchResult, with_one_more
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.kinds.groups import STOCHASTIC_BIAS
 
 TIED, TIED_SHARE = 3.0, 0.025
 """Log-likelihood: alternatives within TIED are tied. Of the same group they are tied within TIED_SHARE of what the
 cause explains as well: effects that look alike differ most in what is not exact in either."""
+
+WANDERING_ALIKE_SHARE = 0.12
+"""The same share of walks, bursts and flickers, which may stand for each other: they move many features at once, and the
+likelihood takes these to be independent. With those of another generator it erred by 0.11."""
 
 FAR_BEHIND = 4.0
 """In TIED: what scores less by more is no rival."""
@@ -20,11 +25,23 @@ FAR_BEHIND = 4.0
 
 @dataclass(frozen=True, slots=True)
 class Rival:
-    """Another candidate in the place of a cause; by how much it scores less (0 or negative), in a scale of TIED."""
+    """Another candidate in the place of a cause.
+
+    behind
+        By how much it scores less (0 or negative), in a scale of TIED.
+    is_alike
+        Whether it is too much like the cause to be told from it, though it scores less.
+    """
 
     name: str
     behind: float
     is_out_of_catalogue: bool
+    is_alike: bool = False
+
+    @property
+    def is_tied(self) -> bool:
+        """Whether it may stand for the cause."""
+        return (self.behind > -TIED or self.is_alike) and not self.is_out_of_catalogue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +64,8 @@ class Alternatives:
 
     @property
     def tied_with(self) -> tuple[str, ...]:
-        """Effects of the catalogue that do as well."""
-        return tuple(one.name for one in self.rivals if one.behind > -TIED and not one.is_out_of_catalogue)
+        """Effects of the catalogue that do as well, or cannot be told apart."""
+        return tuple(one.name for one in self.rivals if one.is_tied)
 
     @property
     def rival_weight(self) -> float:
@@ -83,8 +100,9 @@ def _rivals(
     rivals = []
     for one in more:
         rival = one.causes[-1]
-        wide = max(TIED, TIED_SHARE * lost) if rival.candidate.group == group else TIED
-        behind = min(one.total - found.total, 0.0) * TIED / wide
-        if rival.name not in taken and behind > -FAR_BEHIND * TIED:
-            rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue))
+        less, is_kin = min(one.total - found.total, 0.0), rival.candidate.group == group
+        behind = less * TIED / (max(TIED, TIED_SHARE * lost) if is_kin else TIED)
+        is_alike = is_kin and group == STOCHASTIC_BIAS.name and less > -WANDERING_ALIKE_SHARE * lost
+        if rival.name not in taken and (behind > -FAR_BEHIND * TIED or is_alike):
+            rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue, is_alike))
     return tuple(rivals), surrogate

@@ -9,6 +9,7 @@ from gyrodrift.diagnose.inference.acceptance import GAIN
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.parameters import unit_of
+from gyrodrift.diagnose.inference.realisations import sure_gains
 
 CLEAR_GAIN = 2.0 * GAIN
 """Of the log-likelihood: twice what accepts a cause, so that it would not be by luck."""
@@ -33,14 +34,18 @@ def gains_of(change: Floats) -> Floats:
 
 
 def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
-    """Of each effect of the catalogue that was tried, in the order of the candidates."""
+    """Of each effect of the catalogue that was tried, in the order of the candidates.
+
+    Of one that is random, the size at which nine of ten devices would have shown it.
+    """
     found: dict[str, Detectable] = {}
     for response in evidence.responses:
         candidate = response.candidate
         if candidate.is_out_of_catalogue:
             continue
         name, unit = candidate.parameter, unit_of(candidate.parameter)
-        gains = gains_of(response.mean / evidence.sigma)
+        is_random = response.realised is not None
+        gains = sure_gains(evidence, response) if is_random else gains_of(response.mean / evidence.sigma)
         seen = candidate.sizes[gains > CLEAR_GAIN]
         value = None
         if len(seen):

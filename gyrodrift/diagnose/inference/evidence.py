@@ -22,12 +22,15 @@ class Response:
         (sizes, F) standard deviation of that change where it is random, else 0.
     phases_deg
         (sessions,) of a candidate whose phase is free: the one that each session shows; None of all others.
+    realised
+        (grid points, sessions, realisations, F) of a random candidate: the change of each; None of all others.
     """
 
     candidate: Candidate
     mean: Floats
     spread: Floats
     phases_deg: Floats | None = None
+    realised: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -131,7 +131,8 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
     spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
-    return Response(candidate, wide, interpolated(candidate, spread[:, None])[:, 0])
+    at_sizes = interpolated(candidate, spread[:, None])[:, 0]
+    return Response(candidate, wide, at_sizes, realised=simulated.transpose(1, 0, 2, 3))
 
 
 def _beside_each_other(

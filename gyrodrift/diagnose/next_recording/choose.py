@@ -6,11 +6,14 @@ all there is already. What is predicted of the chosen one comes from realisation
 """
 
 from collections.abc import Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import NamedTuple
 
 import numpy as np
 
-from firmware_sim.measure import Motion
 from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
@@ -98,16 +101,12 @@ class _Question:
     weights: Floats
     seed: int
 
-    def log_likelihoods(self, motion: Motion, minutes: float, stage: int, realisations: int) -> Floats:
+    def log_likelihoods(self, played: "_Played") -> Floats:
         """(R, H, H) as held-out realisations have it; each stage has random numbers of its own."""
-        stream = int(np.random.SeedSequence([self.seed, stage]).generate_state(1)[0])
+        stream = int(np.random.SeedSequence([self.seed, played.stage]).generate_state(1)[0])
         return held_out_log_likelihoods(
-            simulated_features(self.rigs, self.base, PlannedMotion(motion, minutes), stream, realisations)
+            simulated_features(self.rigs, self.base, played.planned, stream, played.realisations)
         )
-
-    def told(self, motion: Motion, minutes: float, realisations: int) -> Told:
-        """What a motion tells, by realisations that nothing was chosen by."""
-        return told_by(self.log_likelihoods(motion, minutes, _PREDICTED, realisations), self.weights)
 
     def worth(self, log_likelihoods: Floats, manoeuvres: Sequence[Manoeuvre]) -> float:
         """By which motions are compared, bits."""
@@ -123,8 +122,33 @@ _FIRST, _MORE, _PAIRS, _PREDICTED = range(4)
 """Stages."""
 
 
+class _Played(NamedTuple):
+    """A motion that is simulated so many times, in a stage of the choice."""
+
+    planned: PlannedMotion
+    stage: int
+    realisations: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Answers:
+    """What motions tell of a question, many at a time; without a pool in this process."""
+
+    question: _Question
+    pool: Executor | None
+
+    def to(self, every: Sequence[_Played]) -> list[Floats]:
+        """Log-likelihoods of each."""
+        run = map if self.pool is None else self.pool.map
+        return list(run(self.question.log_likelihoods, every))
+
+    def told(self, every: Sequence[_Played]) -> list[Told]:
+        """What each tells."""
+        return [told_by(found, self.question.weights) for found in self.to(every)]
+
+
 def next_recording_of(
-    hypotheses: Sequence[RigHypothesis], minutes: float, seed: int, recorded: PlannedMotion | None = None
+    hypotheses: Sequence[RigHypothesis], minutes: float, seed: int, recorded: PlannedMotion | None = None, jobs: int = 1
 ) -> NextRecording:
     """Choose what to record, so that the features tell which hypothesis holds.
 
@@ -136,6 +160,8 @@ def next_recording_of(
         Of all that is random; the same one gives the same choice.
     recorded
         A motion that was recorded so far, to be compared with.
+    jobs
+        So many processes simulate.
 
     Raises
     ------
@@ -145,7 +171,13 @@ def next_recording_of(
     base = common_rig(hypotheses)
     question = _Question(tuple(one.rig for one in hypotheses), base, weights_of(hypotheses), seed)
     limits, shown = limits_of(base.base), min(minutes, PREDICTED_MINUTES)
-    chosen = _chosen(question, shown, limits)
+    with nullcontext() if jobs == 1 else ProcessPoolExecutor(jobs, get_context("fork")) as pool:
+        answers = _Answers(question, pool)
+        chosen = _chosen(answers, shown, limits)
+        proposed = PlannedMotion(profile_of(chosen, shown, limits), shown)
+        at_random = PlannedMotion(random_profile(shown, limits, seed), shown)
+        compared = [_Played(one, _PREDICTED, COMPARED) for one in (at_random, recorded) if one is not None]
+        predicted, *others = answers.told([_Played(proposed, _PREDICTED, PREDICTED), *compared])
     return NextRecording(
         names=tuple(one.name for one in sorted(hypotheses, key=lambda one: -one.weight)),
         minutes=minutes,
@@ -153,15 +185,15 @@ def next_recording_of(
         limits=limits,
         profile=profile_of(chosen, minutes, limits),
         open_bits=entropy(question.weights),
-        predicted=question.told(profile_of(chosen, shown, limits), shown, PREDICTED),
-        at_random=question.told(random_profile(shown, limits, seed), shown, COMPARED),
-        again=None if recorded is None else question.told(recorded.motion, recorded.minutes, COMPARED),
+        predicted=predicted,
+        at_random=others[0],
+        again=None if recorded is None else others[1],
     )
 
 
-def _chosen(question: _Question, minutes: float, limits: MotionLimits) -> tuple[Manoeuvre, ...]:
+def _chosen(answers: _Answers, minutes: float, limits: MotionLimits) -> tuple[Manoeuvre, ...]:
     """The pair that tells most."""
-    shown = _screened(question, minutes, limits)
+    question, shown = answers.question, _screened(answers, minutes, limits)
 
     def alone(one: Manoeuvre) -> float:
         return question.worth(shown[one], (one,))
@@ -175,24 +207,25 @@ def _chosen(question: _Question, minutes: float, limits: MotionLimits) -> tuple[
     others = sorted((one for one in shown if one is not first), key=beside_first, reverse=True)
     if question.is_answered(shown[first]):
         return first, others[0]
+    pairs = [(first, other) for other in others[:FINALISTS]]
+    planned = [PlannedMotion(profile_of(pair, minutes, limits), minutes) for pair in pairs]
+    found = answers.to([_Played(one, _PAIRS, FINAL) for one in planned])
+    worth = [question.worth(one, pair) for one, pair in zip(found, pairs, strict=True)]
+    return pairs[int(np.argmax(worth))]
 
-    def as_played(pair: tuple[Manoeuvre, ...]) -> float:
-        found = question.log_likelihoods(profile_of(pair, minutes, limits), minutes, _PAIRS, FINAL)
-        return question.worth(found, pair)
 
-    return max(((first, other) for other in others[:FINALISTS]), key=as_played)
-
-
-def _screened(question: _Question, minutes: float, limits: MotionLimits) -> dict[Manoeuvre, Floats]:
+def _screened(answers: _Answers, minutes: float, limits: MotionLimits) -> dict[Manoeuvre, Floats]:
     """Log-likelihoods of each manoeuvre by itself; of the better half alone, where none tells all."""
-    brief = float(np.clip(0.5 * minutes, *SCREENED_MINUTES))
+    question, brief = answers.question, float(np.clip(0.5 * minutes, *SCREENED_MINUTES))
 
-    def simulated(one: Manoeuvre, stage: int) -> Floats:
-        return question.log_likelihoods(profile_of((one,), brief, limits), brief, stage, SCREENED)
+    def simulated(every: Sequence[Manoeuvre], stage: int) -> dict[Manoeuvre, Floats]:
+        planned = [PlannedMotion(profile_of((one,), brief, limits), brief) for one in every]
+        return dict(zip(every, answers.to([_Played(one, stage, SCREENED) for one in planned]), strict=True))
 
-    shown = {one: simulated(one, _FIRST) for one in FAMILY}
+    shown = simulated(FAMILY, _FIRST)
     ranked = sorted(FAMILY, key=lambda one: question.worth(shown[one], (one,)), reverse=True)
     if question.is_answered(shown[ranked[0]]):
         return shown
     better = ranked[: len(FAMILY) // 2]
-    return {one: np.concatenate([shown[one], simulated(one, _MORE)]) for one in better}
+    more = simulated(better, _MORE)
+    return {one: np.concatenate([shown[one], more[one]]) for one in better}
