@@ -26,6 +26,7 @@ PARAMETERS = {
     "backlash": "play_deg",
     "timestamp_jitter": "sigma_ms",
     "rate_random_walk": "density_dps_rts",
+    "bias_instability": "floor_dph",
     "g_sensitivity": "amplitude_dps",
 }
 SIZES = np.arange(1.0, 9.0)

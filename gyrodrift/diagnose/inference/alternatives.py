@@ -16,8 +16,8 @@ TIED, TIED_SHARE = 3.0, 0.025
 cause explains as well: effects that look alike differ most in what is not exact in either."""
 
 WANDERING_ALIKE_SHARE = 0.12
-"""The same share of walks, bursts and flickers, which may stand for each other: they move many features at once, and the
-likelihood takes these to be independent. With those of another generator it erred by 0.11."""
+"""The same share of walks, bursts and flickers, which may stand for each other: they move many features at once, which
+the likelihood takes to be independent. With those of another generator it erred by 0.11."""
 
 FAR_BEHIND = 4.0
 """In TIED: what scores less by more is no rival."""

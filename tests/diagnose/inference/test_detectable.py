@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, SIZES, candidate, evidence, response
+from inference_support import SESSIONS, SIZES, candidate, evidence, response, row, rows
 
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.ranking import hinted, lookalikes, ranking, would_explain
+from gyrodrift.diagnose.inference.realisations import sure_gains
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
@@ -31,6 +32,48 @@ def test_what_would_not_be_seen_at_any_size_has_none() -> None:
     """And what is no effect is not listed."""
     weak, strange = response("scale_factor", {"rate": 0.01}), Response(candidate("?moving"), BOTH.mean, BOTH.spread)
     assert [(one.effect, one.value) for one in detectable(evidence({}, weak, strange))] == [("scale_factor", None)]
+
+
+def walk(*shown: float) -> Response:
+    """Random in its size: realisations show it by so many times the mean, which is one sigma at size 1."""
+    sizes = SIZES[:, None, None]
+    mean = rows({"walk_20s": 1.0})
+    spread = float(np.std(shown)) * row({"walk_20s": 1.0})
+    realised = sizes[..., None] * np.array(shown)[:, None] * mean[:, None]
+    whole = response("bias_instability", {"walk_20s": 1.0})
+    return Response(candidate("bias_instability", SIZES, 4), whole.mean, SIZES[:, None] * spread, realised=realised)
+
+
+def test_of_what_is_random_nine_of_ten_devices_would_have_shown_the_size() -> None:
+    """One that is the same each time shows as soon as one that is not random; one that comes and goes does not."""
+    steady, fickle = (
+        detectable(evidence({}, one))[0].value for one in (walk(1.0, 1.0, 1.0, 1.0), walk(2.0, 2.0, 0.0, 0.0))
+    )
+    assert steady == pytest.approx(4.0, abs=1.0)
+    assert steady is not None
+    assert fickle is None or fickle > steady
+
+
+def test_without_realisations_nothing_is_known_of_them() -> None:
+    """A mistake of the caller."""
+    with pytest.raises(ValueError, match="scale_factor has no realisations"):
+        sure_gains(evidence({}, RATE), RATE)
+
+
+def test_gains_are_those_of_realisations_beside_chance() -> None:
+    """Worked out one by one for a single session, the least but for one in ten."""
+    alone = Response(
+        candidate("bias_instability", SIZES[:1], 4),
+        rows({"walk_20s": 3.0}, 1)[None],
+        row({"walk_20s": 1.0})[None],
+        realised=(np.array([1.0, 3.0, 4.0, 6.0])[:, None] * row({"walk_20s": 1.0}))[None, None],
+    )
+    gains = [
+        2.5 * (np.log1p(shown**2 / 4.0) - np.log1p((shown - 3.0) ** 2 / (4.0 * 2.0))) - 0.5 * np.log(2.0)
+        for shown in (0.0, 2.0, 2.0, 4.0, 3.0, 5.0, 5.0, 7.0)
+    ]
+    (found,) = sure_gains(evidence(rows({}, 1), alone), alone)
+    assert found == pytest.approx(min(gains))  # one of eight is more than one of ten
 
 
 def test_a_size_below_zero_counts_by_its_amount() -> None:

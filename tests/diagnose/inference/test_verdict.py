@@ -105,6 +105,23 @@ def test_one_that_does_half_of_it_is_not_tied() -> None:
     assert cause.tied_with == ()
 
 
+@pytest.mark.parametrize(
+    ("names", "tied_with"),
+    [(("bias_instability", "rate_random_walk"), ("rate_random_walk",)), (("latency", "backlash"), ())],
+)
+def test_walks_that_explain_nearly_as_much_are_tied(names: tuple[str, str], tied_with: tuple[str, ...]) -> None:
+    """Another generator's may well show more of the wrong one; it counts no more than by what it explains."""
+    better, worse = (
+        response(name, {"time": 2.0, "walk_20s": 2.0, "wander_20s": 2.0, "wander_5s": share})
+        for name, share in zip(names, (2.0, 1.25), strict=True)
+    )
+    (cause,) = judged(
+        evidence(dict.fromkeys(("time", "walk_20s", "wander_20s", "wander_5s"), 10.0), better, worse)
+    ).causes
+    assert (cause.effect.name, cause.tied_with) == (names[0], tied_with)
+    assert cause.probability > 0.8
+
+
 def test_what_no_effect_does_is_unknown() -> None:
     """Nothing is named; what it depends on stands first, before what deviates more."""
     both: Amounts = {"moving": 2.0, "rate": 2.5}

@@ -65,8 +65,8 @@ def test_what_nothing_shows_is_said_to_be_so() -> None:
 
 
 def test_the_same_question_has_the_same_answer() -> None:
-    """To the last digit, for one seed."""
+    """To the last digit, for one seed, however many processes simulate."""
     asked = hypotheses("", "saturation:limit_dps=150")
-    first, second = (next_recording_of(asked, 1.0, seed=4) for _ in range(2))
+    first, second = (next_recording_of(asked, 1.0, seed=4, jobs=jobs) for jobs in (1, 2))
     assert first == second
     assert first.predicted.probability > 0.95
