@@ -1,4 +1,4 @@
-"""Processes that run methods over sessions: the peers' packages hold the interpreter, so threads would not do."""
+"""Processes of this machine for work that holds the interpreter, so that threads would not do: methods, simulations."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor

@@ -6,10 +6,7 @@ all there is already. What is predicted of the chosen one comes from realisation
 """
 
 from collections.abc import Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import nullcontext
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +26,7 @@ from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre
 from gyrodrift.diagnose.next_recording.profiles import profile_of, random_profile
 from gyrodrift.diagnose.next_recording.rig_hypothesis import RigHypothesis, common_rig, weights_of
 from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+from gyrodrift.parallel import LocalWorkers, workers
 
 SCREENED_MINUTES = (1.0, 1.5)
 """A manoeuvre is screened for as long as it would have in a pair, within these bounds."""
@@ -92,6 +90,14 @@ class NextRecording:
         return self.predicted.information > WORTH_IT * self.open_bits
 
 
+class _Played(NamedTuple):
+    """A motion that is simulated so many times, in a stage of the choice."""
+
+    planned: PlannedMotion
+    stage: int
+    realisations: int
+
+
 @dataclass(frozen=True, slots=True)
 class _Question:
     """What is to be told apart, and with what random numbers."""
@@ -101,7 +107,7 @@ class _Question:
     weights: Floats
     seed: int
 
-    def log_likelihoods(self, played: "_Played") -> Floats:
+    def log_likelihoods(self, played: _Played) -> Floats:
         """(R, H, H) as held-out realisations have it; each stage has random numbers of its own."""
         stream = int(np.random.SeedSequence([self.seed, played.stage]).generate_state(1)[0])
         return held_out_log_likelihoods(
@@ -122,25 +128,16 @@ _FIRST, _MORE, _PAIRS, _PREDICTED = range(4)
 """Stages."""
 
 
-class _Played(NamedTuple):
-    """A motion that is simulated so many times, in a stage of the choice."""
-
-    planned: PlannedMotion
-    stage: int
-    realisations: int
-
-
 @dataclass(frozen=True, slots=True)
 class _Answers:
-    """What motions tell of a question, many at a time; without a pool in this process."""
+    """What motions tell of a question, many at a time."""
 
     question: _Question
-    pool: Executor | None
+    local: LocalWorkers
 
     def to(self, every: Sequence[_Played]) -> list[Floats]:
         """Log-likelihoods of each."""
-        run = map if self.pool is None else self.pool.map
-        return list(run(self.question.log_likelihoods, every))
+        return list(self.local.map(self.question.log_likelihoods, every))
 
     def told(self, every: Sequence[_Played]) -> list[Told]:
         """What each tells."""
@@ -171,8 +168,8 @@ def next_recording_of(
     base = common_rig(hypotheses)
     question = _Question(tuple(one.rig for one in hypotheses), base, weights_of(hypotheses), seed)
     limits, shown = limits_of(base.base), min(minutes, PREDICTED_MINUTES)
-    with nullcontext() if jobs == 1 else ProcessPoolExecutor(jobs, get_context("fork")) as pool:
-        answers = _Answers(question, pool)
+    with workers(jobs) as local:
+        answers = _Answers(question, local)
         chosen = _chosen(answers, shown, limits)
         proposed = PlannedMotion(profile_of(chosen, shown, limits), shown)
         at_random = PlannedMotion(random_profile(shown, limits, seed), shown)

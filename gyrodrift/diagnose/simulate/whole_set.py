@@ -44,8 +44,10 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
     is_random = any(one.candidate.realisations > 1 for one in effects)
     seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
     runs = [table.runs[seed] for seed in seeds]
-    changes = [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
-    return mean_where(happened_in(np.array(changes)), np.array(changes), axis=0)
+    changes = np.array(
+        [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
+    )
+    return mean_where(happened_in(changes), changes, axis=0)
 
 
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:
