@@ -18,7 +18,7 @@ def bench_rows(tried: list[Tried]) -> list[Share]:
         row(
             "outside the catalogue: no cause above 0.8 that is not there", _in(tried, "outside"), _invents_nothing, 0.95
         ),
-        *pair_rows(tried),
+        *_pair_rows(tried),
         *left_out_rows(tried),
         parameter_row(tried),
         *_loop_rows(tried),
@@ -74,20 +74,36 @@ def _single_rows(tried: list[Tried]) -> list[Share]:
     return shares
 
 
+def _pair_rows(tried: list[Tried]) -> list[Share]:
+    """All of them, and those of which the device without them said that it would show each by itself."""
+    seen = [
+        case for case in _in(tried, "pair") if all(_is_as_large_as(case, effect, "without") for effect in case.truths)
+    ]
+    return [
+        *pair_rows(tried),
+        row(
+            "pairs, neither said to be too small to be seen: both named, nothing else confident",
+            seen,
+            lambda case: judge.names_both(case.blind, tuple(case.truths), alone=True),
+            0.75,
+        ),
+    ]
+
+
 def _would_be_seen(case: Tried) -> bool:
-    return _as_large_as(case, "without")
+    return _is_as_large_as(case, case.truth, "without")
 
 
-def _as_large_as(case: Tried, run: str) -> bool:
-    """Whether the effect has at least the size that a run says is detectable."""
-    sized = STRENGTHS[case.truth]
+def _is_as_large_as(case: Tried, effect: str, run: str) -> bool:
+    """Whether an effect of a case has at least the size that a run says is detectable."""
+    sized = STRENGTHS[effect]
     falls = sized.sizes[0] > sized.sizes[-1]
-    size = case.strength[sized.parameter]
-    return judge.would_be_seen(case.outcomes[run], case.truth, sized.parameter, size, falls=falls)
+    size = case.truths[effect][sized.parameter]
+    return judge.would_be_seen(case.outcomes[run], effect, sized.parameter, size, falls=falls)
 
 
 def _stands_out_of_baseline(case: Tried) -> bool:
-    return _as_large_as(case, "blind")
+    return _is_as_large_as(case, case.truth, "blind")
 
 
 def _is_quiet(case: Tried) -> bool:

@@ -71,6 +71,16 @@ def test_a_limit_is_larger_the_lower_it_is(least: float, *, is_seen: bool) -> No
     assert share(tried, "group named first, typical").total == is_seen
 
 
+@pytest.mark.parametrize(("least_dps", "is_seen"), [(124.0, False), (126.0, True)])
+def test_a_pair_is_told_apart_where_either_could_not_be_seen(least_dps: float, *, is_seen: bool) -> None:
+    """It counts among all pairs in any case, and among the others only where each would show by itself."""
+    said = gap("effect", cause("latency"), cause("saturation"))
+    without = shows(latency={"delay_ms": 7.9}, saturation={"limit_dps": least_dps})
+    tried = [case("pair", said, LAG | LIMIT, row="pair", without=without)]
+    assert counts(share(tried, "pairs: both named, nothing else")) == (1, 1)
+    assert counts(share(tried, "pairs, neither")) == (is_seen, is_seen)
+
+
 def test_a_failed_look_beforehand_excuses_nothing() -> None:
     """The miss counts."""
     tried = [case("single", gap("none"), LAG, row="small", size="small")]

@@ -66,6 +66,16 @@ def _equal_share(values: RateValues, regime: Mask) -> float:
     return root_share(int(np.count_nonzero(values.equal & regime[1:])), int(np.count_nonzero(values.both & regime[1:])))
 
 
+def _excess_of_zeros(values: RateValues) -> float:
+    """Of samples near zero, by roots of shares: zeros less what comes a step above and a step below.
+
+    A rate that drifts through zero takes all values there, as often as its drift has it; a dead band takes one.
+    """
+    step = granularity(values.near) if len(values.near) else 1.0
+    zeros, beside = (int(np.count_nonzero(np.abs(values.near) == size)) for size in (0.0, max(step, 1.0)))
+    return root_share(zeros, len(values.near)) - root_share(beside, 2 * len(values.near))
+
+
 def _log2_least(values: RateValues) -> float:
     """The smallest rate, in counts; none below what a ramp through zero may step over."""
     sizes = np.abs(values.near)
@@ -121,11 +131,11 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
         "zero_share",
         "sensor",
         "slow",
-        "the rate reads exactly zero too often",
+        "the rate reads exactly zero more often than a step beside it",
         0.01,
         "one sample in 10,000",
         reading=PERCENT_OF_SAMPLES,
-        compute=lambda values: root_share(int(np.count_nonzero(values.near == 0.0)), len(values.near)),
+        compute=_excess_of_zeros,
     ),
     Statistic(
         "least_rate",

@@ -21,7 +21,12 @@ def passes_acceptance(surrogate: Surrogate, longer: CauseSet, shorter: CauseSet)
     if longer.total - shorter.total <= GAIN + STANDARD_ERRORS * error:
         return False
     added = [cause for cause in longer.causes if cause.name not in shorter.names]
-    return all(log_likelihood_gain(surrogate, longer.causes, cause) > GAIN for cause in added)
+    return all(shows(surrogate, longer.causes, cause) for cause in added)
+
+
+def shows(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> bool:
+    """Whether a cause of a set explains something, and does not only excuse it by what it may be off by itself."""
+    return log_likelihood_gain(surrogate, causes, one) > GAIN
 
 
 def log_likelihood_gain(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> float:

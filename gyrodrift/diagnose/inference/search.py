@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.diagnose.inference.acceptance import passes_acceptance
+from gyrodrift.diagnose.inference.acceptance import passes_acceptance, shows
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated, without
@@ -60,9 +60,10 @@ def search(evidence: Evidence, simulate: Simulate) -> SearchResult:
     nothing = found = CauseSet((), surrogate.scores(()))
     while len(found.causes) < MAX_CAUSES:
         more, surrogate = with_one_more(surrogate, found.causes, simulate)
-        if not more or not passes_acceptance(surrogate, more[0], found):
+        accepted = [one for one in more if passes_acceptance(surrogate, one, found)]
+        if not accepted:
             break
-        found = more[0]
+        found = accepted[0]
         if len(found.causes) == 1:
             found, surrogate = _or_a_pair(surrogate, found, simulate)
         else:
@@ -77,6 +78,7 @@ def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Sim
     rest = [name for name in evidence.candidate_names() if name not in taken]
     tried = [best_of(surrogate, causes, evidence.variants(name)) for name in rest]
     tried = [one for one in tried if not any(one.candidate.stands_against(cause.candidate) for cause in causes)]
+    tried = [one for one in tried if shows(surrogate, (*causes, one), one)] or tried
     totals = [surrogate.scores((*causes, cause)).sum() for cause in tried]
     order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
     return _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
@@ -108,8 +110,8 @@ def exchanged(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> tupl
     best = found
     for cause in found.causes:
         more, surrogate = with_one_more(surrogate, without(found.causes, cause), simulate)
-        if more and more[0].total > best.total:
-            best = more[0]
+        shown = [one for one in more if shows(surrogate, one.causes, one.causes[-1])]
+        best = max([best, *shown], key=lambda one: one.total)
     return best, surrogate
 
 

@@ -106,10 +106,12 @@ def outside(rng: Rng, number: int, path: DicePath) -> Draft:
 
 
 def pair(rng: Rng, number: int, path: DicePath) -> Draft:
-    """Two effects at a time."""
+    """Two effects at a time; and the same device without them, which says whether each could have been seen."""
     stand, both = Stand(rng), PAIRS[number % len(PAIRS)]
     names = zip((both.first, both.second), both.sizes, both.ways, strict=True)
-    return _draft("pair", stand, tuple(draw_fault_for(rng, stand.facts, *each) for each in names), path)
+    faults = tuple(draw_fault_for(rng, stand.facts, *each) for each in names)
+    without = {"without": stand.batch((), (*path, "without"))}
+    return _draft("pair", stand, faults, path, then="without", more=without)
 
 
 def left_out(rng: Rng, number: int, path: DicePath) -> Draft:

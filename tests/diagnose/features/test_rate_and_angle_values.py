@@ -29,6 +29,15 @@ def test_a_dead_band_leaves_zeros_and_no_small_rates() -> None:
     assert found["least_rate"] == pytest.approx(8.0, abs=0.1)
 
 
+@pytest.mark.parametrize("drift_dps", [0.01, 0.03])
+def test_a_rate_that_drifts_through_zero_has_no_zeros_too_many(drift_dps: float) -> None:
+    """However fast: each step is taken as often as its neighbours."""
+    rate_dps = TRUE_DPS + white(0.003) + drift_dps * np.sin(np.linspace(0.0, 100.0, len(TRUE_DPS)))
+    found = observed(np.round(rate_dps / LSB) * LSB).values()
+    assert np.count_nonzero(np.round(rate_dps / LSB) == 0.0) > 20
+    assert found["zero_share"] == pytest.approx(0.0, abs=0.03)
+
+
 def test_small_rates_that_a_ramp_may_step_over_are_not_looked_at() -> None:
     """80 counts of 0.001 deg/s, whether there is one of a count or of twenty."""
     for least in (1.0, 20.0):

@@ -10,11 +10,12 @@ from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.acceptance import GAIN, log_likelihood_gain, passes_acceptance
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.fit import CauseSet, cross_validated
-from gyrodrift.diagnose.inference.search import exchanged, search, with_one_more, without_idle
+from gyrodrift.diagnose.inference.search import CLOSE, exchanged, search, with_one_more, without_idle
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 RATE = response("scale_factor", {"rate": 2.0})
 DRIFT = response("clock_drift", {"clock_ratio": 3.0})
+TREND = ("time", "time_squared", "decay_fast")
 
 
 def test_of_two_candidates_the_true_one_is_found_at_its_size() -> None:
@@ -107,6 +108,18 @@ def test_a_cause_that_only_makes_everything_uncertain_is_not_accepted() -> None:
     assert found.total - nothing.total > GAIN
     assert log_likelihood_gain(surrogate, found.causes, found.causes[0]) == 0.0
     assert not passes_acceptance(surrogate, found, nothing)
+
+
+def test_one_that_only_makes_everything_uncertain_hides_no_other() -> None:
+    """It gains the most by far, and is not accepted; what explains a part is found all the same."""
+    walk = random_response("rate_random_walk", dict.fromkeys(TREND, 3.0))
+    difference = rows({"clock_ratio": 9.0})
+    for name in TREND:
+        difference[:, NUMBER[name]] = [20.0, -20.0, 20.0, -20.0]
+    surrogate = Surrogate(evidence(difference, walk, DRIFT))
+    uncertain, shifted = (surrogate.scores((cause,)).sum() for cause in (Cause(walk, 6), Cause(DRIFT, 2)))
+    assert uncertain > shifted + CLOSE
+    assert search(surrogate.evidence, added).found.names == ("clock_drift",)
 
 
 def test_a_gain_has_to_be_larger_than_its_standard_error() -> None:
