@@ -34,6 +34,8 @@ class RateValues:
         Shape (n − 1,): which equal their neighbour before, and of which both came.
     near
         Those below NEAR_ZERO_DPS.
+    step
+        In which these come; a count where there are none.
     """
 
     seen: Cleaned
@@ -44,6 +46,7 @@ class RateValues:
     equal: Mask
     both: Mask
     near: Floats
+    step: float
 
 
 def rate_values_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> RateValues:
@@ -54,7 +57,8 @@ def rate_values_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> R
     both = is_there[1:] & is_there[:-1]
     equal = (counts[1:] == counts[:-1]) & both
     near = counts[is_there & (np.abs(rate_dps) < NEAR_ZERO_DPS)]
-    return RateValues(seen, design, dps_per_lsb, counts, is_there, equal, both, near)
+    step = max(granularity(near), 1.0) if len(near) else 1.0
+    return RateValues(seen, design, dps_per_lsb, counts, is_there, equal, both, near, step)
 
 
 def smallest(sizes: Floats) -> float:
@@ -71,8 +75,7 @@ def _excess_of_zeros(values: RateValues) -> float:
 
     A rate that drifts through zero takes all values there, as often as its drift has it; a dead band takes one.
     """
-    step = granularity(values.near) if len(values.near) else 1.0
-    zeros, beside = (int(np.count_nonzero(np.abs(values.near) == size)) for size in (0.0, max(step, 1.0)))
+    zeros, beside = (int(np.count_nonzero(np.abs(values.near) == size)) for size in (0.0, values.step))
     return root_share(zeros, len(values.near)) - root_share(beside, 2 * len(values.near))
 
 
@@ -82,11 +85,6 @@ def _log2_least(values: RateValues) -> float:
     nonzero = sizes[sizes > 0.0]
     least = max(1.0, STEPPED_OVER_DPS / values.dps_per_lsb)
     return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, least)))
-
-
-def _log2_step(values: RateValues) -> float:
-    """The step that rates come in, in counts."""
-    return float(np.log2(max(granularity(values.near) if len(values.near) else 1.0, 1.0)))
 
 
 def _log_reach(values: RateValues) -> float:
@@ -155,7 +153,7 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
         0.15,
         "0.15 of a doubling: a ninth of the step",
         reading=COUNTS,
-        compute=_log2_step,
+        compute=lambda values: float(np.log2(values.step)),
     ),
     Statistic(
         "reach",

@@ -1,6 +1,6 @@
 """When a cause is accepted: it gains enough on held-out sessions, and not by making everything uncertain."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -20,8 +20,12 @@ def passes_acceptance(surrogate: Surrogate, longer: CauseSet, shorter: CauseSet)
     error = float(gains.std(ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
     if longer.total - shorter.total <= GAIN + STANDARD_ERRORS * error:
         return False
-    added = [cause for cause in longer.causes if cause.name not in shorter.names]
-    return all(shows(surrogate, longer.causes, cause) for cause in added)
+    return all_show(surrogate, longer, shorter.names)
+
+
+def all_show(surrogate: Surrogate, found: CauseSet, besides: Collection[str]) -> bool:
+    """Whether each cause of a set shows, besides those of some names."""
+    return all(shows(surrogate, found.causes, cause) for cause in found.causes if cause.name not in besides)
 
 
 def shows(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> bool:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.acceptance import shows
 from gyrodrift.diagnose.inference.exact_sizes import ExactSize
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated, without
 from gyrodrift.diagnose.inference.search import SearchResult, with_one_more
@@ -101,11 +100,9 @@ def _rivals(
     rivals = []
     for one in more:
         rival = one.causes[-1]
-        if rival.name in taken or not shows(surrogate, one.causes, rival):
-            continue
         less, is_kin = min(one.total - found.total, 0.0), rival.candidate.group == group
         behind = less * TIED / (max(TIED, TIED_SHARE * lost) if is_kin else TIED)
         is_alike = is_kin and group == STOCHASTIC_BIAS.name and less > -WANDERING_ALIKE_SHARE * lost
-        if behind > -FAR_BEHIND * TIED or is_alike:
+        if rival.name not in taken and (behind > -FAR_BEHIND * TIED or is_alike):
             rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue, is_alike))
     return tuple(rivals), surrogate

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.diagnose.inference.acceptance import passes_acceptance, shows
+from gyrodrift.diagnose.inference.acceptance import all_show, passes_acceptance, shows
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated, without
@@ -73,7 +73,7 @@ def search(evidence: Evidence, simulate: Simulate) -> SearchResult:
 
 
 def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Simulate) -> Step:
-    """Forward addition: the set with each further candidate; those that the tables put far behind are left out."""
+    """Forward addition: the set with each further candidate that shows; what the tables put far behind is left out."""
     evidence, taken = surrogate.evidence, {cause.name for cause in causes}
     rest = [name for name in evidence.candidate_names() if name not in taken]
     tried = [best_of(surrogate, causes, evidence.variants(name)) for name in rest]
@@ -81,7 +81,8 @@ def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Sim
     tried = [one for one in tried if shows(surrogate, (*causes, one), one)] or tried
     totals = [surrogate.scores((*causes, cause)).sum() for cause in tried]
     order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
-    return _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
+    more, surrogate = _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
+    return Step([one for one in more if all_show(surrogate, one, taken)], surrogate)
 
 
 def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
@@ -110,8 +111,7 @@ def exchanged(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> tupl
     best = found
     for cause in found.causes:
         more, surrogate = with_one_more(surrogate, without(found.causes, cause), simulate)
-        shown = [one for one in more if shows(surrogate, one.causes, one.causes[-1])]
-        best = max([best, *shown], key=lambda one: one.total)
+        best = max([best, *more], key=lambda one: one.total)
     return best, surrogate
 
 
