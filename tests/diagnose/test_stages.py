@@ -26,7 +26,7 @@ def named(text: str, in_rig: str | None = None) -> NamedCause:
         in_rig=parse_effect(in_rig) if in_rig else None,
     )
     one = replace(linear_response("latency", {"lag": 1.0}), candidate=tried)
-    return NamedCause(Cause(one, 0), effect, "group", "", 0.9, (), ())
+    return NamedCause(Cause(one, 0), effect, "group", "", 0.9, 0.9, (), ())
 
 
 def rig(*texts: str) -> Rig:

@@ -1,5 +1,6 @@
 """What could stand in the place of each cause: rivals that score nearly as well, and the profile over its sizes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,12 +32,15 @@ class Rival:
         By how much it scores less (0 or negative), in a scale of TIED.
     is_alike
         Whether it is too much like the cause to be told from it, though it scores less.
+    is_kin
+        Whether it is of the cause's group.
     """
 
     name: str
     behind: float
     is_out_of_catalogue: bool
     is_alike: bool = False
+    is_kin: bool = False
 
     @property
     def is_tied(self) -> bool:
@@ -70,7 +74,16 @@ class Alternatives:
     @property
     def rival_weight(self) -> float:
         """How much others could take its place: 1 for one that does as well."""
-        return float(np.exp([one.behind / 2.0 for one in self.rivals]).sum())
+        return _weight(self.rivals)
+
+    @property
+    def strange_weight(self) -> float:
+        """The same of those that are neither of its group nor tied with it."""
+        return _weight([one for one in self.rivals if not (one.is_kin or one.is_tied)])
+
+
+def _weight(rivals: Sequence[Rival]) -> float:
+    return float(np.exp([one.behind / 2.0 for one in rivals]).sum())
 
 
 def alternatives_of(result: SearchResult, simulate: Simulate) -> tuple[tuple[Alternatives, ...], Surrogate]:
@@ -104,5 +117,5 @@ def _rivals(
         behind = less * TIED / (max(TIED, TIED_SHARE * lost) if is_kin else TIED)
         is_alike = is_kin and group == STOCHASTIC_BIAS.name and less > -WANDERING_ALIKE_SHARE * lost
         if rival.name not in taken and (behind > -FAR_BEHIND * TIED or is_alike):
-            rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue, is_alike))
+            rivals.append(Rival(rival.name, behind, rival.is_out_of_catalogue, is_alike, is_kin))
     return tuple(rivals), surrogate

@@ -66,7 +66,7 @@ def tied_where_same(every: Sequence[Alternatives], tried: Sequence[str], same: S
 
 def _tied(one: Alternatives, other: str) -> Alternatives:
     others = tuple(rival for rival in one.rivals if rival.name != other)
-    return replace(one, rivals=(Rival(other, 0.0, is_out_of_catalogue=False), *others))
+    return replace(one, rivals=(Rival(other, 0.0, is_out_of_catalogue=False, is_kin=True), *others))
 
 
 def _centred(sessions: Sequence[Floats]) -> Floats:

@@ -37,8 +37,9 @@ EXPLAINED = 0.4
 """Causes that take away less of what deviates than this, and leave something, are no explanation."""
 
 
-LIKELY = 0.6
-"""Where no feature stands out, a cause that is hardly more probable than not is none."""
+LIKELY, DOUBTFUL = 0.6, 0.5
+"""Where no feature stands out, a cause that is hardly more probable than not is none. Where one does, and every cause is
+less probable than not, with all that may stand for it, the gap is unknown."""
 
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""
@@ -59,6 +60,8 @@ class NamedCause:
 
     meaning
         What it does, in a sentence for a person.
+    group_probability
+        That it acts, or another effect that is of its group or tied with it.
     """
 
     cause: Cause
@@ -66,6 +69,7 @@ class NamedCause:
     group: str
     meaning: str
     probability: float
+    group_probability: float
     parameters: tuple[Parameter, ...]
     tied_with: tuple[str, ...]
 
@@ -128,6 +132,8 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     causes = _named(alternatives, result, float(np.clip(1.0 - explained, 0.0, 1.0)), unexplained)
     if not deviates.any():
         causes = tuple(one for one in causes if one.probability > LIKELY)
+    elif all(one.group_probability < DOUBTFUL for one in causes):
+        causes = ()
     kind = kind_of(deviates, explained, has_causes=bool(causes), has_unexplained=bool(unexplained))
     where = deviations(before, evidence.stands_out)
     if kind is Kind.UNKNOWN and others:
@@ -139,7 +145,7 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
         where=where,
         unexplained=unexplained if causes else where,
         gap=no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z if causes else evidence.z),
-        after_z=after_z,
+        after_z=after_z if causes or others else evidence.z,
     )
 
 
@@ -194,16 +200,15 @@ def _named(
     for one in sorted(alternatives, key=lambda one: -one.gain):
         moves = moved_by(result.surrogate, result.found, one.cause)
         beside_unknown = max(worst**2 / (worst**2 + moves**2), LEAST_BESIDE) if worst else 0.0
-        probability = probability_of(
-            LogisticFeatures(one.rival_weight, share_left, one.cause.is_random, beside_unknown)
-        )
+        by_itself = LogisticFeatures(one.rival_weight, share_left, one.cause.is_random, beside_unknown)
         named.append(
             NamedCause(
                 cause=one.cause,
                 effect=effect_of(one),
                 group=one.cause.candidate.group,
                 meaning=KINDS[one.cause.name].meaning,
-                probability=probability,
+                probability=probability_of(by_itself),
+                group_probability=probability_of(by_itself._replace(rivals=one.strange_weight)),
                 parameters=parameters_of(one),
                 tied_with=one.tied_with,
             )

@@ -78,6 +78,7 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
         "effect": cause.effect.name,
         "group": cause.group,
         "probability": round(cause.probability, 4),
+        "group_probability": round(cause.group_probability, 4),
         "parameters": parameters,
         **in_rig,
         "tied_with": list(cause.tied_with),

@@ -3,14 +3,17 @@
 Where one of them explains a gap best, the verdict is that the gap is unknown, and what it depends on.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape
+from gyrodrift.diagnose.features.regimes import SLOW_DPS
+from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds.groups import LAG
 
@@ -22,9 +25,15 @@ LEAD_S = 0.01
 LEAST_LEAD_S, MOST_LEAD_S = 0.001, 0.06
 """By which the encoder comes late: a rate that comes late is an effect of the catalogue, one that leads is none."""
 
-PERIODIC_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
-PERIODIC_REALISATIONS = 4
-"""Of sines whose phase is left to chance."""
+RANDOM_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
+REALISATIONS = 4
+"""Of what is left to chance: the phase of a sine, and all noise."""
+
+MEMORY_S = 0.2
+"""Of noise that is not white within a second, and white beyond: between white noise and any wandering of a bias."""
+
+BY_RATE_POINTS = (0.0003, 0.001, 0.003, 0.01, 0.03)
+"""Standard deviations of a noise that grows with the rate, in parts of it."""
 
 
 def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
@@ -33,9 +42,12 @@ def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
         if not column.in_catalogue:
             yield _of_regressor(column.name, column.threshold)
     yield _lead()
-    yield _of_sine("?swing", in_time(hints.period_s))
-    yield _of_sine("?ripple", in_angle(hints.turn_order))
-    yield _of_sine("?angle_ripple", of_angle_error(hints.angle_turn_order))
+    yield _at_random("?swing", in_time(hints.period_s))
+    yield _at_random("?ripple", in_angle(hints.turn_order))
+    yield _at_random("?angle_ripple", of_angle_error(hints.angle_turn_order))
+    yield _noise("?wander_rest", "", with_memory)
+    yield _noise("?scatter_moving", "in any motion", with_memory_in_motion)
+    yield _noise("?scatter_moving", "with the rate", in_proportion, BY_RATE_POINTS)
 
 
 def regressor(name: str) -> Shape:
@@ -80,6 +92,24 @@ def of_angle_error(order: int) -> Shape:
     return shape
 
 
+def with_memory(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """A Gauss-Markov process of MEMORY_S."""
+    kept = np.exp(-design.period_s / MEMORY_S)
+    noise: Floats = lfilter([np.sqrt(1.0 - kept**2)], [1.0, -kept], rng.standard_normal(design.samples))
+    return noise
+
+
+def with_memory_in_motion(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """The same, silent where nothing moves."""
+    return np.where(np.abs(design.regimes.speed_dps) > SLOW_DPS, with_memory(design, rng), 0.0)
+
+
+def in_proportion(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """White noise as large as the rate."""
+    noise: Floats = design.motion.rate_dps * rng.standard_normal(design.samples)
+    return noise
+
+
 def _of_regressor(name: str, threshold: float) -> Candidate:
     up = threshold * between(THRESHOLDS_LEAST, THRESHOLDS_MOST)
     return Candidate(
@@ -90,6 +120,7 @@ def _of_regressor(name: str, threshold: float) -> Candidate:
         grid_points=threshold * np.array([-THRESHOLDS_SIMULATED, THRESHOLDS_SIMULATED]),
         sizes=np.concatenate([-up[::-1], up]),
         group=f"?{name}",
+        touches=Touches.SLOW_RATE,
         shape=regressor(name),
     )
 
@@ -103,22 +134,29 @@ def _lead() -> Candidate:
         grid_points=np.array([-LEAD_S, LEAD_S]),
         sizes=between(LEAST_LEAD_S, MOST_LEAD_S),
         group=LAG.name,
+        touches=Touches.SLOW_RATE,
         shape=ahead,
     )
 
 
-def _of_sine(name: str, shape: Shape) -> Candidate:
+def _at_random(name: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS) -> Candidate:
     return Candidate(
         name=name,
         variant="",
         make=_no_effect,
         parameter="size",
-        grid_points=np.array(PERIODIC_POINTS),
-        sizes=between(PERIODIC_POINTS[0], PERIODIC_POINTS[-1]),
+        grid_points=np.array(points),
+        sizes=between(points[0], points[-1]),
         group=name,
-        realisations=PERIODIC_REALISATIONS,
+        touches=Touches.SLOW_RATE,
+        realisations=REALISATIONS,
         shape=shape,
     )
+
+
+def _noise(name: str, variant: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS) -> Candidate:
+    """What shows from sample to sample, too."""
+    return replace(_at_random(name, shape, points), variant=variant, touches=Touches.VALUES)
 
 
 def _no_effect(_: float) -> Effect:

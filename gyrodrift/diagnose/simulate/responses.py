@@ -81,7 +81,9 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
     stands = subject.rig.effects
     if candidate.shape is not None:
         shaped = subject.with_shape(candidate.shape, size, base.seed, base.seen)
-        return _first(subject.residual_features(shaped, base), base.values)
+        is_slow = candidate.touches is Touches.SLOW_RATE
+        features_of = subject.residual_features if is_slow else subject.value_features
+        return _first(features_of(shaped, base), base.values)
     effects = (candidate.applied(size, stands),)
     match candidate.touches:
         case Touches.SLOW_RATE:

@@ -45,7 +45,7 @@ def rate_of(one: DesignMatrix) -> Floats:
 def named(name: str, *tied_with: str) -> NamedCause:
     """As a verdict would name it."""
     effect = CATALOGUE[name].model_validate({"name": name, PARAMETERS[name]: 1.0})
-    return NamedCause(Cause(response(name, {"rate": 1.0}), 0), effect, "", "", 0.9, (), tied_with)
+    return NamedCause(Cause(response(name, {"rate": 1.0}), 0), effect, "", "", 0.9, 0.9, (), tied_with)
 
 
 def test_a_fit_is_ordinary_least_squares() -> None:

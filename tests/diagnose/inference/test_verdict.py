@@ -168,7 +168,7 @@ def named(text: str, in_rig: str | None = None) -> NamedCause:
     """A cause as it is named, of an effect that a rig may have at another size."""
     effect = parse_effect(text)
     tried = replace(candidate(effect.name), in_rig=parse_effect(in_rig) if in_rig else None)
-    return NamedCause(Cause(replace(RATE, candidate=tried), 0), effect, "group", "", 0.9, (), ())
+    return NamedCause(Cause(replace(RATE, candidate=tried), 0), effect, "group", "", 0.9, 0.9, (), ())
 
 
 @pytest.mark.parametrize(
