@@ -12,7 +12,8 @@ from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.realisations import sure_gains
 
 CLEAR_GAIN = 2.0 * GAIN
-"""Of the log-likelihood: twice what accepts a cause, so that it would not be by luck."""
+"""Of the log-likelihood, for what is random: twice what accepts a cause, since the realisations of another device differ
+from those that are simulated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +35,9 @@ def gains_of(change: Floats) -> Floats:
 
 
 def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
-    """Of each effect of the catalogue that was tried, in the order of the candidates.
+    """Of each effect of the catalogue that was tried, in the order of the candidates: what nine of ten recordings show.
 
-    Of one that is random, the size at which nine of ten devices would have shown it.
+    Of one that is random, what nine of ten devices do.
     """
     found: dict[str, Detectable] = {}
     for response in evidence.responses:
@@ -44,9 +45,8 @@ def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
         if candidate.is_out_of_catalogue:
             continue
         name, unit = candidate.parameter, unit_of(candidate.parameter)
-        is_random = response.realised is not None
-        gains = sure_gains(evidence, response) if is_random else gains_of(response.mean / evidence.sigma)
-        seen = candidate.sizes[gains > CLEAR_GAIN]
+        asked = GAIN if response.realised is None else CLEAR_GAIN
+        seen = candidate.sizes[sure_gains(evidence, response) > asked]
         value = None
         if len(seen):
             smallest = min((float(size) for size in seen), key=abs)

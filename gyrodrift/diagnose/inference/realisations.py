@@ -1,11 +1,13 @@
-"""How surely a random effect shows: what its realisations gain, one by one, beside all that chance adds.
+"""How surely an effect shows: what it gains in realisations, one by one, beside all that chance adds.
 
-A bias that wanders is another one each time. What it does on average is no measure of whether it would have been seen.
+What it would gain on average is no measure of that: chance takes some of it, and a bias that wanders is another one each
+time.
 """
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.acceptance import STANDARD_ERRORS
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import log_likelihood
 from gyrodrift.diagnose.inference.pooling import interpolated
@@ -15,27 +17,29 @@ SURE, DRAWS, SEED = 0.9, 1000, 0
 
 
 def sure_gains(evidence: Evidence, response: Response) -> Floats:
-    """(sizes,) log-likelihood that a random effect gains over a rig without it, or more, in SURE of all realisations.
+    """(sizes,) log-likelihood that an effect gains over a rig without it, or more, in SURE of all realisations.
 
-    Raises
-    ------
-    ValueError
-        Where nothing is known of single realisations.
+    Less the standard errors that acceptance asks for.
     """
-    if response.realised is None:
-        raise ValueError(f"{response.candidate.name} has no realisations")
-    sessions = np.arange(len(evidence.names))
+    count = len(evidence.names)
     each = np.array(
         [
             _gains(evidence, changes, mean, spread)
-            for changes, mean, spread in zip(
-                interpolated(response.candidate, response.realised), response.mean, response.spread, strict=True
-            )
+            for changes, mean, spread in zip(_realised(response), response.mean, response.spread, strict=True)
         ]
     )
-    drawn = np.random.default_rng(SEED).integers(0, each.shape[-1], (DRAWS, len(sessions)))
-    sure: Floats = np.quantile(each[:, sessions, drawn].sum(axis=-1), 1.0 - SURE, axis=1)
+    sessions = np.arange(count)
+    drawn = each[:, sessions, np.random.default_rng(SEED).integers(0, each.shape[-1], (DRAWS, count))]
+    errors = drawn.std(axis=-1, ddof=1) * np.sqrt(count) if count > 1 else 0.0
+    sure: Floats = np.quantile(drawn.sum(axis=-1) - STANDARD_ERRORS * errors, 1.0 - SURE, axis=1)
     return sure
+
+
+def _realised(response: Response) -> Floats:
+    """(sizes, sessions, realisations, F) of the change: of what is not random there is one."""
+    if response.realised is None:
+        return response.mean[:, :, None]
+    return interpolated(response.candidate, response.realised)
 
 
 def _gains(evidence: Evidence, changes: Floats, mean: Floats, spread: Floats) -> Floats:
