@@ -13,7 +13,7 @@ from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
-from gyrodrift.diagnose.inference.fit import without
+from gyrodrift.diagnose.inference.surrogate import without
 from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, chance_of, noise_variance_of
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions

@@ -9,10 +9,10 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.fit import best_of, without
+from gyrodrift.diagnose.inference.fit import best_of
 from gyrodrift.diagnose.inference.indistinct import is_one_speed
 from gyrodrift.diagnose.inference.ranking import hinted, would_explain
-from gyrodrift.diagnose.inference.surrogate import Surrogate
+from gyrodrift.diagnose.inference.surrogate import Surrogate, without
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
 from gyrodrift.diagnose.next_recording.profiles import profile_yaml

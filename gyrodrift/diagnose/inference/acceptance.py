@@ -4,8 +4,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from gyrodrift.diagnose.inference.fit import CauseSet, without
-from gyrodrift.diagnose.inference.likelihood import log_likelihood
+from gyrodrift.diagnose.inference.earned import earned_by
+from gyrodrift.diagnose.inference.fit import CauseSet
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 GAIN = 6.0
@@ -30,15 +30,4 @@ def all_show(surrogate: Surrogate, found: CauseSet, besides: Collection[str]) ->
 
 def shows(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> bool:
     """Whether a cause of a set explains something, and does not only excuse it by what it may be off by itself."""
-    return log_likelihood_gain(surrogate, causes, one) > GAIN
-
-
-def log_likelihood_gain(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> float:
-    """What is gained by where a cause moves the features, beside one that spreads them as widely."""
-    evidence = surrogate.evidence
-    change, variance, discrepancy = surrogate.prediction(causes)
-    unmoved = surrogate.prediction(without(causes, one)).change
-    wide = evidence.sigma**2 + variance
-    with_it = log_likelihood(evidence.difference - change, wide, discrepancy)
-    beside_it = log_likelihood(evidence.difference - unmoved, wide, discrepancy)
-    return float((with_it - beside_it).sum())
+    return earned_by(surrogate, causes, one).explained > GAIN

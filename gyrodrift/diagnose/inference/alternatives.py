@@ -7,9 +7,9 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.exact_sizes import ExactSize
-from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated, without
+from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, cross_validated
 from gyrodrift.diagnose.inference.search import SearchResult, with_one_more
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate, without
 from gyrodrift.diagnose.simulate.kinds.groups import STOCHASTIC_BIAS
 
 TIED, TIED_SHARE = 3.0, 0.025

@@ -8,8 +8,8 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.family_wise import pooled_z
-from gyrodrift.diagnose.inference.fit import CauseSet, fitted_without, without
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.fit import CauseSet, fitted_without
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate, without
 
 UNEXPLAINED = 1.25
 """In units of the family-wise threshold: what causes leave may be off by what is not exact in them."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.earned import unearned
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
@@ -32,10 +33,13 @@ class CauseSet:
 
     scores
         (sessions,) each under sizes fitted on the others.
+    unearned
+        Part of them that causes gain by what they may be off by, and not by what they explain.
     """
 
     causes: tuple[Cause, ...]
     scores: Floats
+    unearned: float = 0.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -44,10 +48,9 @@ class CauseSet:
 
     @property
     def total(self) -> float:
-        """Of all sessions, less the price of what no effect does."""
-        return float(self.scores.sum()) - OUT_OF_CATALOGUE_COST * sum(
-            cause.is_out_of_catalogue for cause in self.causes
-        )
+        """Of all sessions, less what is not earned, and less the price of what no effect does."""
+        strange = sum(cause.is_out_of_catalogue for cause in self.causes)
+        return float(self.scores.sum()) - self.unearned - OUT_OF_CATALOGUE_COST * strange
 
 
 class Fitted(NamedTuple):
@@ -62,11 +65,6 @@ class CrossValidated(NamedTuple):
 
     found: CauseSet
     surrogate: Surrogate
-
-
-def without(causes: Sequence[Cause], one: Cause) -> tuple[Cause, ...]:
-    """The other causes of a set."""
-    return tuple(cause for cause in causes if cause is not one)
 
 
 def best_of(
@@ -150,8 +148,8 @@ def cross_validated(surrogate: Surrogate, causes: Sequence[Cause], simulate: Sim
     whole, surrogate = resimulated(surrogate, fitted(surrogate, causes), simulate)
     count = len(surrogate.evidence.names)
     if count == 1:
-        return CrossValidated(CauseSet(whole, surrogate.scores(whole)), surrogate)
+        return CrossValidated(CauseSet(whole, surrogate.scores(whole), unearned(surrogate, whole)), surrogate)
     scores = np.empty(count)
     for held_out in range(count):
         scores[held_out] = surrogate.scores(fitted_without(surrogate, whole, held_out))[held_out]
-    return CrossValidated(CauseSet(whole, scores), surrogate)
+    return CrossValidated(CauseSet(whole, scores, unearned(surrogate, whole)), surrogate)

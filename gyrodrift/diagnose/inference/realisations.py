@@ -1,7 +1,7 @@
 """How surely an effect shows: what it gains in realisations, one by one, beside all that chance adds.
 
-What it would gain on average is no measure of that: chance takes some of it, and a bias that wanders is another one each
-time.
+What it would gain on average is no measure of that: chance takes some of it, and a bias that wanders is another one
+each time.
 """
 
 import numpy as np

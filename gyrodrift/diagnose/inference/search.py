@@ -4,15 +4,17 @@ What is simulated on the way makes the surrogate better for the steps that follo
 and gives the one that the next step is to use.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from gyrodrift.diagnose.inference.acceptance import all_show, passes_acceptance, shows
+from gyrodrift.diagnose.inference.earned import earned_by
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.family_wise import pooled_z
-from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated, without
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate, without
 
 MAX_CAUSES = 4
 SHORT_LIST = 4
@@ -27,8 +29,8 @@ COARSE_STEP = 8
 PAIRS_FROM = 0.5
 """Of the family-wise threshold: where no feature is off by so much, no two causes mask each other."""
 
-BEST_PAIRS = 2
-"""Pairs that are simulated again."""
+PROMISING_PAIRS, BEST_PAIRS = 12, 2
+"""Pairs that are looked at more closely, and those of them that are simulated again."""
 
 
 class Step(NamedTuple):
@@ -79,7 +81,7 @@ def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Sim
     tried = [best_of(surrogate, causes, evidence.variants(name)) for name in rest]
     tried = [one for one in tried if not any(one.candidate.stands_against(cause.candidate) for cause in causes)]
     tried = [one for one in tried if shows(surrogate, (*causes, one), one)] or tried
-    totals = [surrogate.scores((*causes, cause)).sum() for cause in tried]
+    totals = [_sound_total(surrogate, (*causes, cause), cause) for cause in tried]
     order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
     more, surrogate = _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
     return Step([one for one in more if all_show(surrogate, one, taken)], surrogate)
@@ -101,9 +103,10 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
     short_list: dict[frozenset[str], tuple[Cause, ...]] = {}
     for _, pair in tried:
         short_list.setdefault(frozenset(cause.name for cause in pair), pair)
-        if len(short_list) == BEST_PAIRS:
+        if len(short_list) == PROMISING_PAIRS:
             break
-    return _all_scored(surrogate, list(short_list.values()), simulate)
+    best = sorted(short_list.values(), key=lambda pair: -_sound_total(surrogate, pair, *pair))[:BEST_PAIRS]
+    return _all_scored(surrogate, best, simulate)
 
 
 def exchanged(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> tuple[CauseSet, Surrogate]:
@@ -138,6 +141,11 @@ def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tu
     both, surrogate = pairs(surrogate, simulate)
     accepted = [pair for pair in both if passes_acceptance(surrogate, pair, single)]
     return max([single, *accepted], key=lambda one: one.total), surrogate
+
+
+def _sound_total(surrogate: Surrogate, causes: Sequence[Cause], *new: Cause) -> float:
+    """Score of a set by the tables, less what its new causes do not earn."""
+    return float(surrogate.scores(causes).sum()) - sum(earned_by(surrogate, causes, one).unearned for one in new)
 
 
 def _all_scored(surrogate: Surrogate, sets: list[tuple[Cause, ...]], simulate: Simulate) -> Step:

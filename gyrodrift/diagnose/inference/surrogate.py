@@ -54,6 +54,11 @@ class Cause:
         return float(self.candidate.sizes[self.at])
 
 
+def without(causes: Sequence[Cause], one: Cause) -> tuple[Cause, ...]:
+    """The other causes of a set."""
+    return tuple(cause for cause in causes if cause is not one)
+
+
 class Prediction(NamedTuple):
     """Of a set of causes, (sessions, F) each.
 

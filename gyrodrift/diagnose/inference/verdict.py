@@ -38,8 +38,8 @@ EXPLAINED = 0.4
 
 
 LIKELY, DOUBTFUL = 0.6, 0.5
-"""Where no feature stands out, a cause that is hardly more probable than not is none. Where one does, and every cause is
-less probable than not, with all that may stand for it, the gap is unknown."""
+"""Where no feature stands out, a cause that is hardly more probable than not is none. Where one does, and every cause
+is less probable than not, with all that may stand for it, the gap is unknown."""
 
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""

@@ -20,7 +20,7 @@ def test_the_smallest_size_is_the_first_that_chance_does_not_hide() -> None:
     (found,) = detectable(evidence({}, RATE))
     assert (found.effect, found.parameter, found.value, found.unit) == ("scale_factor", "error_percent", 4.0, "%")
     assert found.stage == "sensor"
-    assert 2.5 * SESSIONS * np.log((1.0 + 2.0**2 / 4.0) / 1.25) < 6.0  # a size of 3, where chance is against it everywhere
+    assert 2.5 * SESSIONS * np.log((1.0 + 2.0**2 / 4.0) / 1.25) < 6.0  # 3, with chance against it
 
 
 def test_nine_of_ten_recordings_show_what_is_detectable() -> None:

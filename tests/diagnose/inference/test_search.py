@@ -7,7 +7,8 @@ import pytest
 from inference_support import SESSIONS, added, candidate, evidence, random_response, response, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.acceptance import GAIN, log_likelihood_gain, passes_acceptance
+from gyrodrift.diagnose.inference.acceptance import GAIN, passes_acceptance
+from gyrodrift.diagnose.inference.earned import earned_by
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.fit import CauseSet, cross_validated
 from gyrodrift.diagnose.inference.search import CLOSE, exchanged, search, with_one_more, without_idle
@@ -106,7 +107,7 @@ def test_a_cause_that_only_makes_everything_uncertain_is_not_accepted() -> None:
     found, surrogate = cross_validated(surrogate, (Cause(walk, 6),), added)
     nothing = CauseSet((), surrogate.scores(()))
     assert found.total - nothing.total > GAIN
-    assert log_likelihood_gain(surrogate, found.causes, found.causes[0]) == 0.0
+    assert earned_by(surrogate, found.causes, found.causes[0]).explained == 0.0
     assert not passes_acceptance(surrogate, found, nothing)
 
 
