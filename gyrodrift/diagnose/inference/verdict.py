@@ -38,8 +38,9 @@ EXPLAINED = 0.4
 
 
 LIKELY, DOUBTFUL = 0.6, 0.5
-"""Where no feature stands out, a cause that is hardly more probable than not is none. Where one does, and every cause
-is less probable than not, with all that may stand for it, the gap is unknown."""
+"""Where no feature stands out, a cause that is hardly more probable than not is none. Where one does, causes that
+leave nothing, and are each less probable than not with all that may stand for it, could explain anything: the gap is
+unknown."""
 
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""
@@ -132,7 +133,7 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     causes = _named(alternatives, result, float(np.clip(1.0 - explained, 0.0, 1.0)), unexplained)
     if not deviates.any():
         causes = tuple(one for one in causes if one.probability > LIKELY)
-    elif all(one.group_probability < DOUBTFUL for one in causes):
+    elif not unexplained and all(one.group_probability < DOUBTFUL for one in causes):
         causes = ()
     kind = kind_of(deviates, explained, has_causes=bool(causes), has_unexplained=bool(unexplained))
     where = deviations(before, evidence.stands_out)
