@@ -9,6 +9,9 @@ from blind.gap import Cause, Outcome, Said
 CONFIDENT = 0.8
 NEAR = 0.2
 
+READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_slip", "encoder_quantization"})
+"""Effects whose size is read off what they do: without them there is nothing to read, and nothing is said beforehand."""
+
 
 def names_group_first(outcome: Outcome, truth: str) -> bool:
     """The first cause is of the right group."""
@@ -95,13 +98,13 @@ def names_wrong_size(outcome: Outcome, truth: str) -> bool:
 def would_be_seen(without: Outcome, effect: str, parameter: str, size: float, *, falls: bool) -> bool:
     """By what a run on data without the effect said beforehand; `falls`: a larger effect has a smaller number.
 
-    Where that run failed or said nothing of any effect, nothing is excused.
+    Where that run failed or said nothing of any effect, nothing is excused; nor is anything of READ_OFF.
     """
     if without.said is None or not without.said.detectable:
         return True
     least = without.said.detectable.get(effect, {}).get(parameter)
     if least is None:
-        return False
+        return effect in READ_OFF
     return abs(size) <= least if falls else abs(size) >= least
 
 

@@ -64,6 +64,12 @@ def test_what_could_not_be_seen_is_told_apart(least: dict[str, Any], *, is_seen:
     assert counts(apart) == (not is_seen, not is_seen)
 
 
+def test_what_is_read_off_the_recordings_is_not_excused_for_being_read_off() -> None:
+    """Without a limit there is none to read; the device without it says nothing of limits."""
+    tried = [case("single", gap("none"), LIMIT, row="single", without=shows(latency={"delay_ms": 7.9}))]
+    assert counts(share(tried, "group named first, typical")) == (0, 1)
+
+
 @pytest.mark.parametrize(("least", "is_seen"), [(126.0, True), (124.0, False)])
 def test_a_limit_is_larger_the_lower_it_is(least: float, *, is_seen: bool) -> None:
     """So are counts per turn and cut-off frequencies."""
