@@ -10,7 +10,8 @@ CONFIDENT = 0.8
 NEAR = 0.2
 
 READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_slip", "encoder_quantization"})
-"""Effects whose size is read off what they do: without them there is nothing to read, and nothing is said beforehand."""
+"""Effects whose size is read off what they do: without them there is nothing to read, and nothing to say
+beforehand."""
 
 
 def names_group_first(outcome: Outcome, truth: str) -> bool:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import Amounts, added, candidate, evidence, response
+from inference_support import Amounts, added, candidate, evidence, random_response, response
 
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
@@ -120,6 +120,31 @@ def test_walks_that_explain_nearly_as_much_are_tied(names: tuple[str, str], tied
     ).causes
     assert (cause.effect.name, cause.tied_with) == (names[0], tied_with)
     assert cause.probability > 0.8
+
+
+def test_what_explains_all_and_is_improbable_is_unknown() -> None:
+    """A random cause with rivals that no effect is: nothing is named, and nothing of the gap is closed."""
+    walk = random_response("bias_instability", {"time": 3.0, "walk_20s": 1.0})
+    walk = replace(walk, mean=response("bias_instability", {"walk_20s": 2.0}).mean)
+    names = ("?swing", "?ripple", "?wander_rest")
+    strange = [Response(candidate(name, realisations=4), walk.mean, walk.spread) for name in names]
+    one = evidence({"walk_20s": 10.0}, walk, *strange)
+    alone = judged(one.only(["bias_instability"]))
+    assert alone.kind is Kind.EFFECT
+    assert alone.causes[0].group_probability > 0.5
+    verdict = judged(one)
+    assert verdict.kind is Kind.UNKNOWN
+    assert verdict.causes == ()
+    assert verdict.unexplained == verdict.where != ()
+    assert verdict.gap.after == verdict.gap.before
+
+
+def test_a_group_is_as_probable_as_one_of_it_that_has_no_kin() -> None:
+    """What is tied within a group, or with the cause, does not count against the two together."""
+    names = ("latency", "backlash")
+    (cause,) = judged(evidence({"lag": 10.0}, *(response(name, {"lag": 2.0}) for name in names))).causes
+    (alone,) = judged(evidence({"lag": 10.0}, response(cause.effect.name, {"lag": 2.0}))).causes
+    assert cause.group_probability == alone.group_probability == alone.probability > cause.probability
 
 
 def test_what_no_effect_does_is_unknown() -> None:

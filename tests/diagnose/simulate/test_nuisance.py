@@ -6,7 +6,16 @@ from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, respo
 
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.kinds.groups import LAG
-from gyrodrift.diagnose.simulate.nuisance import ahead, in_angle, in_time, of_angle_error
+from gyrodrift.diagnose.simulate.nuisance import (
+    MEMORY_S,
+    ahead,
+    in_angle,
+    in_proportion,
+    in_time,
+    of_angle_error,
+    with_memory,
+    with_memory_in_motion,
+)
 
 
 def test_they_are_told_from_effects_by_name_and_make_none() -> None:
@@ -71,3 +80,32 @@ def test_a_regressor_moves_the_coefficient_of_its_own() -> None:
     whole, half = response_at(candidate, size, size / 2.0)[:, 0]
     assert feature(whole, "moving") > 0.0
     assert feature(half, "moving") == pytest.approx(0.5 * feature(whole, "moving"), rel=1e-6)
+
+
+def test_noise_with_a_memory_forgets() -> None:
+    """A variance of 1, and a correlation that falls to 1/e in MEMORY_S."""
+    noise = with_memory(plain().design, np.random.default_rng(0))
+    late = round(MEMORY_S * RATE_HZ)
+    assert np.std(noise) == pytest.approx(1.0, abs=0.15)
+    assert np.corrcoef(noise[late:], noise[:-late])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.12)
+
+
+def test_noise_of_motion_is_silent_at_rest() -> None:
+    """And is the same elsewhere; what grows with the rate is as large as it."""
+    design = plain().design
+    whole, moving = (shape(design, np.random.default_rng(0)) for shape in (with_memory, with_memory_in_motion))
+    assert not moving[design.regimes.at_rest].any()
+    assert np.array_equal(moving[design.regimes.is_fast], whole[design.regimes.is_fast])
+    assert design.regimes.is_fast.any()
+    grown = in_proportion(design, np.random.default_rng(0))
+    rates_dps = design.motion.rate_dps
+    assert np.std(grown) == pytest.approx(float(np.sqrt(np.mean(np.square(rates_dps)))), rel=0.1)
+
+
+def test_noise_shows_in_what_single_samples_say_and_a_regressor_does_not() -> None:
+    """Features of samples are simulated with the one, and taken over with the other."""
+    noise, step = candidate_of("?scatter_moving"), candidate_of("?moving")
+    changes = [response_at(one, float(one.grid_points[-1]))[0, 0] for one in (noise, step)]
+    assert feature(changes[0], "scatter_moving") > 1.0
+    assert feature(changes[0], "noise_fast_4") > 0.0
+    assert feature(changes[1], "noise_fast_4") == 0.0
