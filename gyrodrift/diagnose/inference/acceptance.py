@@ -4,6 +4,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from gyrodrift.diagnose.inference.deviations import own_z
 from gyrodrift.diagnose.inference.earned import earned_by
 from gyrodrift.diagnose.inference.fit import CauseSet
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
@@ -29,5 +30,14 @@ def all_show(surrogate: Surrogate, found: CauseSet, besides: Collection[str]) ->
 
 
 def shows(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> bool:
-    """Whether a cause of a set explains something, and does not only excuse it by what it may be off by itself."""
+    """Whether a cause of a set explains something, and does not only excuse it by what it may be off by itself.
+
+    Chance that no effect is explains much by being wide: it has to stand out in the feature that it stands for, too.
+    """
+    if one.is_out_of_catalogue and one.is_random and not _stands_out(surrogate, causes, one):
+        return False
     return earned_by(surrogate, causes, one).explained > GAIN
+
+
+def _stands_out(surrogate: Surrogate, causes: Sequence[Cause], strange: Cause) -> bool:
+    return abs(own_z(surrogate, causes, strange)) > surrogate.evidence.stands_out

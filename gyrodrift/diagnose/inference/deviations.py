@@ -67,14 +67,18 @@ def moved_by(surrogate: Surrogate, found: CauseSet, one: Cause) -> float:
 
 def out_of_catalogue(surrogate: Surrogate, found: CauseSet) -> list[Deviation]:
     """What was explained by no effect, by the feature it stands for; its z is what it would be without."""
-    found_deviations = []
-    for cause in found.causes:
-        if cause.is_out_of_catalogue:
-            left = surrogate.standardised_residuals(without(found.causes, cause))
-            z = pooled_z(left) / surrogate.evidence.caution
-            number = NUMBER[cause.name.removeprefix("?")]
-            found_deviations.append(_deviation(number, float(z[number])))
-    return found_deviations
+    strange = [cause for cause in found.causes if cause.is_out_of_catalogue]
+    return [_deviation(_own_number(cause), own_z(surrogate, found.causes, cause)) for cause in strange]
+
+
+def own_z(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> float:
+    """Pooled z, without an out-of-catalogue model but beside all other causes, of the feature that it stands for."""
+    left = surrogate.standardised_residuals(without(causes, one))
+    return float((pooled_z(left) / surrogate.evidence.caution)[_own_number(one)])
+
+
+def _own_number(strange: Cause) -> int:
+    return NUMBER[strange.name.removeprefix("?")]
 
 
 def worst_first(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
@@ -93,8 +97,12 @@ def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
 
 
 def explained_share(deviates: Mask, before: Floats, after: Floats) -> float:
-    """Share of the squares of what deviates that is taken away; below 0 where something is added to it."""
-    held = [np.square(np.minimum(np.abs(z[deviates]), WORST_Z)).sum() for z in (before, after)]
+    """Share of the squares of what deviates that is taken away; below 0 where something is added to it.
+
+    Chance has a square of 1, which nothing takes away.
+    """
+    squares = [np.square(np.minimum(np.abs(z[deviates]), WORST_Z)) for z in (before, after)]
+    held = [np.maximum(each - 1.0, 0.0).sum() for each in squares]
     return float(1.0 - held[1] / held[0])
 
 

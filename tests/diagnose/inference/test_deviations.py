@@ -64,8 +64,12 @@ def test_a_feature_is_listed_once() -> None:
 def test_explained_is_the_share_of_squares_that_is_gone() -> None:
     """Of what deviates alone; below 0 where a cause adds to it."""
     deviates = np.array([True, True, False])
-    assert explained_share(deviates, np.array([6.0, 8.0, 1.0]), np.array([0.0, 5.0, 9.0])) == pytest.approx(0.75)
-    assert explained_share(deviates, np.array([6.0, 8.0, 1.0]), np.array([10.0, 10.0, 0.0])) == pytest.approx(-1.0)
+    assert explained_share(deviates, np.array([6.0, 8.0, 1.0]), np.array([0.0, 5.0, 9.0])) == pytest.approx(
+        1.0 - 24.0 / 98.0
+    )
+    assert explained_share(deviates, np.array([6.0, 8.0, 1.0]), np.array([10.0, 10.0, 0.0])) == pytest.approx(
+        1.0 - 198.0 / 98.0
+    )
 
 
 def test_what_a_session_leaves_is_judged_by_the_sizes_of_the_others() -> None:

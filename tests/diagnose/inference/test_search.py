@@ -98,6 +98,18 @@ def test_what_no_effect_does_is_found_where_it_explains_best() -> None:
     assert search(evidence({"moving": 10.0}, strange, whole), added).found.names == ("temp_bias",)
 
 
+@pytest.mark.parametrize(("swing", "names"), [(0.3, ("temp_bias",)), (4.0, ("?swing",))])
+def test_chance_that_no_effect_is_has_to_stand_out_in_what_it_stands_for(swing: float, names: tuple[str, ...]) -> None:
+    """However much else it explains; an effect that explains less is taken where it does not."""
+    shown = {"walk_20s": 2.0, "wander_20s": 2.0}
+    strange = Response(
+        candidate("?swing", realisations=4), response("scale_factor", {**shown, "swing": 0.8}).mean, 0.0 * RATE.spread
+    )
+    less = response("temp_bias", {"walk_20s": 2.0, "wander_20s": 1.0})
+    found = search(evidence({"walk_20s": 10.0, "wander_20s": 10.0, "swing": swing}, strange, less), added).found
+    assert found.names == names
+
+
 def test_a_cause_that_only_makes_everything_uncertain_is_not_accepted() -> None:
     """What a wide spread gains is no gain by where the features are."""
     walk = random_response("rate_random_walk", {"time": 3.0})

@@ -124,11 +124,12 @@ def test_walks_that_explain_nearly_as_much_are_tied(names: tuple[str, str], tied
 
 def test_what_explains_all_and_is_improbable_is_unknown() -> None:
     """A random cause with rivals that no effect is: nothing is named, and nothing of the gap is closed."""
-    walk = random_response("bias_instability", {"time": 3.0, "walk_20s": 1.0})
-    walk = replace(walk, mean=response("bias_instability", {"walk_20s": 2.0}).mean)
     names = ("?swing", "?ripple", "?wander_rest")
+    shown: Amounts = {"walk_20s": 2.0, **{name.removeprefix("?"): 2.0 for name in names}}
+    walk = random_response("bias_instability", {"time": 3.0, "walk_20s": 1.0})
+    walk = replace(walk, mean=response("bias_instability", shown).mean)
     strange = [Response(candidate(name, realisations=4), walk.mean, walk.spread) for name in names]
-    one = evidence({"walk_20s": 10.0}, walk, *strange)
+    one = evidence({name: 5.0 * amount for name, amount in shown.items()}, walk, *strange)
     alone = judged(one.only(["bias_instability"]))
     assert alone.kind is Kind.EFFECT
     assert alone.causes[0].group_probability > 0.5
