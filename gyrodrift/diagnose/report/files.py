@@ -164,7 +164,10 @@ def said(cause: NamedCause) -> str:
     if cause.in_rig is not None:
         has = f" in the rig with {getattr(cause.in_rig, first.name):.4g} {first.unit}, the sessions say"
     phase = ", a phase of its own in each session" if cause.cause.response.phases_deg is not None else ""
-    tied = f"; could as well be {' or '.join(cause.tied_with)}" if cause.tied_with else ""
+    tied = ""
+    if cause.tied_with:
+        others = " or ".join(cause.tied_with)
+        tied = f"; could as well be {others} (one of them or of their group: {cause.group_probability:.2f})"
     return (
         f"{cause.effect.name}: {first.name}{has} {first.value:.4g} {first.unit} ({first.low:.4g} to {first.high:.4g})"
         f"{phase}, probability {cause.probability:.2f}{tied}"

@@ -92,7 +92,12 @@ def _where(diagnosis: Diagnosis) -> str:
 def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
     is_best = diagnosis.verdict.kind is Kind.UNKNOWN
     doubt = " It is the best explanation found, and leaves most of the difference." if is_best else ""
-    tied = f" {_names(cause.tied_with)} would explain these recordings as well." if cause.tied_with else ""
+    tied = ""
+    if cause.tied_with:
+        tied = (
+            f" {_names(cause.tied_with)} would explain these recordings as well. Probability that one of them, or another "
+            f"of their group, acts: {cause.group_probability:.2f}."
+        )
     has = in_rig(cause)
     size_words = f"The rig has it with {has}; the recordings show {fitted(cause)}" if has else f"Size: {fitted(cause)}"
     return (
