@@ -95,8 +95,8 @@ def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
     tied = ""
     if cause.tied_with:
         tied = (
-            f" {_names(cause.tied_with)} would explain these recordings as well. Probability that one of them, or another "
-            f"of their group, acts: {cause.group_probability:.2f}."
+            f" {_names(cause.tied_with)} would explain these recordings as well. Probability that one of them or of "
+            f"their group acts: {cause.group_probability:.2f}."
         )
     has = in_rig(cause)
     size_words = f"The rig has it with {has}; the recordings show {fitted(cause)}" if has else f"Size: {fitted(cause)}"
