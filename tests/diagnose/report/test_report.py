@@ -130,7 +130,7 @@ def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
     assert "Left out by --withhold popcorn" in re.sub(r"\s+", " ", " ".join(parsed(html).itertext()))
     smallest = next(one.value for one in scaled.detectable if one.effect == "scale_factor")
     assert smallest == 3.0  # the least that chance of one sigma does not hide from what accepts a cause
-    assert row(html, "scale_factor")[:3] == ["scale_factor", "4 %", "error_percent"]
+    assert row(html, "scale_factor")[:3] == ["scale_factor", "3 %", "error_percent"]
 
 
 def test_it_says_how_to_go_on(html: str) -> None:
