@@ -2,12 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.acceptance import GAIN
 from gyrodrift.diagnose.inference.evidence import Evidence
-from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.realisations import sure_gains
 
@@ -25,13 +21,6 @@ class Detectable:
     parameter: str
     value: float | None
     unit: str
-
-
-def gains_of(change: Floats) -> Floats:
-    """(sizes,) log-likelihood that a change, (sizes, sessions, F) in sigmas, costs a rig that does not have it."""
-    squares = np.square(change) / DEGREES_OF_FREEDOM
-    gains: Floats = 0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares).sum(axis=(1, 2))
-    return gains
 
 
 def detectable(evidence: Evidence) -> tuple[Detectable, ...]:

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN, gains_of
+from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN
 from gyrodrift.diagnose.inference.deviations import explained_share
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import best_of
+from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
@@ -134,10 +135,17 @@ def _effects(evidence: Evidence) -> list[Response]:
 def _direction(evidence: Evidence, response: Response) -> Floats:
     """What a candidate does, in sigmas, at the smallest size that would be seen; length 1, or 0."""
     changes = response.mean / evidence.sigma
-    gains = gains_of(changes)
+    gains = _gains_of(changes)
     seen = np.flatnonzero(gains > CLEAR_GAIN)
     at = seen[np.argmin(gains[seen])] if len(seen) else np.argmax(gains)
     change = changes[at].ravel()
     length = float(np.linalg.norm(change))
     unit: Floats = change / length if length > 0.0 else change
     return unit
+
+
+def _gains_of(change: Floats) -> Floats:
+    """(sizes,) log-likelihood that a change, (sizes, sessions, F) in sigmas, costs a rig that does not have it."""
+    squares = np.square(change) / DEGREES_OF_FREEDOM
+    gains: Floats = 0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares).sum(axis=(1, 2))
+    return gains
