@@ -24,6 +24,8 @@ PARAMETERS = {
     "temp_bias": "slope_dps_per_c",
     "latency": "delay_ms",
     "backlash": "play_deg",
+    "bandwidth": "cutoff_hz",
+    "vibration_rectification": "bias_dps_at_100_dps",
     "timestamp_jitter": "sigma_ms",
     "rate_random_walk": "density_dps_rts",
     "bias_instability": "floor_dph",

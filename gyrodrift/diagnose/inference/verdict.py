@@ -197,11 +197,13 @@ def _named(
 ) -> tuple[NamedCause, ...]:
     """The most probable first, beside a share of what deviates that all causes leave."""
     worst = max((abs(one.z) for one in unexplained), default=0.0)
+    moved = {one.cause: moved_by(result.surrogate, result.found, one.cause) for one in alternatives}
     named = []
     for one in sorted(alternatives, key=lambda one: -one.gain):
-        moves = moved_by(result.surrogate, result.found, one.cause)
+        moves = moved[one.cause]
         beside_unknown = max(worst**2 / (worst**2 + moves**2), LEAST_BESIDE) if worst else 0.0
-        by_itself = LogisticFeatures(one.rival_weight, share_left, one.cause.is_random, beside_unknown)
+        rivals = one.rival_weight + _completes(one.cause, moved)
+        by_itself = LogisticFeatures(rivals, share_left, one.cause.is_random, beside_unknown)
         named.append(
             NamedCause(
                 cause=one.cause,
@@ -216,3 +218,11 @@ def _named(
         )
     # Of causes that are as good as equally probable, first what has no realisations to choose from.
     return tuple(sorted(named, key=lambda one: (-round(one.probability, 1), one.cause.candidate.realisations)))
+
+
+def _completes(one: Cause, moved: Mapping[Cause, float]) -> bool:
+    """Whether a cause may be no more than what the form of a stronger one of its group lacks."""
+    return any(
+        other.candidate.group == one.candidate.group and not other.candidate.is_exact and moves > moved[one]
+        for other, moves in moved.items()
+    )

@@ -21,6 +21,7 @@ from gyrodrift.diagnose.inference.verdict import (
     set_aside,
     verdict_of,
 )
+from gyrodrift.diagnose.simulate.candidates import KINDS
 
 RATE = response("scale_factor", {"rate": 2.0})
 DRIFT = response("clock_drift", {"clock_ratio": 3.0})
@@ -146,6 +147,28 @@ def test_a_group_is_as_probable_as_one_of_it_that_has_no_kin() -> None:
     (cause,) = judged(evidence({"lag": 10.0}, *(response(name, {"lag": 2.0}) for name in names))).causes
     (alone,) = judged(evidence({"lag": 10.0}, response(cause.effect.name, {"lag": 2.0}))).causes
     assert cause.group_probability == alone.group_probability == alone.probability > cause.probability
+
+
+@pytest.mark.parametrize(
+    ("names", "is_sure"),
+    [
+        (("latency", "bandwidth"), False),
+        (("latency", "backlash"), True),
+        (("scale_asymmetry", "vibration_rectification"), True),
+    ],
+)
+def test_the_weaker_of_a_group_may_be_what_the_stronger_lacks(names: tuple[str, str], *, is_sure: bool) -> None:
+    """A low-pass of the second order is one of the first and a delay: both are named, the weaker with half the odds."""
+    stronger, weaker = (
+        response(name, {feature: 2.0}) for name, feature in zip(names, ("lag", "lag_bend"), strict=True)
+    )
+    stronger = replace(stronger, candidate=replace(stronger.candidate, is_exact=KINDS[names[0]].is_exact))
+    verdict = judged(evidence({"lag": 14.0, "lag_bend": 8.0}, stronger, weaker))
+    probabilities = {cause.effect.name: cause.probability for cause in verdict.causes}
+    assert set(probabilities) == set(names)
+    assert probabilities[names[0]] > 0.9
+    assert (probabilities[names[1]] > 0.9) is is_sure
+    assert all(cause.group_probability > 0.9 for cause in verdict.causes)
 
 
 def test_what_no_effect_does_is_unknown() -> None:
