@@ -77,7 +77,7 @@ class Alternatives:
         return _weight(self.rivals)
 
     @property
-    def strange_weight(self) -> float:
+    def weight_of_others(self) -> float:
         """The same of those that are neither of its group nor tied with it."""
         return _weight([one for one in self.rivals if not (one.is_kin or one.is_tied)])
 

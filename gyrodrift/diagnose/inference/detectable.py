@@ -8,8 +8,8 @@ from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.realisations import sure_gains
 
 CLEAR_GAIN = 2.0 * GAIN
-"""Of the log-likelihood, for what is random: twice what accepts a cause, since the realisations of another device
-differ from those that are simulated."""
+"""Of the log-likelihood: twice what accepts a cause. What is random has to gain so much, since the realisations of
+another device differ from those that are simulated."""
 
 
 @dataclass(frozen=True, slots=True)

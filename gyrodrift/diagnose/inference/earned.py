@@ -44,6 +44,6 @@ def earned_by(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> Earn
     return Earned(float(moving - excusing), float(excusing - exact))
 
 
-def unearned(surrogate: Surrogate, causes: Sequence[Cause]) -> float:
-    """Of a whole set."""
-    return sum(earned_by(surrogate, causes, one).unearned for one in causes)
+def unearned(surrogate: Surrogate, causes: Sequence[Cause], of: Sequence[Cause]) -> float:
+    """Of some causes of a set."""
+    return sum(earned_by(surrogate, causes, one).unearned for one in of)

@@ -147,9 +147,8 @@ def cross_validated(surrogate: Surrogate, causes: Sequence[Cause], simulate: Sim
     """Leave-one-session-out cross-validation: fit on all sessions, score each under sizes fitted on the others."""
     whole, surrogate = resimulated(surrogate, fitted(surrogate, causes), simulate)
     count = len(surrogate.evidence.names)
-    if count == 1:
-        return CrossValidated(CauseSet(whole, surrogate.scores(whole), unearned(surrogate, whole)), surrogate)
-    scores = np.empty(count)
-    for held_out in range(count):
-        scores[held_out] = surrogate.scores(fitted_without(surrogate, whole, held_out))[held_out]
-    return CrossValidated(CauseSet(whole, scores, unearned(surrogate, whole)), surrogate)
+    scores = surrogate.scores(whole)
+    if count > 1:
+        for held_out in range(count):
+            scores[held_out] = surrogate.scores(fitted_without(surrogate, whole, held_out))[held_out]
+    return CrossValidated(CauseSet(whole, scores, unearned(surrogate, whole, whole)), surrogate)

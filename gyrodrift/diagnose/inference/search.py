@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.diagnose.inference.acceptance import all_show, passes_acceptance, shows
-from gyrodrift.diagnose.inference.earned import earned_by
+from gyrodrift.diagnose.inference.earned import unearned
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated
@@ -81,7 +81,7 @@ def with_one_more(surrogate: Surrogate, causes: tuple[Cause, ...], simulate: Sim
     tried = [best_of(surrogate, causes, evidence.variants(name)) for name in rest]
     tried = [one for one in tried if not any(one.candidate.stands_against(cause.candidate) for cause in causes)]
     tried = [one for one in tried if shows(surrogate, (*causes, one), one)] or tried
-    totals = [_sound_total(surrogate, (*causes, cause), cause) for cause in tried]
+    totals = [_sound_total(surrogate, (*causes, cause), [cause]) for cause in tried]
     order = [number for number in np.argsort(totals)[::-1][:SHORT_LIST] if totals[number] > max(totals) - CLOSE]
     more, surrogate = _all_scored(surrogate, [(*causes, tried[number]) for number in order], simulate)
     return Step([one for one in more if all_show(surrogate, one, taken)], surrogate)
@@ -105,7 +105,7 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
         short_list.setdefault(frozenset(cause.name for cause in pair), pair)
         if len(short_list) == PROMISING_PAIRS:
             break
-    best = sorted(short_list.values(), key=lambda pair: -_sound_total(surrogate, pair, *pair))[:BEST_PAIRS]
+    best = sorted(short_list.values(), key=lambda pair: -_sound_total(surrogate, pair, pair))[:BEST_PAIRS]
     return _all_scored(surrogate, best, simulate)
 
 
@@ -143,9 +143,9 @@ def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tu
     return max([single, *accepted], key=lambda one: one.total), surrogate
 
 
-def _sound_total(surrogate: Surrogate, causes: Sequence[Cause], *new: Cause) -> float:
+def _sound_total(surrogate: Surrogate, causes: Sequence[Cause], new: Sequence[Cause]) -> float:
     """Score of a set by the tables, less what its new causes do not earn."""
-    return float(surrogate.scores(causes).sum()) - sum(earned_by(surrogate, causes, one).unearned for one in new)
+    return float(surrogate.scores(causes).sum()) - unearned(surrogate, causes, new)
 
 
 def _all_scored(surrogate: Surrogate, sets: list[tuple[Cause, ...]], simulate: Simulate) -> Step:

@@ -211,7 +211,7 @@ def _named(
                 group=one.cause.candidate.group,
                 meaning=KINDS[one.cause.name].meaning,
                 probability=probability_of(by_itself),
-                group_probability=probability_of(by_itself._replace(rivals=one.strange_weight)),
+                group_probability=probability_of(by_itself._replace(rivals=one.weight_of_others)),
                 parameters=parameters_of(one),
                 tied_with=one.tied_with,
             )

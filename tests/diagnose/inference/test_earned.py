@@ -44,7 +44,7 @@ def test_a_wrong_cause_that_is_far_too_large_hides_no_true_one() -> None:
     )
     wrong, right = (Cause(one, 0) for one in (large, small))
     surrogate = Surrogate(evidence({"rate": 40.0, "temperature": 40.0, **OTHERS}, large, small))
-    assert unearned(surrogate, (wrong,)) > 100.0
+    assert unearned(surrogate, (wrong,), (wrong,)) > 100.0
     assert surrogate.scores((wrong,)).sum() > surrogate.scores((right,)).sum()
     assert with_one_more(surrogate, (), added).found[0].names == ("scale_factor",)
     found, _ = cross_validated(surrogate, (wrong,), added)

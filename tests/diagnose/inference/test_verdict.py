@@ -158,7 +158,7 @@ def test_a_group_is_as_probable_as_one_of_it_that_has_no_kin() -> None:
     ],
 )
 def test_the_weaker_of_a_group_may_be_what_the_stronger_lacks(names: tuple[str, str], *, is_sure: bool) -> None:
-    """A low-pass of the second order is one of the first and a delay: both are named, the weaker with half the odds."""
+    """A low-pass of the second order is one of the first and a delay: the weaker is as probable as a tie."""
     stronger, weaker = (
         response(name, {feature: 2.0}) for name, feature in zip(names, ("lag", "lag_bend"), strict=True)
     )
