@@ -98,8 +98,7 @@ def _is_as_large_as(case: Tried, effect: str, run: str) -> bool:
     """Whether an effect of a case has at least the size that a run says is detectable."""
     sized = STRENGTHS[effect]
     falls = sized.sizes[0] > sized.sizes[-1]
-    size = case.truths[effect][sized.parameter]
-    return judge.would_be_seen(case.outcomes[run], effect, sized.parameter, size, falls=falls)
+    return judge.would_be_seen(case.outcomes[run], effect, case.truths[effect], sized.parameter, falls=falls)
 
 
 def _stands_out_of_baseline(case: Tried) -> bool:

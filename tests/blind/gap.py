@@ -33,7 +33,7 @@ class Said:
     after, shrink
         Of the gap; None where it says nothing.
     detectable
-        Smallest size that would have been seen, by effect and parameter.
+        Smallest size that would have been seen, and the other parameters that it holds for, by effect and parameter.
     """
 
     verdict: str
@@ -116,7 +116,10 @@ def read_gap(gap: Any) -> Said:
         leftover=tuple(str(signature["stage"]) for signature in gap["leftover"]),
         after=_number_or_none(gap["gap"].get("after")),
         shrink=_number_or_none(gap["gap"].get("shrink")),
-        detectable={str(effect): _numbers(least) for effect, least in gap.get("detectable", {}).items()},
+        detectable={
+            str(effect): _numbers(least) | _numbers(least.get("at", {}))
+            for effect, least in gap.get("detectable", {}).items()
+        },
     )
 
 

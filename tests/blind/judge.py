@@ -1,6 +1,6 @@
 """The rules: whether what was said of a case is right. A run that failed is never right."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 
 from blind.catalogue import GROUP
@@ -12,6 +12,9 @@ NEAR = 0.2
 READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_slip", "encoder_quantization"})
 """Effects whose size is read off what they do: without them there is nothing to read, and nothing to say
 beforehand."""
+
+HEIGHTS = {"encoder_slip": "step_deg", "spikes": "height_dps"}
+"""Of events, how high they are; how often they have to come to be seen is said for a certain height."""
 
 
 def names_group_first(outcome: Outcome, truth: str) -> bool:
@@ -96,17 +99,24 @@ def names_wrong_size(outcome: Outcome, truth: str) -> bool:
     return cause is not None and bool(cause.in_rig)
 
 
-def would_be_seen(without: Outcome, effect: str, parameter: str, size: float, *, falls: bool) -> bool:
+def would_be_seen(
+    without: Outcome, effect: str, parameters: Mapping[str, float], parameter: str, *, falls: bool
+) -> bool:
     """By what a run on data without the effect said beforehand; `falls`: a larger effect has a smaller number.
 
-    Where that run failed or said nothing of any effect, nothing is excused; nor is anything of READ_OFF.
+    Of events that are less high than those that the run speaks of, it says nothing. Where that run failed or said
+    nothing of any effect, nothing is excused; nor is anything of READ_OFF that it does not list.
     """
     if without.said is None or not without.said.detectable:
         return True
-    least = without.said.detectable.get(effect, {}).get(parameter)
-    if least is None:
+    least = without.said.detectable.get(effect, {})
+    if parameter not in least:
         return effect in READ_OFF
-    return abs(size) <= least if falls else abs(size) >= least
+    height = HEIGHTS.get(effect, "")
+    if height in least and abs(parameters[height]) < least[height]:
+        return False
+    size = abs(parameters[parameter])
+    return size <= least[parameter] if falls else size >= least[parameter]
 
 
 def fit_is_near(cause: Cause, parameter: str, truth: float) -> bool:

@@ -24,7 +24,7 @@ def counts(row: Share) -> tuple[int, int]:
     return row.hits, row.total
 
 
-def shows(**least: dict[str, float | str]) -> Any:
+def shows(**least: dict[str, Any]) -> Any:
     """A quiet verdict that says what would have been seen."""
     return gap("none") | {"detectable": least}
 
@@ -164,6 +164,21 @@ def test_what_the_rig_has_is_read() -> None:
     )
     assert said.causes[0].in_rig == {"delay_ms": 25.0}
     assert said.detectable == {"spikes": {"height_dps": 2.0}}
+
+
+@pytest.mark.parametrize(("step_deg", "is_seen"), [(0.6, True), (0.5, True), (0.3, False)])
+def test_of_jumps_less_high_than_those_it_speaks_of_nothing_is_said(step_deg: float, *, is_seen: bool) -> None:
+    """However often they come."""
+    without = shows(encoder_slip={"per_hour": 20.0, "unit": "1/h", "at": {"step_deg": 0.5}})
+    one = case(
+        "single",
+        gap("none"),
+        {"encoder_slip": {"per_hour": 40.0, "step_deg": step_deg}},
+        row="single",
+        without=without,
+    )
+    shown = counts(share([one], "group named first, typical"))
+    assert shown == ((0, 1) if is_seen else (0, 0))
 
 
 def test_the_whole_table_can_be_printed() -> None:

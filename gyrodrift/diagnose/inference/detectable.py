@@ -1,6 +1,9 @@
 """How small each effect could have been and still been seen in these sessions."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from firmware_sim.effects.effect import Effect
 
 from gyrodrift.diagnose.inference.acceptance import GAIN
 from gyrodrift.diagnose.inference.evidence import Evidence
@@ -14,13 +17,20 @@ another device differ from those that are simulated."""
 
 @dataclass(frozen=True, slots=True)
 class Detectable:
-    """The smallest size of an effect that these sessions would have shown; None where no size that was tried would."""
+    """The smallest size of an effect that these sessions would have shown.
+
+    value
+        None where no size that was tried would.
+    at
+        Its other parameters, such as the height of a jump: of the variant that shows first. A phase is none of them.
+    """
 
     effect: str
     stage: str
     parameter: str
     value: float | None
     unit: str
+    at: Mapping[str, float] = field(default_factory=dict)
 
 
 def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
@@ -36,11 +46,15 @@ def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
         name, unit = candidate.parameter, unit_of(candidate.parameter)
         asked = GAIN if response.realised is None else CLEAR_GAIN
         seen = candidate.sizes[sure_gains(evidence, response) > asked]
-        value = None
+        one = Detectable(candidate.name, candidate.stage, name, None, unit)
         if len(seen):
-            smallest = min((float(size) for size in seen), key=abs)
-            value = abs(float(getattr(candidate.make(smallest), name)))
+            effect = candidate.make(min((float(size) for size in seen), key=abs))
+            one = replace(one, value=abs(float(getattr(effect, name))), at=_others(effect, name))
         known = found.get(candidate.name)
-        if known is None or known.value is None or (value is not None and value < known.value):
-            found[candidate.name] = Detectable(candidate.name, candidate.stage, name, value, unit)
+        if known is None or known.value is None or (one.value is not None and one.value < known.value):
+            found[candidate.name] = one
     return tuple(found.values())
+
+
+def _others(effect: Effect, parameter: str) -> dict[str, float]:
+    return {name: value for name, value in effect.model_dump(exclude={"name", parameter, "phase_deg"}).items()}

@@ -57,6 +57,24 @@ def deviations(z: Floats, threshold: float) -> tuple[Deviation, ...]:
     return shared(found)
 
 
+def shared_with_unknown(surrogate: Surrogate, found: CauseSet, one: Cause) -> float:
+    """Most that what a cause moves has in common with what an out-of-catalogue model beside it moves, 0 to 1.
+
+    The squared cosine between the two, in standard deviations of chance: where it is near 1, both may be parts of one
+    form that no effect has.
+    """
+    strange = [cause for cause in found.causes if cause.is_out_of_catalogue]
+    moved = _direction(surrogate, one)
+    return max((float(np.square(moved @ _direction(surrogate, cause))) for cause in strange), default=0.0)
+
+
+def _direction(surrogate: Surrogate, one: Cause) -> Floats:
+    """What a cause alone moves in all sessions, as a vector of length 1 (0 where it moves nothing)."""
+    change, variance, _ = surrogate.prediction((one,))
+    z = (change / np.sqrt(surrogate.evidence.sigma**2 + variance)).ravel()
+    return z / max(float(np.linalg.norm(z)), 1.0)
+
+
 def moved_by(surrogate: Surrogate, found: CauseSet, one: Cause) -> float:
     """The largest pooled z of what one of the causes moves beside the others."""
     change, variance, _ = surrogate.prediction(found.causes)

@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats, Mask
+from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import Alternatives
 from gyrodrift.diagnose.inference.deviations import (
     UNEXPLAINED,
@@ -18,6 +18,7 @@ from gyrodrift.diagnose.inference.deviations import (
     moved_by,
     out_of_catalogue,
     shared,
+    shared_with_unknown,
     worst_first,
 )
 from gyrodrift.diagnose.inference.evidence import Evidence
@@ -135,7 +136,8 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
         causes = tuple(one for one in causes if one.probability > LIKELY)
     elif not unexplained and all(one.group_probability < DOUBTFUL for one in causes):
         causes = ()
-    kind = kind_of(deviates, explained, has_causes=bool(causes), has_unexplained=bool(unexplained))
+    shows = bool(deviates.any() or others)  # a form that no effect has shows in the likelihood, though in no feature
+    kind = kind_of(explained, shows=shows, has_causes=bool(causes), has_unexplained=bool(unexplained))
     where = deviations(before, evidence.stands_out)
     if kind is Kind.UNKNOWN and others:
         first = others[0]  # what it depends on says more than what else that moves
@@ -183,10 +185,10 @@ def less(verdict: Verdict, names: Collection[str], evidence: Evidence) -> Verdic
     return replace(verdict, kind=kind, causes=(), unexplained=verdict.where, gap=gap, after_z=evidence.z)
 
 
-def kind_of(deviates: Mask, explained: float, *, has_causes: bool, has_unexplained: bool) -> Kind:
-    """What is said of the gap, by the features that deviate, (F,), and the share of them that is explained."""
+def kind_of(explained: float, *, shows: bool, has_causes: bool, has_unexplained: bool) -> Kind:
+    """What is said of a gap, if there is one, by the share that is explained of what deviates."""
     if not has_causes:
-        return Kind.UNKNOWN if deviates.any() else Kind.NONE
+        return Kind.UNKNOWN if shows else Kind.NONE
     if not has_unexplained:
         return Kind.EFFECT
     return Kind.PARTLY if explained >= EXPLAINED else Kind.UNKNOWN
@@ -202,6 +204,7 @@ def _named(
     for one in sorted(alternatives, key=lambda one: -one.gain):
         moves = moved[one.cause]
         beside_unknown = max(worst**2 / (worst**2 + moves**2), LEAST_BESIDE) if worst else 0.0
+        beside_unknown = max(beside_unknown, shared_with_unknown(result.surrogate, result.found, one.cause))
         rivals = one.rival_weight + _completes(one.cause, moved)
         by_itself = LogisticFeatures(rivals, share_left, one.cause.is_random, beside_unknown)
         named.append(

@@ -17,6 +17,7 @@ def detectable(diagnosis: Diagnosis) -> str:
         smallest, parameter = "none that was tried", ""
         if one.value is not None:
             smallest, parameter = size(one.value, one.unit), one.parameter
+            parameter += "".join(f", {name} {value:.4g}" for name, value in one.at.items())
         rows.append([text(one.effect), smallest, quiet(text(parameter)), one.stage])
     rows += [[text(one.effect), "–", quiet(text(one.why)), ""] for one in diagnosis.untestable]
     words = (
@@ -24,7 +25,7 @@ def detectable(diagnosis: Diagnosis) -> str:
         "it is smaller than this, not that it is absent. Longer sessions and more varied motion show smaller ones. "
         "Steps, dead bands and limits are read off the recordings: only the size that was read was tried."
     )
-    head = headings(["effect", "smallest", "parameter", "stage"], words=2)
+    head = headings(["effect", "smallest", "parameter, and others", "stage"], words=2)
     return section(
         "The smallest effects these sessions would show",
         paragraph(words),

@@ -13,6 +13,7 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
+from gyrodrift.diagnose.features.warming import WARMING
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds.groups import LAG
@@ -32,6 +33,9 @@ REALISATIONS = 4
 MEMORY_S = 0.2
 """Of noise that is not white within a second, and white beyond: between white noise and any wandering of a bias."""
 
+PLAYS_C = (1.5, 4.0)
+"""By how far the temperature turns back before a bias with hysteresis follows it."""
+
 BY_RATE_POINTS = (0.0003, 0.001, 0.003, 0.01, 0.03)
 """Standard deviations of a noise that grows with the rate, in parts of it."""
 
@@ -41,6 +45,8 @@ def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
     for column in COLUMNS:
         if not column.in_catalogue:
             yield _of_regressor(column.name, column.threshold)
+    for play_c in PLAYS_C:
+        yield _with_play(play_c)
     yield _lead()
     yield _at_random("?swing", in_time(hints.period_s))
     yield _at_random("?ripple", in_angle(hints.turn_order))
@@ -53,6 +59,22 @@ def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
 def regressor(name: str) -> Shape:
     """In proportion to one of the columns that no effect of the catalogue depends on."""
     return lambda design, _: design.regressor(name)
+
+
+def behind_temperature(play_c: float) -> Shape:
+    """How far the temperature has gone from one that follows it with play, at rest with it at first; hysteresis, °C."""
+
+    def shape(design: DesignMatrix, _: np.random.Generator) -> Floats:
+        every_c = design.motion.sensor_c[:: design.block]
+        held_c, lags_c = float(every_c[0]), np.empty(len(every_c))
+        for number, sensor_c in enumerate(every_c.tolist()):
+            held_c = min(max(held_c, sensor_c - play_c / 2.0), sensor_c + play_c / 2.0)
+            lags_c[number] = sensor_c - held_c
+        samples = np.arange(design.samples)
+        lag_c: Floats = np.interp(samples, samples[:: design.block], lags_c)
+        return lag_c
+
+    return shape
 
 
 def ahead(design: DesignMatrix, _: np.random.Generator) -> Floats:
@@ -123,6 +145,11 @@ def _of_regressor(name: str, threshold: float) -> Candidate:
         touches=Touches.SLOW_RATE,
         shape=regressor(name),
     )
+
+
+def _with_play(play_c: float) -> Candidate:
+    every = _of_regressor(WARMING.name, WARMING.threshold)
+    return replace(every, variant=f"play {play_c:g} °C", shape=behind_temperature(play_c))
 
 
 def _lead() -> Candidate:

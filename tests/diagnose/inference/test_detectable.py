@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from inference_support import SESSIONS, SIZES, candidate, evidence, response, row, rows
 
+from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.ranking import hinted, lookalikes, ranking, would_explain
 from gyrodrift.diagnose.inference.realisations import sure_gains
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.candidate import Candidate
 
 RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
 
@@ -43,6 +46,25 @@ def test_of_variants_the_one_that_is_seen_first_counts() -> None:
     for variants in ((0.5, 1.0), (1.0, 0.5), (0.01, 1.0)):
         responses = [response("scale_factor", {"rate": each}) for each in variants]
         assert [one.value for one in detectable(evidence({}, *responses))] == [4.0]
+
+
+def test_what_else_is_fixed_is_said() -> None:
+    """How often an angle has to jump depends on how far it does."""
+    low, high = (
+        replace(response("encoder_slip", {"rate": each}), candidate=jumps_of(height))
+        for each, height in ((0.5, 0.1), (1.0, 0.4))
+    )
+    (found,) = detectable(evidence({}, low, high))
+    assert (found.value, found.at) == (4.0, {"step_deg": 0.4})
+
+
+def jumps_of(step_deg: float) -> Candidate:
+    def make(per_hour: float) -> Effect:
+        return CATALOGUE["encoder_slip"].model_validate(
+            {"name": "encoder_slip", "per_hour": per_hour, "step_deg": step_deg}
+        )
+
+    return replace(candidate("encoder_slip", SIZES), parameter="per_hour", make=make)
 
 
 def test_what_would_not_be_seen_at_any_size_has_none() -> None:

@@ -25,7 +25,6 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 
 RATE = response("scale_factor", {"rate": 2.0})
 DRIFT = response("clock_drift", {"clock_ratio": 3.0})
-SOME, NONE = np.array([True, False]), np.array([False, False])
 
 
 def judged(one: Evidence) -> Verdict:
@@ -35,19 +34,19 @@ def judged(one: Evidence) -> Verdict:
 
 
 @pytest.mark.parametrize(
-    ("deviates", "explained", "has_causes", "has_unexplained", "kind"),
+    ("explained", "shows", "has_causes", "has_unexplained", "kind"),
     [
-        (NONE, 1.0, False, False, Kind.NONE),
-        (SOME, 0.0, False, True, Kind.UNKNOWN),
-        (SOME, 0.9, True, False, Kind.EFFECT),
-        (SOME, 0.4, True, True, Kind.PARTLY),
-        (SOME, 0.39, True, True, Kind.UNKNOWN),
-        (SOME, 0.1, True, False, Kind.EFFECT),
+        (1.0, False, False, False, Kind.NONE),
+        (0.0, True, False, True, Kind.UNKNOWN),
+        (0.9, True, True, False, Kind.EFFECT),
+        (0.4, True, True, True, Kind.PARTLY),
+        (0.39, True, True, True, Kind.UNKNOWN),
+        (0.1, True, True, False, Kind.EFFECT),
     ],
 )
-def test_kinds(deviates: np.ndarray, explained: float, has_causes: bool, has_unexplained: bool, kind: Kind) -> None:  # noqa: FBT001 - parametrized
-    """By whether anything deviates, is named, is explained and is left."""
-    assert kind_of(deviates, explained, has_causes=has_causes, has_unexplained=has_unexplained) is kind
+def test_kinds(explained: float, shows: bool, has_causes: bool, has_unexplained: bool, kind: Kind) -> None:  # noqa: FBT001 - parametrized
+    """By whether anything shows, is named, is explained and is left."""
+    assert kind_of(explained, shows=shows, has_causes=has_causes, has_unexplained=has_unexplained) is kind
 
 
 def test_no_gap() -> None:
@@ -192,6 +191,30 @@ def test_what_no_effect_does_is_left_over_beside_a_cause() -> None:
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
     assert [one.feature for one in verdict.unexplained] == ["moving"]
     assert verdict.unexplained[0].z > 15.0
+
+
+def test_what_no_effect_does_is_unknown_where_it_shows_in_no_feature() -> None:
+    """Four features of 1.5 sigmas in each of four sessions: none of them stands out, all of them together do."""
+    weak: Amounts = dict.fromkeys(("moving", "direction", "after_turn", "total_angle"), 1.5)
+    strange = Response(candidate("?moving"), response("scale_factor", weak).mean, RATE.spread)
+    one = evidence(weak, strange, DRIFT)
+    assert judged(one.only(["clock_drift"])).kind is Kind.NONE
+    verdict = judged(one)
+    assert verdict.kind is Kind.UNKNOWN
+    assert [one.feature for one in verdict.where] == ["moving"]
+
+
+@pytest.mark.parametrize(("share", "is_sure"), [(0.0, True), (1.0, False)])
+def test_a_cause_that_looks_like_what_no_effect_does_may_be_a_part_of_it(share: float, *, is_sure: bool) -> None:
+    """A curve of the rate beside a kink that no effect has: two forms, or one that is neither."""
+    curve = response("scale_asymmetry", {"rate_cubed": 2.0, "hinge_low": share})
+    kink = response("scale_factor", {"hinge_low": 2.0, "rate_cubed": share})
+    strange = Response(candidate("?hinge_low"), kink.mean, kink.spread)
+    shown: Amounts = {"rate_cubed": 2.0 + 0.6 * share, "hinge_low": 1.2 + share}
+    verdict = judged(evidence({name: 8.0 * amount for name, amount in shown.items()}, curve, strange))
+    (cause,) = verdict.causes
+    assert cause.effect.name == "scale_asymmetry"
+    assert (cause.probability > 0.8) is is_sure
 
 
 def test_a_gap_that_nothing_explains_is_unknown() -> None:
