@@ -22,7 +22,8 @@ class Detectable:
     value
         None where no size that was tried would.
     at
-        Its other parameters, such as the height of a jump: of the variant that shows first. A phase is none of them.
+        Its other parameters, such as the height of a jump: of the variant that shows first. A phase, which nobody knows
+        beforehand, is none of them: the size shows at any.
     """
 
     effect: str
@@ -51,9 +52,13 @@ def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
             effect = candidate.make(min((float(size) for size in seen), key=abs))
             one = replace(one, value=abs(float(getattr(effect, name))), at=_others(effect, name))
         known = found.get(candidate.name)
-        if known is None or known.value is None or (one.value is not None and one.value < known.value):
+        if known is None or _shows_first(one, known) is (candidate.phase_deg is None):
             found[candidate.name] = one
     return tuple(found.values())
+
+
+def _shows_first(one: Detectable, other: Detectable) -> bool:
+    return one.value is not None and (other.value is None or one.value < other.value)
 
 
 def _others(effect: Effect, parameter: str) -> dict[str, float]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
+from firmware_sim.effects.encoder import Backlash, EncoderEccentricity
 from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
 from firmware_sim.rig import Rig
@@ -50,6 +51,13 @@ def gyro_model_of(rig: Rig) -> GyroModel:
 def hides_rest(effect: Effect) -> bool:
     """Whether an effect of the rig hides noise and bias at rest."""
     return effect.name == "deadband"
+
+
+def bends_motion(effect: Effect) -> bool:
+    """Whether a motion is another one where the effect is known to act: by how late or in what steps a gyro reads, or
+    by where an encoder stands. Its coarse counts are seen in the angles."""
+    by_rate = isinstance(effect, Quantization | Latency | Bandwidth)
+    return by_rate or isinstance(effect, Backlash | EncoderEccentricity)
 
 
 def has_encoder_effects(rig: Rig) -> bool:

@@ -33,6 +33,7 @@ from gyrodrift.diagnose.simulate.calibration import calibrated
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
     angles_before,
+    bends_motion,
     gyro_model_of,
     has_encoder_effects,
     moments_of,
@@ -78,6 +79,7 @@ class Subject:
     rig: Rig
     reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
+    held: dict[tuple[Effect, ...], "Subject"] = field(default_factory=dict, repr=False)
     bases: dict[tuple[Effect, ...], Base] = field(default_factory=dict, repr=False)
 
     @property
@@ -96,6 +98,22 @@ class Subject:
             rig = with_replaced(self.rig, effects)
             self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base
         return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
+
+    def held_to(self, effects: tuple[Effect, ...]) -> "Subject":
+        """The same with the motion that is behind its angles and rates if the rig has more effects.
+
+        What was recorded stands as it is, whatever is held to be behind it: a disc off its centre, added to a motion
+        that follows its angles, would show them twice as far off, and a late gyro would be twice as late.
+        """
+        rig = with_replaced(self.rig, effects)
+        acting = tuple(effect for effect in rig.effects if bends_motion(effect))
+        if acting == tuple(effect for effect in self.rig.effects if bends_motion(effect)):
+            return self
+        if acting not in self.held:
+            self.held.clear()  # sizes are simulated one after the other, and a motion takes as much as a recording
+            _, posterior = corrected(self.seen, rig, self.posterior)
+            self.held[acting] = replace(self, posterior=posterior, drawn={})
+        return self.held[acting]
 
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""
@@ -190,7 +208,8 @@ class Subject:
         later_s = ARRIVAL_PHASE_S * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
-        block = next(play(rig, self.motion(seed), self._stream(seed), block_samples=self.design.samples))
+        motion = self.held_to(effects).motion(seed)
+        block = next(play(rig, motion, self._stream(seed), block_samples=self.design.samples))
         session = as_recorded(block, rig.base, self.seen.recording.name)
         if self.reference is None or session.encoder_deg is None:
             return session
@@ -247,11 +266,20 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     known = with_phases(rig, seen, design)
     if not has_encoder_effects(rig):
         return Rebuilt(known, posterior, design, seen.encoder_deg)
+    encoder_deg, posterior = corrected(seen, known, posterior)
+    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean, posterior.sigma_dps), encoder_deg)
+
+
+def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floats, MotionPosterior]:
+    """Angles of the encoder without what a rig says it errs by, and the motion behind them, from one about right."""
+    gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
+    if not has_encoder_effects(rig):
+        return seen.encoder_deg, motion_posterior_of(seen, gyro)
     encoder_deg = seen.encoder_deg
     for _ in range(CORRECTIONS):
-        encoder_deg = angles_before(known, seen.encoder_deg, posterior.mean)
+        encoder_deg = angles_before(rig, seen.encoder_deg, posterior.mean)
         posterior = motion_posterior_of(seen, gyro, encoder_deg)
-    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean, posterior.sigma_dps), encoder_deg)
+    return encoder_deg, posterior
 
 
 def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:

@@ -48,6 +48,16 @@ def test_of_variants_the_one_that_is_seen_first_counts() -> None:
         assert [one.value for one in detectable(evidence({}, *responses))] == [4.0]
 
 
+@pytest.mark.parametrize(("shown", "value"), [((1.0, 0.5, 0.7), 7.0), ((0.5, 1.0), 7.0), ((1.0, 0.01), None)])
+def test_of_phases_the_one_that_is_seen_last_counts(shown: tuple[float, ...], value: float | None) -> None:
+    """Nobody knows which it will be."""
+    phases = [
+        replace(one, candidate=replace(one.candidate, phase_deg=30.0 * number))
+        for number, one in enumerate(response("scale_factor", {"rate": each}) for each in shown)
+    ]
+    assert [one.value for one in detectable(evidence({}, *phases))] == [value]
+
+
 def test_what_else_is_fixed_is_said() -> None:
     """How often an angle has to jump depends on how far it does."""
     low, high = (

@@ -29,15 +29,20 @@ OTHERS = [
 
 
 def seen(
-    effect: Effect, zeroed_deg: float = 0.0, *others: Effect, absolute: bool = False, known: bool = True
+    effect: Effect,
+    zeroed_deg: float = 0.0,
+    *others: Effect,
+    absolute: bool = False,
+    known: bool = True,
+    cpr: int = BASE.encoder_cpr,
 ) -> Subject:
     """A session of a rig with an effect and perhaps others, whose encoder was zeroed at an angle of the table."""
-    base = BASE.model_copy(update={"encoder_phase_deg": zeroed_deg})
+    base = BASE.model_copy(update={"encoder_phase_deg": zeroed_deg, "encoder_cpr": cpr})
     rig = Rig(base=base, effects=(effect, *others))
     session = Simulation(rig, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
     assert session.encoder_deg is not None
     session = replace(session, encoder_deg=session.encoder_deg - zeroed_deg)
-    stated = BASE.model_copy(update={"encoder_absolute": absolute})
+    stated = BASE.model_copy(update={"encoder_absolute": absolute, "encoder_cpr": cpr})
     return subject_of(recording_of(session), Rig(base=stated, effects=(effect, *others) if known else ()))
 
 
@@ -70,6 +75,40 @@ def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, other: str) ->
     """What errs by direction, speed or temperature may look as if it came once per turn."""
     (effect, _) = seen(once(text), 130.0, parse_effect(other)).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 12.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "encoder_eccentricity:amplitude_deg=0.5,phase_deg=40",
+        "backlash:play_deg=0.5",
+        "latency:delay_ms=15",
+        "bandwidth:cutoff_hz=8",
+    ],
+)
+def test_the_motion_is_the_one_behind_what_is_held_to_act(text: str) -> None:
+    """Nearer to the table than one that takes encoder and gyro for as good as the rig says."""
+    effect = parse_effect(text)
+    unknown = seen(effect, absolute=True, known=False, cpr=1024)
+    held = unknown.held_to((effect,))
+    assert off_deg(held) < 0.75 * off_deg(unknown)
+    assert unknown.held_to((effect,)) is held  # realisations of one size follow one another
+
+
+def test_a_simulation_shows_the_angles_of_the_recording_whatever_bent_them() -> None:
+    """A disc off its centre is in them already, and does not show twice."""
+    effect = parse_effect("encoder_eccentricity:amplitude_deg=0.5,phase_deg=40")
+    subject = seen(effect, absolute=True, known=False)
+    real_deg = subject.seen.recording.encoder_deg
+    with_it_deg = subject.played((effect,), 0).encoder_deg
+    assert np.std(with_it_deg - real_deg) < 0.5 * np.std(subject.played((), 0).encoder_deg - real_deg) + 0.02
+
+
+@pytest.mark.parametrize("text", ["scale_factor:error_percent=1", "encoder_slip:step_deg=1", "clock_drift:ppm=100"])
+def test_what_bends_no_motion_leaves_it(text: str) -> None:
+    """A gain of the gyro goes with the motion as its bias does, and jumps are taken out as what they are."""
+    subject = seen(parse_effect(text), known=False)
+    assert subject.held_to((parse_effect(text),)) is subject
 
 
 def test_an_effect_that_is_no_candidate_may_stand_in_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:

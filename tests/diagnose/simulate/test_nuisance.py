@@ -1,5 +1,7 @@
 """Out-of-catalogue models: shapes that are added to a rate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, response_at
@@ -9,6 +11,7 @@ from gyrodrift.diagnose.simulate.kinds.groups import LAG
 from gyrodrift.diagnose.simulate.nuisance import (
     MEMORY_S,
     ahead,
+    behind_temperature,
     in_angle,
     in_proportion,
     in_time,
@@ -46,6 +49,19 @@ def test_a_rate_that_leads_is_what_it_is_a_little_later() -> None:
     early_dps = rate_dps + 0.01 * ahead(design, np.random.default_rng(0))
     calm = np.abs(np.gradient(np.gradient(rate_dps))) * RATE_HZ**2 < 50.0
     assert early_dps[calm] == pytest.approx(np.interp(t_s + 0.01, t_s, rate_dps)[calm], abs=0.01)
+
+
+def test_a_bias_follows_the_temperature_with_play() -> None:
+    """It lags by half of the play when it warms, by as much the other way when it cools, and begins without."""
+    design = plain().design
+    t_s = np.arange(design.samples) / RATE_HZ
+    warms = np.minimum(t_s, t_s[-1] - t_s) / 10.0  # up and down again, 0.1 °C each second
+    design = replace(design, motion=replace(design.motion, sensor_c=20.0 + warms))
+    lag_c = behind_temperature(1.0)(design, np.random.default_rng(0))
+    assert lag_c[0] == 0.0
+    assert lag_c[round(4.0 * RATE_HZ)] == pytest.approx(0.4, abs=0.01)
+    assert lag_c[len(lag_c) // 2 - design.block] == pytest.approx(0.5, abs=1e-6)
+    assert lag_c[-1] == pytest.approx(-0.5, abs=0.01)
 
 
 def test_a_sine_in_time_has_its_period() -> None:
