@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from firmware_sim.effects.effect import Effect
-
 from gyrodrift.diagnose.inference.acceptance import GAIN
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.parameters import unit_of
@@ -62,4 +61,4 @@ def _shows_first(one: Detectable, other: Detectable) -> bool:
 
 
 def _others(effect: Effect, parameter: str) -> dict[str, float]:
-    return {name: value for name, value in effect.model_dump(exclude={"name", parameter, "phase_deg"}).items()}
+    return effect.model_dump(exclude={"name", parameter, "phase_deg"})

@@ -54,8 +54,10 @@ def hides_rest(effect: Effect) -> bool:
 
 
 def bends_motion(effect: Effect) -> bool:
-    """Whether a motion is another one where the effect is known to act: by how late or in what steps a gyro reads, or
-    by where an encoder stands. Its coarse counts are seen in the angles."""
+    """Whether a motion is another one where the effect is known to act.
+
+    By how late or in what steps a gyro reads, or by where an encoder stands: its coarse counts are seen in the angles.
+    """
     by_rate = isinstance(effect, Quantization | Latency | Bandwidth)
     return by_rate or isinstance(effect, Backlash | EncoderEccentricity)
 
