@@ -24,6 +24,10 @@ ROUNDS = 2
 WORTH_A_ROUND = 0.5
 """In standard errors: smaller steps need no simulation."""
 
+AS_GOOD = 6.0
+"""Log-likelihood: a size that scores less by no more is as good, since it is the mean of a few simulations. Where the step
+to it was led by all features, it is believed."""
+
 REWEIGHTINGS = 20
 """Until the weights of a Student density no longer change."""
 
@@ -67,7 +71,8 @@ def exact_sizes(surrogate: Surrogate, causes: Sequence[Cause], simulate_at: Simu
         if (np.abs(sizes - state.sizes) < WORTH_A_ROUND * error).all():
             break
         change = change_at(sizes)
-        if _score(evidence.difference - change, variance) < _score(evidence.difference - state.change, variance):
+        before, after = (_score(evidence.difference - each, variance) for each in (state.change, change))
+        if after < before - AS_GOOD:
             return _named(causes, free, state.sizes, error)
         state = _State(sizes, change, _learned(state, sizes - state.sizes, change, error))
     step, error = _step(evidence.difference - state.change, state.slopes, variance)
