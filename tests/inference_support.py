@@ -12,6 +12,7 @@ from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.surrogate import Cause
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 SESSIONS = 4
 Amounts = Mapping[str, float]
@@ -90,7 +91,11 @@ def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
     return Evidence(names, away, np.ones_like(away), nulls, responses)
 
 
-def added(causes: Sequence[Cause]) -> Floats:
+def exactly(change: Floats) -> SimulatedSet:
+    """What a simulator says of a set that does the same in each run."""
+    return SimulatedSet(change, np.zeros_like(change), 3)
+
+
+def added(causes: Sequence[Cause]) -> SimulatedSet:
     """What a simulator would say of a set whose effects simply add up."""
-    change: Floats = np.sum([cause.response.mean[cause.at] for cause in causes], axis=0)
-    return change
+    return exactly(np.sum([cause.response.mean[cause.at] for cause in causes], axis=0))

@@ -147,7 +147,7 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferre
             continue  # fitted to each recording, so that all show it
         others = surrogate.prediction(without(found, cause)).change
         change = (all_change - others) / as_rms
-        changed = change_of([Sized(cause.candidate, cause.size)], before.subjects, before.tables) / was_as_rms
+        changed = change_of([Sized(cause.candidate, cause.size)], before.subjects, before.tables).change / was_as_rms
         today = amounts_of((_gaps_of(simulated.tables) - others) / as_rms, change, sigma)
         then = amounts_of(_gaps_of(before.tables) / was_as_rms, changed, sigma)
         if chance_of(today, then, noise_variance_of(change, sigma)) > CHANCE:

@@ -32,7 +32,7 @@ from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, SimulationPlan, checked_recording, response_tables
 from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
 from gyrodrift.diagnose.simulate.hints import hints_of
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized
 from gyrodrift.errors import DataError
@@ -122,11 +122,11 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
     evidence = evidence_of(simulated.tables, simulated.tried)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
 
-        def simulate_at(causes: Sequence[Cause], sizes: Sequence[float]) -> Floats:
+        def simulate_at(causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
             pairs = zip(causes, sizes, strict=True)
             return sets.change_of([Sized(one.candidate, size, one.response.phases_deg) for one, size in pairs])
 
-        def simulate(causes: Sequence[Cause]) -> Floats:
+        def simulate(causes: Sequence[Cause]) -> SimulatedSet:
             return simulate_at(causes, [one.size for one in causes])
 
         result = search(evidence, simulate)

@@ -69,7 +69,7 @@ def shared_with_unknown(surrogate: Surrogate, found: CauseSet, one: Cause) -> fl
 
 
 def _direction(surrogate: Surrogate, one: Cause) -> Floats:
-    """What a cause alone moves in all sessions, as a vector of length 1, or less where it moves less than chance does."""
+    """What a cause alone moves in all sessions, as a vector of length 1, or less where chance moves more."""
     change, variance, _ = surrogate.prediction((one,))
     z = (change / np.sqrt(surrogate.evidence.sigma**2 + variance)).ravel()
     return z / max(float(np.linalg.norm(z)), 1.0)

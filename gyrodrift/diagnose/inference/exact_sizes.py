@@ -14,9 +14,10 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM, log_likelihood
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
-SimulateAt = Callable[[Sequence[Cause], Sequence[float]], Floats]
-"""What causes do to the features at sizes of no grid, (sessions, F), by the simulator itself."""
+SimulateAt = Callable[[Sequence[Cause], Sequence[float]], SimulatedSet]
+"""What causes do to the features at sizes of no grid, by the simulator itself."""
 
 ROUNDS = 2
 """Simulations at most; what the last one leaves is a step too, which needs no further one."""
@@ -25,8 +26,8 @@ WORTH_A_ROUND = 0.5
 """In standard errors: smaller steps need no simulation."""
 
 AS_GOOD = 6.0
-"""Log-likelihood: a size that scores less by no more is as good, since it is the mean of a few simulations. Where the step
-to it was led by all features, it is believed."""
+"""Log-likelihood: a size that scores less by no more is as good, since it is the mean of a few simulations. The step to
+it was led by all features."""
 
 REWEIGHTINGS = 20
 """Until the weights of a Student density no longer change."""
@@ -61,7 +62,7 @@ def exact_sizes(surrogate: Surrogate, causes: Sequence[Cause], simulate_at: Simu
     def change_at(sizes: Floats) -> Floats:
         every = own.copy()
         every[free] = sizes
-        return simulate_at(causes, every.tolist())
+        return simulate_at(causes, every.tolist()).change
 
     slopes = np.array([_slope(surrogate, causes, number) for number in free])
     state = _State(own[free], prediction.change, slopes)

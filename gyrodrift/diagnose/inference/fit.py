@@ -10,9 +10,10 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.earned import unearned
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
-Simulate = Callable[[Sequence[Cause]], Floats]
-"""What a whole set of causes does to the features, (sessions, F), by the simulator itself."""
+Simulate = Callable[[Sequence[Cause]], SimulatedSet]
+"""What a whole set of causes does to the features, by the simulator itself."""
 
 OUT_OF_CATALOGUE_COST = 4.0
 """What no effect of the catalogue does has to explain more by so much than what one of them does."""

@@ -135,8 +135,8 @@ def without_idle(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> t
 def _exact_at(surrogate: Surrogate, sets: Sequence[tuple[Cause, ...]], simulate: Simulate) -> Surrogate:
     """A surrogate that is exact where these sets are.
 
-    It may have been so at other sizes, from which the tables led no further: then a cause more gains by the sizes of the
-    others, and not by itself.
+    It may have been so at other sizes, from which the tables led no further: then a cause more gains by the sizes of
+    the others, and not by itself.
     """
     for causes in sets:
         surrogate = surrogate.refined(causes, simulate(causes))

@@ -15,6 +15,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 FREE_PHASE_COST = 1.0
 """Log-likelihood that a phase gains in a session by being fitted to it, where there is nothing: two normal numbers in
@@ -65,7 +66,7 @@ class Prediction(NamedTuple):
     change
         Of the features.
     variance
-        What random causes add to that of the features.
+        What random causes add to that of the features, and what is not known of a set from a few simulations of it.
     discrepancy
         The model-discrepancy variance.
     """
@@ -76,10 +77,17 @@ class Prediction(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """(sessions, F) what the tables lack of the change that a set of candidates makes when simulated as a whole."""
+    """What simulations of a set of candidates as a whole say, (sessions, F) each.
+
+    change
+        What the tables lack of it.
+    variance
+        What scatters about it, beyond chance and what random causes do.
+    """
 
     responses: frozenset[Response]
     change: Floats
+    variance: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,8 +103,10 @@ class Surrogate:
 
     def prediction(self, causes: Sequence[Cause]) -> Prediction:
         """What a set of causes does."""
-        added = self._added(causes)
-        return added._replace(change=added.change + self._correction(_responses(causes)))
+        added, known = self._added(causes), self._correction(_responses(causes))
+        if known is None:
+            return added
+        return added._replace(change=added.change + known.change, variance=added.variance + known.variance)
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
         """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
@@ -133,10 +143,12 @@ class Surrogate:
     def _curve(self, beside: Prediction, others: frozenset[Response], response: Response, step: int) -> Floats:
         """(…, sizes, sessions) beside what the tables say of others, (…, 1, sessions, F), or (sessions, F) for none."""
         both = others | {response}
-        change = combined(beside.change, response.mean[::step]) + self._correction(both)
+        known = self._correction(both)
+        change = combined(beside.change, response.mean[::step]) + (0.0 if known is None else known.change)
         is_random = response.candidate.realisations > 1
         spread = response.spread[::step] if is_random else response.spread[:1]  # else 0 at all sizes
         widened = self.evidence.sigma**2 + beside.variance + np.square(spread)[:, None]
+        widened = widened + (0.0 if known is None else known.variance)
         discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
         likelihood = log_likelihood(self.evidence.difference - change, widened, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
@@ -146,15 +158,16 @@ class Surrogate:
         """Whether this set of candidates was simulated as a whole, at whatever sizes."""
         return self._knows(_responses(causes))
 
-    def refined(self, causes: Sequence[Cause], change: Floats) -> "Surrogate":
-        """A surrogate that is exact at a set of causes, whose simulated change is given, (sessions, F).
+    def refined(self, causes: Sequence[Cause], simulated: SimulatedSet) -> "Surrogate":
+        """A surrogate that is exact at a set of causes that was simulated, as far as a few runs know it.
 
         Sets within this one come behind all others from then on: they are the older knowledge of it.
         """
         responses = _responses(causes)
         others = [one for one in self.corrections if not one.responses <= responses]
         within = [one for one in self.corrections if one.responses < responses]
-        new = Correction(responses, change - self._added(causes).change)
+        added = self._added(causes)
+        new = Correction(responses, simulated.change - added.change, self._scatter(simulated, added.variance))
         return replace(self, corrections=(*others, new, *within))
 
     def _added(self, causes: Sequence[Cause]) -> Prediction:
@@ -168,10 +181,23 @@ class Surrogate:
             discrepancy = discrepancy + self.evidence.discrepancies[cause.response][cause.at]
         return Prediction(change, variance, discrepancy)
 
+    def _scatter(self, simulated: SimulatedSet, known: Floats) -> Floats:
+        """(sessions, F) by which simulations of a set scatter more than a rig without it, and their mean with them.
+
+        A recording is one more run. Two runs that have nothing in common differ by chance twice. Coarse counts are
+        rounded otherwise in each, and a set that turns them to others moves features by more than that. Of few runs
+        half is believed, and half of the others' sessions.
+        """
+        ratio = simulated.variance / self.evidence.sigma**2
+        variance = 0.5 * (ratio + ratio.mean(axis=0)) * self.evidence.sigma**2
+        more: Floats = np.maximum(variance - 2.0 * self.evidence.sigma**2 - known, 0.0)
+        scatter: Floats = more + variance / simulated.runs
+        return scatter
+
     def _knows(self, responses: frozenset[Response]) -> bool:
         return any(one.responses == responses for one in self.corrections)
 
-    def _correction(self, responses: frozenset[Response]) -> Floats | float:
+    def _correction(self, responses: frozenset[Response]) -> Correction | None:
         """Of the set, or of the largest part of it that was simulated as a whole.
 
         What was simulated of one variant of a candidate is believed of the others, too: else the fit would flee to
@@ -179,8 +205,7 @@ class Surrogate:
         """
         names = _names(responses)
         parts = [one for one in self.corrections if _names(one.responses) <= names]
-        best = max(parts, key=lambda one: (len(one.responses), len(one.responses & responses)), default=None)
-        return 0.0 if best is None else best.change
+        return max(parts, key=lambda one: (len(one.responses), len(one.responses & responses)), default=None)
 
 
 def _responses(causes: Sequence[Cause]) -> frozenset[Response]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of, with_events
 
@@ -35,7 +35,7 @@ class ForkedSets:
     def __init__(
         self, subjects: Sequence[Subject], tables: Sequence[ResponseTable], tried: Sequence[Candidate], jobs: int
     ) -> None:
-        self._known: dict[Sent, Floats] = {}
+        self._known: dict[Sent, SimulatedSet] = {}
         self._own = _Held(subjects, tables, {key(candidate): candidate for candidate in tried})
         jobs = min(jobs, len(subjects))
         self._pool = None if jobs == 1 else ProcessPoolExecutor(jobs, get_context("fork"), _hold, (self._own,))
@@ -51,14 +51,14 @@ class ForkedSets:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def change_of(self, effects: Sequence[Sized]) -> Floats:
-        """(sessions, F) what a whole set of candidates does to the features; the same set is simulated once."""
+    def change_of(self, effects: Sequence[Sized]) -> SimulatedSet:
+        """What a whole set of candidates does in all sessions; the same set is simulated once."""
         sent = tuple((key(one.candidate), one.size, _as_tuple(one.phases_deg)) for one in effects)
         if sent not in self._known:
             self._known[sent] = self._simulated(effects, sent)
         return self._known[sent]
 
-    def _simulated(self, effects: Sequence[Sized], sent: Sent) -> Floats:
+    def _simulated(self, effects: Sequence[Sized], sent: Sent) -> SimulatedSet:
         if self._pool is None:
             return change_of(effects, self._own.subjects, self._own.tables)
         numbers = range(len(self._own.subjects))
@@ -73,7 +73,7 @@ def _as_tuple(phases_deg: Floats | None) -> tuple[float, ...] | None:
     return None if phases_deg is None else tuple(phases_deg.tolist())
 
 
-def _change_of_sent(sent: Sent, number: int) -> Floats:
+def _change_of_sent(sent: Sent, number: int) -> SimulatedSet:
     held = _held[0]
     effects = [
         Sized(held.candidates[name], size, None if phases_deg is None else np.array(phases_deg))

@@ -1,9 +1,24 @@
 """The table of a session: how far its features are off, by chance and by each candidate; a value, and no simulation."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
+
+
+class SimulatedSet(NamedTuple):
+    """What a whole set of candidates does to the features, the mean over a few runs: (sessions, F), or (F,) of one.
+
+    variance
+        Of single runs.
+    runs
+        How many there were.
+    """
+
+    change: Floats
+    variance: Floats
+    runs: int
 
 
 @dataclass(frozen=True, slots=True)

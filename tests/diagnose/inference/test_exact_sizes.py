@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, evidence, random_response, response, rows
+from inference_support import SESSIONS, evidence, exactly, random_response, response, rows
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.exact_sizes import ROUNDS, exact_sizes
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 LATE = response("latency", {"acceleration": 30.0, "rate": 2.0})
 WARM = response("temp_bias", {"temperature": 20.0})
@@ -23,10 +24,10 @@ class Simulator:
     def __init__(self) -> None:
         self.asked: list[list[float]] = []
 
-    def __call__(self, causes: Sequence[Cause], sizes: Sequence[float]) -> Floats:
+    def __call__(self, causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
         self.asked.append(list(sizes))
         done = {cause.name: size for cause, size in zip(causes, sizes, strict=True)}
-        return does(done.get("latency", 0.0), done.get("temp_bias", 0.0))
+        return exactly(does(done.get("latency", 0.0), done.get("temp_bias", 0.0)))
 
 
 def does(late_ms: float, slope_dps_per_c: float = 0.0) -> Floats:
@@ -67,8 +68,8 @@ def test_no_size_goes_beyond_its_neighbours() -> None:
 def test_a_step_that_explains_less_is_not_taken() -> None:
     """The simulator says the opposite of its table."""
 
-    def contrary(causes: Sequence[Cause], sizes: Sequence[float]) -> Floats:
-        return does(6.0 - sizes[0])
+    def contrary(causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
+        return exactly(does(6.0 - sizes[0]))
 
     assert exact_sizes(surrogate_of(does(3.4), AT_3), (AT_3,), contrary)["latency"].size == 3.0
 

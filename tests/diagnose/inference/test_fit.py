@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, SIZES, added, candidate, evidence, response, rows
+from inference_support import SESSIONS, SIZES, added, candidate, evidence, exactly, response, rows
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.fit import best_of, cross_validated, fitted, fitted_without, resimulated
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 RATE, DRIFT = response("scale_factor", {"rate": 2.0}), response("clock_drift", {"clock_ratio": 3.0, "rate": 1.0})
 
@@ -74,16 +74,16 @@ def test_one_session_is_scored_under_its_own_size() -> None:
     assert fitted_without(surrogate, (Cause(alone, 0),), 0)[0].size == 3.0
 
 
-def half_as_much(causes: Sequence[Cause]) -> Floats:
+def half_as_much(causes: Sequence[Cause]) -> SimulatedSet:
     """A simulator of which the tables promise twice what it does."""
-    return 0.5 * added(causes)
+    return exactly(0.5 * added(causes).change)
 
 
 def test_a_set_that_its_tables_get_wrong_is_fitted_again() -> None:
     """Size 3 by the tables does half as much; the offset of that is made up for by 4, and the second run is at 4."""
     seen: list[float] = []
 
-    def simulate(causes: Sequence[Cause]) -> Floats:
+    def simulate(causes: Sequence[Cause]) -> SimulatedSet:
         seen.append(causes[0].size)
         return half_as_much(causes)
 
@@ -98,7 +98,7 @@ def test_a_set_that_is_known_is_simulated_once_more_only() -> None:
     """Its sizes may have moved since."""
     seen: list[int] = []
 
-    def simulate(causes: Sequence[Cause]) -> Floats:
+    def simulate(causes: Sequence[Cause]) -> SimulatedSet:
         seen.append(len(causes))
         return half_as_much(causes)
 
@@ -120,10 +120,10 @@ def test_a_variant_that_is_nearly_as_good_is_simulated_itself() -> None:
     slower, quicker = (replace(RATE, mean=RATE.mean + rows({"time": time})) for time in (0.0, 0.6))
     simulated = []
 
-    def simulate(causes: Sequence[Cause]) -> Floats:
+    def simulate(causes: Sequence[Cause]) -> SimulatedSet:
         simulated.append(causes[0].response)
         wrong = rows({"abs_rate": 1.0}) if causes[0].response is slower else rows({})
-        return added(causes) + wrong
+        return exactly(added(causes).change + wrong)
 
     found, surrogate = resimulated(Surrogate(evidence({"rate": 6.0}, slower, quicker)), (Cause(slower, 2),), simulate)
     assert found == (Cause(quicker, 2),)
@@ -136,7 +136,7 @@ def test_a_variant_that_is_far_behind_is_not() -> None:
     slower, far = RATE, replace(RATE, mean=RATE.mean + rows({"time": 9.0}))
     simulated = []
 
-    def simulate(causes: Sequence[Cause]) -> Floats:
+    def simulate(causes: Sequence[Cause]) -> SimulatedSet:
         simulated.append(causes[0].response)
         return added(causes)
 

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import SIZES, evidence, random_response, response, row, rows
+from inference_support import SESSIONS, SIZES, evidence, exactly, random_response, response, row, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 RATE, DRIFT = response("scale_factor", {"rate": 2.0}), response("clock_drift", {"clock_ratio": 3.0})
 THIRD = response("temp_bias", {"temperature": 1.0})
@@ -46,7 +47,7 @@ def test_a_curve_is_the_score_at_every_size() -> None:
 def test_what_was_simulated_is_predicted_exactly() -> None:
     """And the same offset holds at other sizes, alone and in a curve."""
     simulated = rows({"rate": 4.5, "abs_rate": 1.0})
-    refined = SURROGATE.refined((TWO,), simulated)
+    refined = SURROGATE.refined((TWO,), exactly(simulated))
     assert refined.prediction((TWO,)).change == pytest.approx(simulated)
     assert refined.prediction((THREE,)).change == pytest.approx(rows({"rate": 6.5, "abs_rate": 1.0}))
     assert refined.curve((), RATE)[2] == pytest.approx(refined.scores((THREE,)))
@@ -57,15 +58,35 @@ def test_what_was_simulated_is_predicted_exactly() -> None:
 def test_a_score_follows_from_the_surrogate_and_the_set_alone() -> None:
     """Whatever was simulated since, the one that did not learn of it says what it said."""
     before = SURROGATE.scores((TWO, ONE_DRIFT))
-    refined = SURROGATE.refined((TWO,), rows({"rate": 9.0}))
+    refined = SURROGATE.refined((TWO,), exactly(rows({"rate": 9.0})))
     assert refined.scores((TWO, ONE_DRIFT)) != pytest.approx(before)
     assert np.array_equal(SURROGATE.scores((TWO, ONE_DRIFT)), before)
 
 
+def test_what_scatters_from_run_to_run_is_known_the_less() -> None:
+    """A third of it for the mean of three runs, and what is more than two chances for the recording, which is a run."""
+    at = NUMBER["rate"]
+    for variance, scatter in ((0.3, 0.1), (2.0, 2.0 / 3.0), (8.0, 6.0 + 8.0 / 3.0)):
+        runs = SimulatedSet(rows({"rate": 4.0}), rows({"rate": variance}), 3)
+        variances = SURROGATE.refined((TWO,), runs).prediction((TWO,)).variance
+        assert variances[:, at] == pytest.approx(scatter)
+        assert np.count_nonzero(variances) == len(variances)
+
+
+def test_of_few_runs_half_is_believed() -> None:
+    """The other half is the mean of all sessions."""
+    variance = rows({})
+    variance[0, NUMBER["rate"]] = 1.2
+    found = SURROGATE.refined((TWO,), SimulatedSet(rows({}), variance, 3)).prediction((TWO,)).variance
+    assert found[:, NUMBER["rate"]] == pytest.approx([0.25, *[0.05] * (SESSIONS - 1)])
+
+
 def test_a_set_that_was_not_simulated_takes_the_largest_part_that_was() -> None:
     """Of its single causes and its pair, the pair."""
-    surrogate = SURROGATE.refined((TWO,), rows({"rate": 5.0})).refined((ONE_DRIFT,), rows({"clock_ratio": 9.0}))
-    surrogate = surrogate.refined((TWO, ONE_DRIFT), rows({"rate": 4.0, "clock_ratio": 3.0}))
+    surrogate = SURROGATE.refined((TWO,), exactly(rows({"rate": 5.0}))).refined(
+        (ONE_DRIFT,), exactly(rows({"clock_ratio": 9.0}))
+    )
+    surrogate = surrogate.refined((TWO, ONE_DRIFT), exactly(rows({"rate": 4.0, "clock_ratio": 3.0})))
     both = (TWO, ONE_DRIFT, Cause(THIRD, 4))
     assert surrogate.prediction(both).change == pytest.approx(
         rows({"rate": 4.0, "clock_ratio": 3.0, "temperature": 5.0})
@@ -75,20 +96,22 @@ def test_a_set_that_was_not_simulated_takes_the_largest_part_that_was() -> None:
 def test_what_was_simulated_of_one_variant_is_believed_of_the_others() -> None:
     """Until they are simulated themselves: a variant that has not been does not win for it."""
     slower = response("scale_factor", {"rate": 3.0})
-    surrogate = Surrogate(evidence({"rate": 6.0}, RATE, slower)).refined((TWO,), rows({"rate": 5.0}))
+    surrogate = Surrogate(evidence({"rate": 6.0}, RATE, slower)).refined((TWO,), exactly(rows({"rate": 5.0})))
     assert surrogate.prediction((Cause(slower, 1),)).change == pytest.approx(rows({"rate": 7.0}))
     assert not surrogate.knows((Cause(slower, 1),))
-    again = surrogate.refined((Cause(slower, 1),), rows({"rate": 6.5}))
+    again = surrogate.refined((Cause(slower, 1),), exactly(rows({"rate": 6.5})))
     assert again.prediction((Cause(slower, 1),)).change == pytest.approx(rows({"rate": 6.5}))
     assert again.prediction((TWO,)).change == pytest.approx(rows({"rate": 5.0}))
 
 
 def test_of_parts_as_large_that_of_the_older_set_around_it_is_behind() -> None:
     """A part within a set that was simulated later is the older knowledge; elsewhere the first holds."""
-    surrogate = SURROGATE.refined((TWO,), rows({"rate": 5.0})).refined((ONE_DRIFT,), rows({"clock_ratio": 4.0}))
+    surrogate = SURROGATE.refined((TWO,), exactly(rows({"rate": 5.0}))).refined(
+        (ONE_DRIFT,), exactly(rows({"clock_ratio": 4.0}))
+    )
     both = (TWO, ONE_DRIFT)
     assert surrogate.prediction(both).change == pytest.approx(rows({"rate": 5.0, "clock_ratio": 3.0}))
-    with_third = surrogate.refined((TWO, Cause(THIRD, 0)), rows({"rate": 4.0, "temperature": 1.0}))
+    with_third = surrogate.refined((TWO, Cause(THIRD, 0)), exactly(rows({"rate": 4.0, "temperature": 1.0})))
     assert with_third.prediction(both).change == pytest.approx(rows({"rate": 4.0, "clock_ratio": 4.0}))
 
 
@@ -118,7 +141,7 @@ def test_a_phase_that_was_fitted_has_its_price_in_every_session() -> None:
 
 def test_a_plane_is_the_curves_beside_each_size_of_the_first() -> None:
     """Of one that is fixed by its size and of one that is random."""
-    surrogate = SURROGATE.refined((THREE,), 1.1 * SURROGATE.prediction((THREE,)).change)
+    surrogate = SURROGATE.refined((THREE,), exactly(1.1 * SURROGATE.prediction((THREE,)).change))
     responses = [one for one in surrogate.evidence.responses if one is not RATE]
     for plane, other in zip(surrogate.planes(RATE, responses, 2), responses, strict=True):
         sizes = range(0, len(RATE.candidate.sizes), 2)
@@ -135,7 +158,8 @@ def test_curves_and_planes_are_scores_whatever_was_simulated() -> None:
     sets = [(Cause(one, 1),), (Cause(two, 2),), (Cause(one, 1), Cause(two, 0)), (Cause(one, 0), Cause(three, 1))]
     for known in rng.permutation(len(sets)):
         change = surrogate.prediction(sets[known]).change
-        surrogate = surrogate.refined(sets[known], change + rng.normal(0.0, 1.0, change.shape))
+        simulated = SimulatedSet(change + rng.normal(0.0, 1.0, change.shape), rng.gamma(2.0, 2.0, change.shape), 3)
+        surrogate = surrogate.refined(sets[known], simulated)
         for others in ((), *sets):
             for new in {one, two, three} - {cause.response for cause in others}:
                 scores = [surrogate.scores((*others, Cause(new, at))) for at in range(len(SIZES))]

@@ -14,7 +14,7 @@ from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_of, in_session, with_events
@@ -36,7 +36,7 @@ def tilted() -> Subject:
 
 def change(*effects: Sized) -> Floats:
     """(F,) in the plain session."""
-    changed: Floats = change_of(effects, [plain()], [table()])[0]
+    changed: Floats = change_of(effects, [plain()], [table()]).change[0]
     return changed
 
 
@@ -50,6 +50,10 @@ def test_a_set_is_played_as_one_rig() -> None:
     effects: tuple[Effect, ...] = (parse_effect("scale_factor:error_percent=1"), parse_effect("latency:delay_ms=20"))
     by_hand = [plain().simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
+    found = change_of(two, [plain()], [table()])
+    events = NUMBER["slip_size"]
+    assert np.delete(found.variance[0], events) == pytest.approx(np.delete(np.var(by_hand, axis=0, ddof=1), events))
+    assert (found.variance[0, events], found.runs) == (0.0, 3)
 
 
 def test_how_large_events_are_is_told_by_sessions_that_have_them() -> None:
@@ -57,8 +61,9 @@ def test_how_large_events_are_is_told_by_sessions_that_have_them() -> None:
     at, other = NUMBER["slip_size"], NUMBER["slip_count"]
     changes = np.zeros((3, len(FEATURES)))
     changes[:, at], changes[:, other] = (0.0, 2.0, 3.0), (0.0, 1.0, 2.0)
-    assert with_events(list(changes))[:, at].tolist() == [2.5, 2.0, 3.0]
-    assert with_events(list(changes))[:, other].tolist() == [0.0, 1.0, 2.0]
+    told = with_events([SimulatedSet(each, np.zeros(len(FEATURES)), 3) for each in changes])
+    assert told.change[:, at].tolist() == [2.5, 2.0, 3.0]
+    assert told.change[:, other].tolist() == [0.0, 1.0, 2.0]
 
 
 def test_a_random_one_is_the_mean_of_four() -> None:
@@ -84,7 +89,7 @@ def test_a_free_phase_is_that_of_each_session() -> None:
     sized = Sized(free, 0.1, np.array([30.0, 200.0]))
     assert free.is_phase_free
     assert [in_session(sized, number, plain()).model_dump()["phase_deg"] for number in (0, 1)] == [30.0, 200.0]
-    at_200, opposite = change_of([sized], [plain()] * 2, [table()] * 2)[1], change(replaced(sized, 20.0))
+    at_200, opposite = change_of([sized], [plain()] * 2, [table()] * 2).change[1], change(replaced(sized, 20.0))
     assert feature(at_200, "turn_sine") == pytest.approx(-feature(opposite, "turn_sine"), rel=0.05)
 
 
