@@ -12,11 +12,14 @@ from gyrodrift.diagnose.features.periodic import angle_shares, periodic_componen
 from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
-from gyrodrift.diagnose.recording.order_statistics import running_median_5
-from gyrodrift.diagnose.recording.outliers import step_of
+from gyrodrift.diagnose.recording.order_statistics import distinct, running_median_5
+from gyrodrift.diagnose.recording.outliers import DECIMALS, step_of
 from gyrodrift.diagnose.recording.rests import WILD_SIGMAS
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
+
+NEAR_STEP = np.linspace(0.98, 1.02, 401)
+"""Multiples of a step that its levels are held against."""
 
 LEAST_RANGE_DPS = 1.0
 """No gyro ends at less."""
@@ -86,7 +89,21 @@ def slip_deg(shown: Sequence[Shown]) -> float:
 
 def rate_step_dps(shown: Sequence[Shown]) -> float:
     """The step that rates come in; of a single one, itself."""
-    return _median([step_of(one.slow_dps) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
+    return _median(
+        [_even_step(one.slow_dps) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown]
+    )
+
+
+def _even_step(values: Floats) -> float:
+    """The step of which all levels are nearest to whole multiples; 0 where there is one level only.
+
+    Levels that were rounded to others are uneven: of a step of two and a half of these, two and three in turn.
+    """
+    step = step_of(values)
+    if not step:
+        return 0.0
+    levels, near = distinct(values, DECIMALS), step * NEAR_STEP
+    return float(near[np.abs(np.exp(2j * np.pi * levels / near[:, None]).mean(axis=1)).argmax()])
 
 
 def angle_step_deg(shown: Sequence[Shown]) -> float:

@@ -46,7 +46,7 @@ def test_steps_and_limits_are_read_off() -> None:
         "saturation:limit_dps=60",
         "encoder_quantization:cpr=1024",
     )
-    assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
+    assert hints.rate_step_dps == pytest.approx(0.25, rel=2e-3)
     assert hints.largest_dps == pytest.approx(60.0, rel=0.01)
     assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)
 
@@ -106,7 +106,7 @@ def test_of_several_sessions_the_median_counts_and_the_largest_rate_of_all() -> 
     """Two with steps and one without: the step is theirs."""
     coarse = subject_from(session_of(parse_effect("quantization:step_dps=0.25")))
     hints = hints_of([coarse, plain(), coarse])
-    assert hints.rate_step_dps == pytest.approx(0.25, rel=0.02)
+    assert hints.rate_step_dps == pytest.approx(0.25, rel=2e-3)
     assert hints.largest_dps == max(float(np.abs(one.seen.rate_dps).max()) for one in (coarse, plain()))
 
 
