@@ -19,6 +19,9 @@ LONGEST_BYTES = 128 << 10
 DEEPEST = 32
 """Blocks within blocks; the parser underneath calls itself for each, until the process dies."""
 
+TOO_DEEP = "maximum nesting depth"
+"""Said by parsers that read ahead, and have a limit of their own."""
+
 MOST_PROBLEMS = 20
 """That are told one by one; finding the key that was meant takes a while for each."""
 
@@ -105,7 +108,9 @@ def read_yaml(path: Path) -> YamlFile:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        read.report_at(line, column, f"is not YAML: {error.problem or error.context}")
+        is_too_deep = TOO_DEEP in (error.problem or "")
+        said = f"is nested more than {DEEPEST} times" if is_too_deep else f"is not YAML: {error.problem or error.context}"
+        read.report_at(line, column, said)
     except yaml.YAMLError as error:
         read.report((), f"is not YAML: {str(error).splitlines()[0]}")
     else:
