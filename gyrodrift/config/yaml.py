@@ -19,6 +19,8 @@ LONGEST_BYTES = 128 << 10
 DEEPEST = 32
 """Blocks within blocks; the parser underneath calls itself for each, until the process dies."""
 
+TOO_NESTED = f"is nested more than {DEEPEST} times"
+
 TOO_DEEP = "maximum nesting depth"
 """Said by parsers that read ahead, and have a limit of their own."""
 
@@ -99,7 +101,7 @@ def read_yaml(path: Path) -> YamlFile:
         text = read.text = content.decode("utf-8-sig")
         too_deep = _too_deep(text)
         if too_deep is not None:
-            read.report_at(*too_deep, f"is nested more than {DEEPEST} times")
+            read.report_at(*too_deep, TOO_NESTED)
             return read
         node = yaml.compose(text, Loader=LOADER)
     except UnicodeDecodeError as error:
@@ -108,8 +110,8 @@ def read_yaml(path: Path) -> YamlFile:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        is_too_deep = TOO_DEEP in (error.problem or "")
-        said = f"is nested more than {DEEPEST} times" if is_too_deep else f"is not YAML: {error.problem or error.context}"
+        problem = error.problem or error.context or ""
+        said = TOO_NESTED if TOO_DEEP in problem else f"is not YAML: {problem}"
         read.report_at(line, column, said)
     except yaml.YAMLError as error:
         read.report((), f"is not YAML: {str(error).splitlines()[0]}")
