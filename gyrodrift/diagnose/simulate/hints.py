@@ -94,18 +94,6 @@ def rate_step_dps(shown: Sequence[Shown]) -> float:
     )
 
 
-def _even_step(values: Floats) -> float:
-    """The step of which all levels are nearest to whole multiples; 0 where there is one level only.
-
-    Levels that were rounded to others are uneven: of a step of two and a half of these, two and three in turn.
-    """
-    step = step_of(values)
-    if not step:
-        return 0.0
-    levels, near = distinct(values, DECIMALS), step * NEAR_STEP
-    return float(near[np.abs(np.exp(2j * np.pi * levels / near[:, None]).mean(axis=1)).argmax()])
-
-
 def angle_step_deg(shown: Sequence[Shown]) -> float:
     """The step that angles come in; of a single one, a count."""
     return _median([step_of(one.subject.seen.recording.encoder_deg) or _count_deg(one.subject) for one in shown])
@@ -161,6 +149,18 @@ SOURCES = {
     "dps_per_lsb": HintSource(dps_per_lsb),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""
+
+
+def _even_step(values: Floats) -> float:
+    """The step of which all levels are nearest to whole multiples; 0 where there is one level only.
+
+    Levels that were rounded to others are uneven: of a step of two and a half of these, two and three in turn.
+    """
+    step = step_of(values)
+    if not step:
+        return 0.0
+    levels, near = distinct(values, DECIMALS), step * NEAR_STEP
+    return float(near[np.abs(np.exp(2j * np.pi * levels / near[:, None]).mean(axis=1)).argmax()])
 
 
 def _most(values: Floats) -> float:

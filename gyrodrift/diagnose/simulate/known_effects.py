@@ -1,12 +1,12 @@
 """What a rig says that stands between motion and measurement, taken out before the motion is rebuilt."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
-from firmware_sim.effects.encoder import Backlash, EncoderEccentricity
 from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
 from firmware_sim.rig import Rig
@@ -53,13 +53,20 @@ def hides_rest(effect: Effect) -> bool:
     return effect.name == "deadband"
 
 
-def bends_motion(effect: Effect) -> bool:
-    """Whether a motion is another one where the effect is known to act.
+class MotionSeen(NamedTuple):
+    """What of a rig decides which motion is behind a recording.
 
-    By how late or in what steps a gyro reads, or by where an encoder stands: its coarse counts are seen in the angles.
+    encoder
+        Effects by which the encoder stands elsewhere.
     """
-    by_rate = isinstance(effect, Quantization | Latency | Bandwidth)
-    return by_rate or isinstance(effect, Backlash | EncoderEccentricity)
+
+    gyro: GyroModel
+    encoder: tuple[Effect, ...]
+
+
+def motion_seen_by(rig: Rig) -> MotionSeen:
+    """How its gyro and its encoder see a motion."""
+    return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)))
 
 
 def has_encoder_effects(rig: Rig) -> bool:

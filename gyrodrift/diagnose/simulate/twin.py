@@ -32,11 +32,12 @@ from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, referen
 from gyrodrift.diagnose.simulate.calibration import calibrated
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
+    MotionSeen,
     angles_before,
-    bends_motion,
     gyro_model_of,
     has_encoder_effects,
     moments_of,
+    motion_seen_by,
     with_phases,
 )
 from gyrodrift.session.session import Session
@@ -79,7 +80,7 @@ class Subject:
     rig: Rig
     reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
-    held: dict[tuple[Effect, ...], "Subject"] = field(default_factory=dict, repr=False)
+    held: dict[MotionSeen, "Subject"] = field(default_factory=dict, repr=False)
     bases: dict[tuple[Effect, ...], Base] = field(default_factory=dict, repr=False)
 
     @property
@@ -106,14 +107,14 @@ class Subject:
         that follows its angles, would show them twice as far off, and a late gyro would be twice as late.
         """
         rig = with_replaced(self.rig, effects)
-        acting = tuple(effect for effect in rig.effects if bends_motion(effect))
-        if acting == tuple(effect for effect in self.rig.effects if bends_motion(effect)):
+        seen_by = motion_seen_by(rig)
+        if seen_by == motion_seen_by(self.rig):
             return self
-        if acting not in self.held:
+        if seen_by not in self.held:
             self.held.clear()  # sizes are simulated one after the other, and a motion takes as much as a recording
             _, posterior = corrected(self.seen, rig, self.posterior)
-            self.held[acting] = replace(self, posterior=posterior, drawn={})
-        return self.held[acting]
+            self.held[seen_by] = replace(self, posterior=posterior, drawn={}, held={})
+        return self.held[seen_by]
 
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""
