@@ -120,7 +120,11 @@ def _is_for_eyes(stream: TextIO) -> bool:
 
 
 def _bars(stream: TextIO) -> "Bars":
-    """Nothing that is written to stdout passes through them: it may go elsewhere."""
+    """Nothing that is written to stdout passes through them: it may go elsewhere.
+
+    While they are shown only their own thread draws. Ctrl-C reaches the main thread; one that was at drawing
+    would leave rows that are on the screen and not counted, and they would stay there.
+    """
     from rich.console import Console  # noqa: PLC0415 - costs only who sees it
     from rich.progress import (  # noqa: PLC0415
         BarColumn,
@@ -130,8 +134,12 @@ def _bars(stream: TextIO) -> "Bars":
         TimeRemainingColumn,
     )
 
+    class DrawnByItsThread(Progress):
+        def refresh(self) -> None:
+            """A task more is seen with the next of the thread's rounds, a tenth of a second later at most."""
+
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"), TimeElapsedColumn())
-    return Progress(
+    return DrawnByItsThread(
         *columns,
         TextColumn("left"),
         TimeRemainingColumn(),

@@ -1,16 +1,22 @@
 """How far a long command has come: on a terminal, and nowhere else."""
 
+import io
+import os
 import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TextIO
 
+import pyte
 import pytest
-from support import Terminal, ours
+from support import PATIENCE_S, Terminal, ours
 
 from gyrodrift.cli import main
+from gyrodrift.progress import Progress
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +126,39 @@ def test_the_log_on_a_terminal_has_the_colours_that_are_wanted(
         assert terminal.end() == 0
         assert "missing=3" in terminal.text
         assert (b"\x1b[3" in terminal.sent) == is_coloured
+
+
+class InterruptedAfter(io.StringIO):
+    """A terminal where somebody presses Ctrl-C in the moment that `word` has been drawn."""
+
+    def __init__(self, word: str) -> None:
+        super().__init__()
+        self._word: str | None = word
+
+    def isatty(self) -> bool:
+        return True
+
+    def flush(self) -> None:
+        super().flush()
+        if self._word is not None and self._word in self.getvalue():
+            self._word = None
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def two_bars(stream: TextIO) -> None:
+    with Progress(stream) as progress:
+        progress.evaluated("the first", 1, 2)
+        time.sleep(0.3)
+        progress.evaluated("the second", 1, 2)
+        time.sleep(PATIENCE_S)
+
+
+def test_an_interrupt_in_the_moment_of_drawing_leaves_no_row_behind() -> None:
+    """What was drawn is what is taken away, whichever thread the signal meets."""
+    stream = InterruptedAfter("the second")
+    screen = pyte.Screen(120, 24)
+    with pytest.raises(KeyboardInterrupt):
+        two_bars(stream)
+    pyte.Stream(screen).feed(stream.getvalue().replace("\n", "\r\n"))
+    assert "the second" in stream.getvalue()
+    assert "".join(screen.display).strip() == ""
