@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
 from gyrodrift.diagnose.inference.likelihood import CROSS_TALK, EXACT_CROSS_TALK, discrepancy_variance
@@ -20,6 +22,9 @@ class Response:
         (sizes, sessions, F) change of the features.
     spread
         (sizes, F) standard deviation of that change where it is random, else 0.
+    usual
+        (sizes, F) the same by the median, and no more: less where a feature changes much in few realisations, and
+        little in most. None where that is not known apart.
     phases_deg
         (sessions,) of a candidate whose phase is free: the one that each session shows; None of all others.
     realised
@@ -31,6 +36,13 @@ class Response:
     spread: Floats
     phases_deg: Floats | None = None
     realised: Floats | None = None
+    usual: Floats | None = None
+
+    @property
+    def usual_variance(self) -> Floats:
+        """(sizes, F) of a session in which nothing rare happened."""
+        variance: Floats = np.square(self.spread if self.usual is None else self.usual)
+        return variance
 
 
 @dataclass(frozen=True, slots=True, eq=False)

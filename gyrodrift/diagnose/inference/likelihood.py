@@ -59,6 +59,22 @@ def _static(change: Floats) -> Floats:
     return length
 
 
+def log_likelihood_of_events(residual: Floats, variance: Floats, usual: Floats, discrepancy: Floats) -> Floats:
+    """The same where a session has what happens in few of them, or has not: either is as likely as the other.
+
+    By the spread alone, what happens to one session in four would cost all others as much as it gains that one.
+
+    usual
+        The variance of those where it did not happen.
+    """
+    with_it = log_likelihood(residual, variance, discrepancy)
+    if not (usual < variance).any():
+        return with_it
+    without_it = log_likelihood(residual, usual, discrepancy)
+    total: Floats = np.logaddexp(with_it, without_it) - np.log(2.0)
+    return total
+
+
 def log_likelihood(residual: Floats, variance: Floats, discrepancy: Floats) -> Floats:
     """Sum over features of the logarithm of a Student density; model discrepancy is no spread, and costs nothing."""
     squares = np.square(residual) / (DEGREES_OF_FREEDOM * (variance + discrepancy))

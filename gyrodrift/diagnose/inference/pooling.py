@@ -19,6 +19,9 @@ PRIOR_RUNS = 2.0
 ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
 """Features that know a phase: what another cause does to all others is none of its business."""
 
+MEDIAN_TO_SIGMA = 1.4826
+"""Of a normal distribution: its standard deviation by the median of absolute deviations."""
+
 ABSENT_SHARE = 0.1
 """Of the replays: a regressor that so many of them have not is on the edge of being one."""
 
@@ -129,10 +132,12 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     pooled = simulated.transpose(1, 0, 2, 3).reshape(simulated.shape[1], -1, simulated.shape[-1])
     happened = happened_in(pooled)
     mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
-    spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
+    away = np.where(happened, np.abs(pooled - mean[:, None]), 0.0)
+    spread = np.sqrt(mean_where(happened, np.square(away), axis=1))
+    usual = np.minimum(MEDIAN_TO_SIGMA * np.median(away, axis=1), spread)
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
-    at_sizes = interpolated(candidate, spread[:, None])[:, 0]
-    return Response(candidate, wide, at_sizes, realised=simulated.transpose(1, 0, 2, 3))
+    spread_at, usual_at = (interpolated(candidate, each[:, None])[:, 0] for each in (spread, usual))
+    return Response(candidate, wide, spread_at, realised=simulated.transpose(1, 0, 2, 3), usual=usual_at)
 
 
 def _beside_each_other(

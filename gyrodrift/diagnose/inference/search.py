@@ -159,8 +159,8 @@ def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tu
 
 
 def _sound_total(surrogate: Surrogate, causes: Sequence[Cause], new: Sequence[Cause]) -> float:
-    """Score of a set by the tables, less what its new causes do not earn."""
-    return float(surrogate.scores(causes).sum()) - unearned(surrogate, causes, new)
+    """Score of a set by the tables, less what its new causes do not earn, and what those that are no effect cost."""
+    return CauseSet(tuple(causes), surrogate.scores(causes), unearned(surrogate, causes, new)).total
 
 
 def _all_scored(surrogate: Surrogate, sets: list[tuple[Cause, ...]], simulate: Simulate) -> Step:

@@ -13,7 +13,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood
+from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood_of_events
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
@@ -67,12 +67,15 @@ class Prediction(NamedTuple):
         Of the features.
     variance
         What random causes add to that of the features, and what is not known of a set from a few simulations of it.
+    usual
+        The same variance where nothing of random causes happened that few realisations have.
     discrepancy
         The model-discrepancy variance.
     """
 
     change: Floats
     variance: Floats
+    usual: Floats
     discrepancy: Floats
 
 
@@ -106,19 +109,21 @@ class Surrogate:
         added, known = self._added(causes), self._correction(_responses(causes))
         if known is None:
             return added
-        return added._replace(change=added.change + known.change, variance=added.variance + known.variance)
+        variance, usual = added.variance + known.variance, added.usual + known.variance
+        return Prediction(added.change + known.change, variance, usual, added.discrepancy)
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
         """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
-        change, variance, discrepancy = self.prediction(causes)
+        change, variance, usual, discrepancy = self.prediction(causes)
         evidence = self.evidence
         fitted = sum(cause.response.phases_deg is not None for cause in causes)
-        likelihood = log_likelihood(evidence.difference - change, evidence.sigma**2 + variance, discrepancy)
+        left, chance = evidence.difference - change, evidence.sigma**2
+        likelihood = log_likelihood_of_events(left, chance + variance, chance + usual, discrepancy)
         return likelihood - FREE_PHASE_COST * fitted
 
     def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
         """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
-        change, variance, discrepancy = self.prediction(causes)
+        change, variance, _, discrepancy = self.prediction(causes)
         evidence = self.evidence
         left: Floats = (evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + discrepancy)
         return left
@@ -146,11 +151,12 @@ class Surrogate:
         known = self._correction(both)
         change = combined(beside.change, response.mean[::step]) + (0.0 if known is None else known.change)
         is_random = response.candidate.realisations > 1
-        spread = response.spread[::step] if is_random else response.spread[:1]  # else 0 at all sizes
-        widened = self.evidence.sigma**2 + beside.variance + np.square(spread)[:, None]
-        widened = widened + (0.0 if known is None else known.variance)
+        sizes = slice(None, None, step) if is_random else slice(1)  # else 0 at all sizes
+        chance = self.evidence.sigma**2 + (0.0 if known is None else known.variance)
+        wide = chance + beside.variance + np.square(response.spread[sizes])[:, None]
+        usual = chance + beside.usual + response.usual_variance[sizes, None]
         discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
-        likelihood = log_likelihood(self.evidence.difference - change, widened, discrepancy)
+        likelihood = log_likelihood_of_events(self.evidence.difference - change, wide, usual, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted
 
@@ -173,13 +179,14 @@ class Surrogate:
     def _added(self, causes: Sequence[Cause]) -> Prediction:
         """By the tables alone."""
         change = np.zeros_like(self.evidence.difference)
-        variance, discrepancy = np.zeros_like(change), np.zeros_like(change)
+        variance, usual, discrepancy = (np.zeros_like(change) for _ in range(3))
         for cause in causes:
             mean = cause.response.mean[cause.at]
             change = combined(change, mean)
             variance = variance + np.square(cause.response.spread[cause.at])
+            usual = usual + cause.response.usual_variance[cause.at]
             discrepancy = discrepancy + self.evidence.discrepancies[cause.response][cause.at]
-        return Prediction(change, variance, discrepancy)
+        return Prediction(change, variance, usual, discrepancy)
 
     def _scatter(self, simulated: SimulatedSet, known: Floats) -> Floats:
         """(sessions, F) by which simulations of a set scatter more than a rig without it, and their mean with them.

@@ -10,9 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
-from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
+from firmware_sim.rig import Rig, with_replaced
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spectral_line import white_dps
@@ -20,7 +22,7 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.host_timing import with_host
-from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
+from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of, hides_rest
 from gyrodrift.simulation.sessions import as_recorded
 
 ROUNDS = 3
@@ -103,14 +105,33 @@ def calibrated(
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
     """Of a recording or of a simulation of it; the bias in motion where something hides it at rest."""
-    residual_dps, at_rest = block_residual_dps(seen, design), design.regimes.block_at_rest
-    found_dps = white_dps(seen, design, step_dps)
-    # What an effect adds in motion is no bias; but steps without noise, or a dead band, hide the bias at rest.
+    shows = _shows_bias(seen, design, step_dps, in_motion=in_motion)
+    return Level(white_dps(seen, design, step_dps), float(np.median(block_residual_dps(seen, design)[shows])))
+
+
+def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
+    """The bias of a calibrated rig beside more effects, deg/s: what these add to the rate was taken for bias.
+
+    A rate in coarse steps shows it: added to what is there already, it would stand elsewhere between two steps.
+    """
+    more = with_replaced(rig, effects)
+    in_motion = any(map(hides_rest, more.effects))
+    shows = _shows_bias(seen, design, gyro_model_of(rig).count_dps, in_motion=in_motion)
+    residual_dps = block_residual_dps(seen, design)
+    left_dps = [
+        float(np.median((residual_dps - block_means(error_dps(each, design.motion), design.block))[shows]))
+        for each in (more, rig)
+    ]
+    return rig.base.bias_dps + (left_dps[0] - left_dps[1])
+
+
+def _shows_bias(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> Mask:
+    """(blocks,) What an effect adds in motion is no bias; but steps without noise, or a dead band, hide it at rest."""
+    at_rest = design.regimes.block_at_rest
     noisy_dps = seen.rate_dps[design.regimes.at_rest]
     is_hidden = in_motion or not len(noisy_dps) or float(np.std(noisy_dps)) < HIDDEN_STEPS * step_dps
-    chosen = residual_dps[~at_rest if is_hidden else at_rest]
-    bias_dps = float(np.median(chosen if len(chosen) > len(residual_dps) // FEW_BLOCKS else residual_dps))
-    return Level(found_dps, bias_dps)
+    shows: Mask = ~at_rest if is_hidden else at_rest
+    return shows if shows.sum() > len(shows) // FEW_BLOCKS else np.ones(len(shows), dtype=np.bool_)
 
 
 def _above_rounding_dps(level: Level, step_dps: float) -> float:

@@ -1,5 +1,6 @@
 """What a rig says that stands between motion and measurement, taken out before the motion is rebuilt."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -88,7 +89,8 @@ def with_phases(rig: Rig, seen: Cleaned, design: DesignMatrix) -> Rig:
     turning = [effect for effect in rig.effects if effect.name in ONCE_PER_TURN]
     if rig.base.encoder_absolute or not turning:
         return rig
-    left = _Left.of(seen, design, _error_dps(rig, design.motion))
+    # Where a table turns whole turns each way, a gain that differs by direction looks as if it came once per turn.
+    left = _Left.of(seen, design, error_dps(rig, design.motion, NOT_BY_ITSELF))
     for effect in turning:
         left = left.without(effect)
     effects = list(rig.effects)
@@ -153,25 +155,26 @@ class _Left:
         return best, replace(self, residual_dps=residual_dps).without(best)
 
 
-def _error_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
-    """By how much the rate of a motion errs through the rig's other effects, deg/s, shape (n,).
+def error_dps(rig: Rig, motion: ReplayedMotion, without: Collection[str] = ("quantization",)) -> Floats:
+    """(n,) By how much a rate errs through the bias of a rig and effects that leave nothing to chance, deg/s.
 
-    Where a table turns whole turns each way, a gain that differs by direction looks as if it came once per turn.
+    without
+        Names of effects to leave out.
     """
     moments = moments_of(motion)
     none, rate_hz = np.random.default_rng(0), 1.0 / motion.period_s
     seen_s = moments.t_s
-    effects = [effect for effect in in_acting_order(rig.effects) if _leaves_no_chance(effect)]
+    effects = [one for one in in_acting_order(rig.effects) if _leaves_no_chance(one) and one.name not in without]
     for effect in effects:
         if effect.place is Place.LAG:
             seen_s = effect.begin(none, rate_hz)(seen_s, moments)
     rate_dps: Floats = np.interp(seen_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
     for place in OF_THE_RATE:
         for effect in effects:
-            if effect.place is place and effect.name not in NOT_BY_ITSELF:
+            if effect.place is place:
                 rate_dps = effect.begin(none, rate_hz)(rate_dps, moments)
-    error_dps: Floats = rate_dps - motion.rate_dps
-    return error_dps
+    found: Floats = rate_dps - motion.rate_dps
+    return found
 
 
 def _leaves_no_chance(effect: Effect) -> bool:

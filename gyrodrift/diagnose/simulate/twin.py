@@ -29,7 +29,7 @@ from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPoste
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
-from gyrodrift.diagnose.simulate.calibration import calibrated
+from gyrodrift.diagnose.simulate.calibration import bias_beside, calibrated
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
     MotionSeen,
@@ -98,6 +98,13 @@ class Subject:
         if effects not in self.bases:
             rig = with_replaced(self.rig, effects)
             self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base
+        return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
+
+    def beside(self, effects: tuple[Effect, ...]) -> "Subject":
+        """The same with the bias that is left beside more effects."""
+        if effects not in self.bases:
+            bias_dps = bias_beside(self.seen, self.design, self.rig, effects)
+            self.bases[effects] = self.rig.base.model_copy(update={"bias_dps": bias_dps})
         return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
 
     def held_to(self, effects: tuple[Effect, ...]) -> "Subject":

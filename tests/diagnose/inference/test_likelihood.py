@@ -8,7 +8,12 @@ from inference_support import evidence, response, row
 from scipy.stats import t as student
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC
-from gyrodrift.diagnose.inference.likelihood import combined, discrepancy_variance, log_likelihood
+from gyrodrift.diagnose.inference.likelihood import (
+    combined,
+    discrepancy_variance,
+    log_likelihood,
+    log_likelihood_of_events,
+)
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 NONE = np.zeros(len(FEATURES))
@@ -22,6 +27,17 @@ def test_it_is_a_student_density_of_four_degrees_of_freedom() -> None:
     found = log_likelihood(residual, sigma**2, NONE) - log_likelihood(NONE, np.ones(len(FEATURES)), NONE)
     expected = student.logpdf(residual, 4.0, scale=sigma) - student.logpdf(NONE, 4.0)
     assert found == pytest.approx(expected.sum())
+
+
+def test_a_session_with_an_event_and_one_without_are_as_likely() -> None:
+    """Half of either density; what nothing rare spreads has but one."""
+    ones, rare = np.ones(len(FEATURES)), row({"rate": 8.0, "abs_rate": 3.0})
+    for shown in ({}, {"rate": 9.0}):
+        both = [student.logpdf(row(shown), 4.0, scale=np.sqrt(each)).sum() for each in (ones + rare, ones)]
+        found = log_likelihood_of_events(row(shown), ones + rare, ones, NONE) - log_likelihood(NONE, ones, NONE)
+        expected = np.log(0.5 * np.exp(both).sum()) - student.logpdf(NONE, 4.0).sum()
+        assert found == pytest.approx(expected)
+    assert log_likelihood_of_events(NONE, ones, ones, ones) == log_likelihood(NONE, ones, ones)
 
 
 def test_discrepancy_excuses_what_is_off_and_costs_nothing_elsewhere() -> None:
@@ -43,7 +59,7 @@ def test_discrepancy_is_a_share_of_the_change_and_leaks_to_other_regressors() ->
 
 
 def test_what_has_but_one_form_leaks_less() -> None:
-    """A gain is a line: 1 % of the length 10, beside a bend whose 4 % would hide another cause."""
+    """A gain is a line, and a limit a limit: 1 % of the length 10, beside a bend whose 4 % would hide another cause."""
     line, bend = response("scale_factor", {"rate": 10.0}), response("temp_bias", {"rate": 10.0})
     exact = replace(line, candidate=replace(line.candidate, is_exact=True))
     found = evidence({"rate": 10.0}, exact, bend).discrepancies
@@ -51,7 +67,7 @@ def test_what_has_but_one_form_leaks_less() -> None:
     assert found[exact][0, :, number] == pytest.approx(0.1**2)
     assert found[bend][0, :, number] == pytest.approx(0.4**2)
     assert {name for name, kind in KINDS.items() if kind.is_exact} == {
-        "scale_factor", "scale_asymmetry", "clock_drift", "g_sensitivity", "encoder_eccentricity",
+        "scale_factor", "scale_asymmetry", "clock_drift", "g_sensitivity", "encoder_eccentricity", "saturation",
     }  # fmt: skip
 
 

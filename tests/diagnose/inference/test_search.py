@@ -1,10 +1,11 @@
 """The search over sets of causes, on toys whose truth is known: one cause, masked pairs, idle causes, and none."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, added, candidate, evidence, random_response, response, rows
+from inference_support import SESSIONS, added, candidate, evidence, exactly, random_response, response, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.acceptance import GAIN, passes_acceptance
@@ -13,6 +14,7 @@ from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.fit import CauseSet, cross_validated
 from gyrodrift.diagnose.inference.search import CLOSE, exchanged, search, with_one_more, without_idle
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 RATE = response("scale_factor", {"rate": 2.0})
 DRIFT = response("clock_drift", {"clock_ratio": 3.0})
@@ -70,6 +72,24 @@ def test_a_cause_that_is_idle_beside_the_others_is_dropped() -> None:
     both, surrogate = cross_validated(surrogate, (Cause(RATE, 4), Cause(DRIFT, 0)), added)
     found, _ = without_idle(surrogate, both, added)
     assert found.names == ("scale_factor",)
+
+
+def test_a_shorter_set_is_scored_at_the_sizes_of_the_longer_too() -> None:
+    """Alone it was known at another size only, where it does what it does nowhere else, and there the fit stays."""
+
+    def simulated(causes: Sequence[Cause]) -> SimulatedSet:
+        (one,) = causes
+        odd = {"rate": 10.0, "abs_rate": 5.0} if one.size == 2.0 else {"rate": 2.0 * one.size}
+        return exactly(rows(odd if one.name == "scale_factor" else {"clock_ratio": 3.0 * one.size}))
+
+    right, idle = Cause(RATE, 4), Cause(DRIFT, 0)
+    surrogate = Surrogate(evidence({"rate": 10.0, "clock_ratio": 1.5}, RATE, DRIFT))
+    both = CauseSet((right, idle), surrogate.scores((right, idle)))
+    surrogate = surrogate.refined((Cause(RATE, 1),), simulated((Cause(RATE, 1),)))
+    alone, surrogate = cross_validated(surrogate, (right,), simulated)
+    assert alone.causes[0].size == 2.0
+    found, _ = without_idle(surrogate, both, simulated)
+    assert [(cause.name, cause.size) for cause in found.causes] == [("scale_factor", 5.0)]
 
 
 def test_no_cause_that_explains_is_dropped() -> None:

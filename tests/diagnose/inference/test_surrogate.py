@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from inference_support import SESSIONS, SIZES, evidence, exactly, random_response, response, row, rows
 
-from gyrodrift.diagnose.features.vector import NUMBER
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
@@ -34,6 +34,19 @@ def test_random_causes_add_variance() -> None:
     )
     surrogate = Surrogate(evidence({}, walk, jitter))
     assert surrogate.prediction((Cause(walk, 0), Cause(jitter, 0))).variance[:, NUMBER["time"]] == pytest.approx(25.0)
+
+
+def test_what_happens_in_few_sessions_costs_little_in_the_others() -> None:
+    """Twenty features that an event in one session spreads: that one gains, and the three without it lose ln 2."""
+    names = [one.name for one in FEATURES[:20]]
+    walk = random_response("rate_random_walk", dict.fromkeys(names, 3.0))
+    events, never = replace(walk, usual=np.zeros_like(walk.spread)), np.zeros((SESSIONS, len(FEATURES)))
+    shown = never + np.eye(SESSIONS, 1) * row(dict.fromkeys(names, 5.0))
+    for one, least in ((events, -np.log(2.0)), (walk, -10.0 * np.log(1.0 + 3.0**2))):
+        surrogate = Surrogate(evidence(shown, one))
+        gains = surrogate.scores((Cause(one, 0),)) - surrogate.scores(())
+        assert gains[0] > 15.0
+        assert gains[1:] == pytest.approx(np.full(SESSIONS - 1, least), abs=1e-6)
 
 
 def test_a_curve_is_the_score_at_every_size() -> None:
@@ -154,6 +167,8 @@ def test_curves_and_planes_are_scores_whatever_was_simulated() -> None:
     rng = np.random.default_rng()
     names = ("rate", LOG, OTHER_LOG, "time")
     one, two, three = (response(name, dict(zip(names, rng.normal(0.0, 2.0, 4), strict=True))) for name in NAMES)
+    events = random_response("rate_random_walk", {"rate": 2.0, "time": 1.0})
+    three = replace(events, mean=three.mean, usual=0.5 * events.spread)
     surrogate = Surrogate(evidence(dict(zip(names, rng.normal(0.0, 3.0, 4), strict=True)), one, two, three))
     sets = [(Cause(one, 1),), (Cause(two, 2),), (Cause(one, 1), Cause(two, 0)), (Cause(one, 0), Cause(three, 1))]
     for known in rng.permutation(len(sets)):

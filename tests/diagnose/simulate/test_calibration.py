@@ -48,6 +48,18 @@ def test_noise_and_bias_are_found_through_the_effects_of_the_rig(effects: tuple[
     assert base.sample_rate_hz == pytest.approx(100.0, rel=1e-4)
 
 
+@pytest.mark.parametrize("effect", ["temp_bias:slope_dps_per_c=0.05", "g_sensitivity:amplitude_dps=0.1", "warmup"])
+@pytest.mark.parametrize("noise", [NOISE_DPS_RTHZ, 0.001], ids=["noisy", "stepped"])
+def test_beside_what_is_held_to_act_the_bias_is_what_is_left(effect: str, noise: float) -> None:
+    """All that the gyro showed was taken for bias, at rest, or in motion where steps of 0.061 deg/s hide it."""
+    own = {"noise_dps_rthz": noise, "bias_dps": BIAS_DPS, "dps_per_lsb": 0.061}
+    truth = Rig(base=BASE.model_copy(update=own), effects=(parse_effect(effect),))
+    session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
+    subject = subject_of(recording_of(session), Rig(base=truth.base, effects=()))
+    assert subject.beside(truth.effects).rig.base.bias_dps == pytest.approx(BIAS_DPS, abs=0.03)
+    assert subject.beside(()).rig.base == subject.rig.base
+
+
 @pytest.mark.parametrize(("rate_hz", "noise"), [(50.0, 0.02), (200.0, 0.002), (400.0, 0.0035)])
 def test_noise_is_a_density_whatever_the_rate(rate_hz: float, noise: float) -> None:
     """From the best gyros to the worst."""

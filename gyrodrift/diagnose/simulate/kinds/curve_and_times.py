@@ -66,6 +66,7 @@ CURVE_AND_TIMES = (
         None,
         (Need.MOTION,),
         Touches.VALUES,
+        is_exact=True,
     ),
     CandidateKind(
         "bandwidth",
