@@ -47,6 +47,7 @@ HINTS = Hints(
     turn_order=4,
     angle_turn_order=3,
     sample_period_s=0.01,
+    bunch_s=0.0,
     dps_per_lsb=0.0076,
 )
 

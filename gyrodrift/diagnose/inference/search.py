@@ -123,8 +123,9 @@ def without_idle(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> t
     while len(found.causes) > 1:
         rest = [without(found.causes, cause) for cause in found.causes]
         shorter, surrogate = _all_scored(surrogate, rest, simulate)
-        as_they_are, known = _all_scored(_exact_at(surrogate, rest, simulate), rest, simulate)
-        if as_they_are[0].total > shorter[0].total:
+        moved = [causes for causes in rest if all(causes != one.causes for one in shorter)]
+        as_they_are, known = _all_scored(_exact_at(surrogate, moved, simulate), moved, simulate)
+        if as_they_are and as_they_are[0].total > shorter[0].total:
             shorter, surrogate = as_they_are, known
         if passes_acceptance(surrogate, found, shorter[0]):
             break

@@ -63,8 +63,8 @@ class Hints:
         Rates other than zero that the device put out.
     period_s, turn_order, angle_turn_order
         Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
-    sample_period_s
-        Distance of two samples.
+    sample_period_s, bunch_s
+        Distance of two samples, and of two bunches of them at the host; 0 where there are none.
     dps_per_lsb
         Steps of the rate as the rig has them.
     """
@@ -80,6 +80,7 @@ class Hints:
     turn_order: int
     angle_turn_order: int
     sample_period_s: float
+    bunch_s: float
     dps_per_lsb: float
 
 

@@ -53,6 +53,18 @@ def simulated(*points: float) -> Variants:
     return lambda _: [Variant(simulated_grid(*points))]
 
 
+def simulated_and_shown(shown: Callable[[Hints], float], *points: float) -> Variants:
+    """Simulated at these sizes and at the one that the recordings show, where it is one between them."""
+
+    def variants(hints: Hints) -> Sequence[Variant]:
+        grid, own = simulated_grid(*points), shown(hints)
+        if not points[0] < own < points[-1]:
+            return [Variant(grid)]
+        return [Variant(SizeGrid(np.union1d(grid.points, own), np.union1d(grid.sizes, own)))]
+
+    return variants
+
+
 def simulated_within(periods: float, *points_ms: float) -> Variants:
     """Simulated at these times, and at so many sample periods where that is longer."""
 

@@ -14,12 +14,16 @@ from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.order_statistics import distinct, running_median_5
 from gyrodrift.diagnose.recording.outliers import DECIMALS, step_of
+from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.rests import WILD_SIGMAS
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)
 """Multiples of a step that its levels are held against."""
+
+BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
+"""Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
 
 LEAST_RANGE_DPS = 1.0
 """No gyro ends at less."""
@@ -129,6 +133,19 @@ def sample_period_s(shown: Sequence[Shown]) -> float:
     return min(one.subject.seen.recording.period_s for one in shown)
 
 
+def bunch_s(shown: Sequence[Shown]) -> float:
+    """How far apart bunches of samples reach the host, over the sessions; 0 where they do not come in bunches."""
+    return _median([_bunch_s(one.subject.seen.recording) for one in shown])
+
+
+def _bunch_s(recording: Recording) -> float:
+    """By the silence before a sample that another one follows at once: after one that was lost none does."""
+    arrived_s = np.zeros(0) if recording.host_s is None else recording.host_s[np.isfinite(recording.host_s)]
+    gaps = np.diff(arrived_s) / recording.period_s
+    begins = np.flatnonzero((gaps[:-1] > BEGINS_AFTER) & (gaps[1:] < AT_ONCE))
+    return float(np.median(np.diff(arrived_s[begins]))) if len(begins) > FEW_BUNCHES else 0.0
+
+
 def dps_per_lsb(shown: Sequence[Shown]) -> float:
     """What the rig says."""
     return _median([one.subject.rig.base.dps_per_lsb for one in shown])
@@ -146,6 +163,7 @@ SOURCES = {
     "turn_order": HintSource(turn_order),
     "angle_turn_order": HintSource(angle_turn_order),
     "sample_period_s": HintSource(sample_period_s),
+    "bunch_s": HintSource(bunch_s),
     "dps_per_lsb": HintSource(dps_per_lsb),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""

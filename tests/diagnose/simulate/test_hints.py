@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from simulate_support import BASE, MOTION, plain, session_of, subject_from
+from simulate_support import BASE, HINTS, MOTION, plain, session_of, subject_from
 
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
@@ -49,6 +49,20 @@ def test_steps_and_limits_are_read_off() -> None:
     assert hints.rate_step_dps == pytest.approx(0.25, rel=2e-3)
     assert hints.largest_dps == pytest.approx(60.0, rel=0.01)
     assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)
+
+
+@pytest.mark.parametrize("interval_ms", [24.0, 31.0, 53.0])
+def test_bunches_are_as_far_apart_as_they_come(interval_ms: float) -> None:
+    """And where samples come one by one, or some never, there are none."""
+    assert hints_with(f"usb_batching:interval_ms={interval_ms}").bunch_s == pytest.approx(interval_ms * 1e-3, rel=0.01)
+    assert hints_with("sample_drop:share_percent=1").bunch_s == hints_with("timestamp_jitter").bunch_s == 0.0
+
+
+def test_what_is_shown_is_simulated_and_a_size() -> None:
+    """Beside those that are always tried."""
+    for bunch_s, is_own in ((0.053, True), (0.0, False), (0.2, False)):
+        (one,) = (each for each in candidates(replace(HINTS, bunch_s=bunch_s)) if each.name == "usb_batching")
+        assert (1e3 * bunch_s in one.grid_points, 1e3 * bunch_s in one.sizes) == (is_own, is_own)
 
 
 @pytest.mark.parametrize("level_dps", [0.0, 1.334])

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
-from gyrodrift.diagnose.simulate.grids import between, read_off, simulated, simulated_within
+from gyrodrift.diagnose.simulate.grids import between, read_off, simulated, simulated_and_shown, simulated_within
 from gyrodrift.diagnose.simulate.kinds.groups import COARSE_VALUES, LAG, REVERSAL, TIMES
 
 NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
@@ -37,6 +37,11 @@ def _coarser_steps(hints: Hints) -> Sequence[Variant]:
     is_coarser = hints.rate_step_dps > COARSER * hints.dps_per_lsb
     step_dps = max(hints.rate_step_dps, hints.dps_per_lsb)
     return read_off(lambda _: step_dps, NOISE_SHARES if is_coarser else (1.0,))(hints)
+
+
+def _bunches_ms(hints: Hints) -> float:
+    """Quantiles of gaps jump where one sample more fits into a bunch, and lie on no curve between other intervals."""
+    return 1e3 * hints.bunch_s
 
 
 CURVE_AND_TIMES = (
@@ -111,7 +116,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "usb_batching",
         "interval_ms",
-        simulated(1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0),
+        simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0),
         "samples reach the host in bunches",
         TIMES,
         (Need.HOST,),
