@@ -11,7 +11,7 @@ import numpy as np
 
 from gyrodrift.diagnose.inference.acceptance import all_show, passes_acceptance, shows
 from gyrodrift.diagnose.inference.earned import unearned
-from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate, without
@@ -105,8 +105,16 @@ def pairs(surrogate: Surrogate, simulate: Simulate) -> Step:
         short_list.setdefault(frozenset(cause.name for cause in pair), pair)
         if len(short_list) == PROMISING_PAIRS:
             break
-    best = sorted(short_list.values(), key=lambda pair: -_sound_total(surrogate, pair, pair))[:BEST_PAIRS]
+    closer = [_best_beside(surrogate, *(cause.response for cause in pair)) for pair in short_list.values()]
+    best = sorted(closer, key=lambda pair: -_sound_total(surrogate, pair, pair))[:BEST_PAIRS]
     return _all_scored(surrogate, best, simulate)
+
+
+def _best_beside(surrogate: Surrogate, first: Response, second: Response) -> tuple[Cause, Cause]:
+    """Two candidates at the best of all their sizes: of two that do nearly the same, one alone leads nowhere."""
+    (scores,) = surrogate.planes(first, (second,), 1)
+    at_first, at_second = np.unravel_index(int(scores.sum(axis=-1).argmax()), scores.shape[:2])
+    return Cause(first, int(at_first)), Cause(second, int(at_second))
 
 
 def exchanged(surrogate: Surrogate, found: CauseSet, simulate: Simulate) -> tuple[CauseSet, Surrogate]:
@@ -164,7 +172,7 @@ def _sound_total(surrogate: Surrogate, causes: Sequence[Cause], new: Sequence[Ca
     return CauseSet(tuple(causes), surrogate.scores(causes), unearned(surrogate, causes, new)).total
 
 
-def _all_scored(surrogate: Surrogate, sets: list[tuple[Cause, ...]], simulate: Simulate) -> Step:
+def _all_scored(surrogate: Surrogate, sets: Sequence[tuple[Cause, ...]], simulate: Simulate) -> Step:
     """Cross-validate one set after the other; the best first."""
     scored = []
     for causes in sets:

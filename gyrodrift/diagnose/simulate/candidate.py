@@ -102,16 +102,21 @@ class Variant:
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
     noise_share
         What share of the scatter that the recording shows was there before this effect changed it.
+    is_noise_behind
+        Of a low-pass: whether that scatter is what it let through, and there was the more before, the lower it is.
     """
 
     grid: SizeGrid
     fixed: Mapping[str, float] = field(default_factory=dict)
     phase_deg: float | None = None
     noise_share: float = 1.0
+    is_noise_behind: bool = False
 
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
+        if self.is_noise_behind:
+            return "noise as behind it"
         if self.noise_share != 1.0:
             return f"noise times {self.noise_share:g}"
         return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
@@ -137,7 +142,7 @@ class Candidate:
         How many draws a size takes: one where chance plays no part.
     is_exact
         Whether a device can follow no other form.
-    phase_deg, noise_share
+    phase_deg, noise_share, is_noise_behind
         As in `Variant`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
@@ -161,6 +166,7 @@ class Candidate:
     is_exact: bool = False
     phase_deg: float | None = None
     noise_share: float = 1.0
+    is_noise_behind: bool = False
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
@@ -272,6 +278,7 @@ class CandidateKind:
             is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
+            is_noise_behind=variant.is_noise_behind,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 
