@@ -35,7 +35,7 @@ def earned_by(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> Earn
     A random cause spreads them by itself; that is what it does, and no excuse.
     """
     evidence = surrogate.evidence
-    change, variance, _, discrepancy = surrogate.prediction(causes)
+    change, variance, *_, discrepancy = surrogate.prediction(causes)
     others = surrogate.prediction(without(causes, one))
     wide, unmoved = evidence.sigma**2 + variance, evidence.difference - others.change
     moving = log_likelihood(evidence.difference - change, wide, discrepancy).sum()

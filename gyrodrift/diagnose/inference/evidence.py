@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,19 @@ NOT_COMPARED = 1e6
 """Standard deviation of what cannot be compared, in units of the features."""
 
 
+class Usual(NamedTuple):
+    """What most realisations of a candidate do, by medians, (sizes, F) each.
+
+    shift
+        By which the change of a feature differs from the mean of all.
+    spread
+        Standard deviation about that, no more than that of all.
+    """
+
+    shift: Floats
+    spread: Floats
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
     """What a candidate does at each of its sizes; two of them are the same only where they are one object.
@@ -23,8 +37,7 @@ class Response:
     spread
         (sizes, F) standard deviation of that change where it is random, else 0.
     usual
-        (sizes, F) the same by the median, and no more: less where a feature changes much in few realisations, and
-        little in most. None where that is not known apart.
+        What most realisations do, where few change a feature much; None where that is not known apart.
     phases_deg
         (sessions,) of a candidate whose phase is free: the one that each session shows; None of all others.
     realised
@@ -36,13 +49,18 @@ class Response:
     spread: Floats
     phases_deg: Floats | None = None
     realised: Floats | None = None
-    usual: Floats | None = None
+    usual: Usual | None = None
 
     @property
     def usual_variance(self) -> Floats:
         """(sizes, F) of a session in which nothing rare happened."""
-        variance: Floats = np.square(self.spread if self.usual is None else self.usual)
+        variance: Floats = np.square(self.spread if self.usual is None else self.usual.spread)
         return variance
+
+    @property
+    def usual_shift(self) -> Floats:
+        """(sizes, F) by which such a session differs from the mean."""
+        return np.zeros_like(self.spread) if self.usual is None else self.usual.shift
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,6 +6,8 @@ calibration of computer models (2001). Without its variance, what a large true c
 explained by a crowd of small wrong ones.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gyrodrift.arrays import Floats
@@ -59,18 +61,29 @@ def _static(change: Floats) -> Floats:
     return length
 
 
-def log_likelihood_of_events(residual: Floats, variance: Floats, usual: Floats, discrepancy: Floats) -> Floats:
+class Scatter(NamedTuple):
+    """Of features about a prediction, where few realisations may change them much.
+
+    variance, usual
+        With what these do, and without.
+    shift
+        By which the middle of those without is beside the prediction.
+    """
+
+    variance: Floats
+    usual: Floats
+    shift: Floats
+
+
+def log_likelihood_of_events(residual: Floats, scatter: Scatter, discrepancy: Floats) -> Floats:
     """The same where a session has what happens in few of them, or has not: either is as likely as the other.
 
     By the spread alone, what happens to one session in four would cost all others as much as it gains that one.
-
-    usual
-        The variance of those where it did not happen.
     """
-    with_it = log_likelihood(residual, variance, discrepancy)
-    if not (usual < variance).any():
+    with_it = log_likelihood(residual, scatter.variance, discrepancy)
+    if not (scatter.usual < scatter.variance).any():
         return with_it
-    without_it = log_likelihood(residual, usual, discrepancy)
+    without_it = log_likelihood(residual - scatter.shift, scatter.usual, discrepancy)
     total: Floats = np.logaddexp(with_it, without_it) - np.log(2.0)
     return total
 

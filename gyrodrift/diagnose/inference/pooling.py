@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_EVENTS, OF_MOTION, happened_in, mean_where
-from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response, Usual
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -132,12 +132,21 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     pooled = simulated.transpose(1, 0, 2, 3).reshape(simulated.shape[1], -1, simulated.shape[-1])
     happened = happened_in(pooled)
     mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
-    away = np.where(happened, np.abs(pooled - mean[:, None]), 0.0)
-    spread = np.sqrt(mean_where(happened, np.square(away), axis=1))
-    usual = np.minimum(MEDIAN_TO_SIGMA * np.median(away, axis=1), spread)
+    spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
+    middle = np.where(LINEAR, 0.0, _median_where(happened, pooled))
+    usual = MEDIAN_TO_SIGMA * _median_where(happened, np.abs(pooled - middle[:, None]))
+    is_rare = usual < spread
+    most = np.where(is_rare, middle - mean, 0.0), np.where(is_rare, usual, spread)
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
-    spread_at, usual_at = (interpolated(candidate, each[:, None])[:, 0] for each in (spread, usual))
-    return Response(candidate, wide, spread_at, realised=simulated.transpose(1, 0, 2, 3), usual=usual_at)
+    spread_at, *most_at = (interpolated(candidate, each[:, None])[:, 0] for each in (spread, *most))
+    return Response(candidate, wide, spread_at, realised=simulated.transpose(1, 0, 2, 3), usual=Usual(*most_at))
+
+
+def _median_where(counts: Mask, values: Floats) -> Floats:
+    """(grid points, F) the median over realisations of the values that count; 0 where none does."""
+    none = ~counts.any(axis=1, keepdims=True)
+    middle: Floats = np.nanmedian(np.where(counts, values, np.where(none, 0.0, np.nan)), axis=1)
+    return middle
 
 
 def _beside_each_other(

@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.acceptance import STANDARD_ERRORS
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.inference.likelihood import log_likelihood, log_likelihood_of_events
+from gyrodrift.diagnose.inference.likelihood import Scatter, log_likelihood, log_likelihood_of_events
 from gyrodrift.diagnose.inference.pooling import interpolated
 
 SURE, DRAWS, SEED = 0.9, 1000, 0
@@ -26,7 +26,12 @@ def sure_gains(evidence: Evidence, response: Response) -> Floats:
         [
             _gains(evidence, changes, *predicted)
             for changes, *predicted in zip(
-                _realised(response), response.mean, response.spread, response.usual_variance, strict=True
+                _realised(response),
+                response.mean,
+                response.spread,
+                response.usual_variance,
+                response.usual_shift,
+                strict=True,
             )
         ]
     )
@@ -44,12 +49,12 @@ def _realised(response: Response) -> Floats:
     return interpolated(response.candidate, response.realised)
 
 
-def _gains(evidence: Evidence, changes: Floats, mean: Floats, spread: Floats, usual: Floats) -> Floats:
+def _gains(evidence: Evidence, changes: Floats, mean: Floats, spread: Floats, usual: Floats, shift: Floats) -> Floats:
     """(sessions, realisations × runs) of changes at one size, (sessions, realisations, F), with what chance adds."""
     chance = evidence.nulls * evidence.sigma[:, None]
     both = changes[:, :, None] + chance[:, None]
     shown = both.reshape(len(both), -1, both.shape[-1])
     sigma_2, no_discrepancy = np.square(evidence.sigma)[:, None], np.zeros(1)
-    wide, narrow = sigma_2 + np.square(spread), sigma_2 + usual
-    with_it = log_likelihood_of_events(shown - mean[:, None], wide, narrow, no_discrepancy)
+    scatter = Scatter(sigma_2 + np.square(spread), sigma_2 + usual, shift)
+    with_it = log_likelihood_of_events(shown - mean[:, None], scatter, no_discrepancy)
     return with_it - log_likelihood(shown, sigma_2, no_discrepancy)

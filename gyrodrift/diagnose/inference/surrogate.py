@@ -13,7 +13,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.inference.likelihood import combined, log_likelihood_of_events
+from gyrodrift.diagnose.inference.likelihood import Scatter, combined, log_likelihood_of_events
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
@@ -67,8 +67,9 @@ class Prediction(NamedTuple):
         Of the features.
     variance
         What random causes add to that of the features, and what is not known of a set from a few simulations of it.
-    usual
-        The same variance where nothing of random causes happened that few realisations have.
+    usual, shift
+        The same variance, and by how much the change differs, where nothing of random causes happened that few
+        realisations have.
     discrepancy
         The model-discrepancy variance.
     """
@@ -76,7 +77,12 @@ class Prediction(NamedTuple):
     change: Floats
     variance: Floats
     usual: Floats
+    shift: Floats
     discrepancy: Floats
+
+    def beside_chance(self, chance: Floats | float) -> Scatter:
+        """The scatter with a variance of chance more."""
+        return Scatter(chance + self.variance, chance + self.usual, self.shift)
 
 
 class Correction(NamedTuple):
@@ -109,21 +115,20 @@ class Surrogate:
         added, known = self._added(causes), self._correction(_responses(causes))
         if known is None:
             return added
-        variance, usual = added.variance + known.variance, added.usual + known.variance
-        return Prediction(added.change + known.change, variance, usual, added.discrepancy)
+        scatter = added.beside_chance(known.variance)
+        return Prediction(added.change + known.change, *scatter, added.discrepancy)
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
         """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
-        change, variance, usual, discrepancy = self.prediction(causes)
-        evidence = self.evidence
+        predicted, evidence = self.prediction(causes), self.evidence
         fitted = sum(cause.response.phases_deg is not None for cause in causes)
-        left, chance = evidence.difference - change, evidence.sigma**2
-        likelihood = log_likelihood_of_events(left, chance + variance, chance + usual, discrepancy)
+        left, scatter = evidence.difference - predicted.change, predicted.beside_chance(evidence.sigma**2)
+        likelihood = log_likelihood_of_events(left, scatter, predicted.discrepancy)
         return likelihood - FREE_PHASE_COST * fitted
 
     def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
         """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
-        change, variance, _, discrepancy = self.prediction(causes)
+        change, variance, *_, discrepancy = self.prediction(causes)
         evidence = self.evidence
         left: Floats = (evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + discrepancy)
         return left
@@ -153,10 +158,13 @@ class Surrogate:
         is_random = response.candidate.realisations > 1
         sizes = slice(None, None, step) if is_random else slice(1)  # else 0 at all sizes
         chance = self.evidence.sigma**2 + (0.0 if known is None else known.variance)
-        wide = chance + beside.variance + np.square(response.spread[sizes])[:, None]
-        usual = chance + beside.usual + response.usual_variance[sizes, None]
+        both_scatter = Scatter(
+            chance + beside.variance + np.square(response.spread[sizes])[:, None],
+            chance + beside.usual + response.usual_variance[sizes, None],
+            beside.shift + response.usual_shift[sizes, None],
+        )
         discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
-        likelihood = log_likelihood_of_events(self.evidence.difference - change, wide, usual, discrepancy)
+        likelihood = log_likelihood_of_events(self.evidence.difference - change, both_scatter, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted
 
@@ -179,14 +187,15 @@ class Surrogate:
     def _added(self, causes: Sequence[Cause]) -> Prediction:
         """By the tables alone."""
         change = np.zeros_like(self.evidence.difference)
-        variance, usual, discrepancy = (np.zeros_like(change) for _ in range(3))
+        variance, usual, shift, discrepancy = (np.zeros_like(change) for _ in range(4))
         for cause in causes:
             mean = cause.response.mean[cause.at]
             change = combined(change, mean)
             variance = variance + np.square(cause.response.spread[cause.at])
             usual = usual + cause.response.usual_variance[cause.at]
+            shift = shift + cause.response.usual_shift[cause.at]
             discrepancy = discrepancy + self.evidence.discrepancies[cause.response][cause.at]
-        return Prediction(change, variance, usual, discrepancy)
+        return Prediction(change, variance, usual, shift, discrepancy)
 
     def _scatter(self, simulated: SimulatedSet, known: Floats) -> Floats:
         """(sessions, F) by which simulations of a set scatter more than a rig without it, and their mean with them.

@@ -9,6 +9,7 @@ from scipy.stats import t as student
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC
 from gyrodrift.diagnose.inference.likelihood import (
+    Scatter,
     combined,
     discrepancy_variance,
     log_likelihood,
@@ -32,12 +33,16 @@ def test_it_is_a_student_density_of_four_degrees_of_freedom() -> None:
 def test_a_session_with_an_event_and_one_without_are_as_likely() -> None:
     """Half of either density; what nothing rare spreads has but one."""
     ones, rare = np.ones(len(FEATURES)), row({"rate": 8.0, "abs_rate": 3.0})
+    scatter = Scatter(ones + rare, ones, row({"rate": -2.0}))
     for shown in ({}, {"rate": 9.0}):
-        both = [student.logpdf(row(shown), 4.0, scale=np.sqrt(each)).sum() for each in (ones + rare, ones)]
-        found = log_likelihood_of_events(row(shown), ones + rare, ones, NONE) - log_likelihood(NONE, ones, NONE)
+        both = [
+            student.logpdf(row(shown), 4.0, middle, np.sqrt(each)).sum()
+            for middle, each in ((NONE, ones + rare), (scatter.shift, ones))
+        ]
+        found = log_likelihood_of_events(row(shown), scatter, NONE) - log_likelihood(NONE, ones, NONE)
         expected = np.log(0.5 * np.exp(both).sum()) - student.logpdf(NONE, 4.0).sum()
         assert found == pytest.approx(expected)
-    assert log_likelihood_of_events(NONE, ones, ones, ones) == log_likelihood(NONE, ones, ones)
+    assert log_likelihood_of_events(NONE, Scatter(ones, ones, NONE), ones) == log_likelihood(NONE, ones, ones)
 
 
 def test_discrepancy_excuses_what_is_off_and_costs_nothing_elsewhere() -> None:

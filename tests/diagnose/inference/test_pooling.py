@@ -144,15 +144,27 @@ def test_realisations_of_all_sessions_are_one_sample() -> None:
 
 
 def test_what_few_realisations_do_is_rare() -> None:
-    """A jump in one of eight, beside a scatter that all have: the former has a spread, and no usual one."""
+    """A jump in one of eight, beside a scatter that all have: the former has a mean and a spread, and no usual ones."""
     one = replace(candidate("rate_random_walk"), realisations=8, grid_points=np.array([1.0]), sizes=np.array([1.0]))
     walks = np.array([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
-    draws = np.array([row({"time": walk, "rate": 4.0 * (number == 0)}) for number, walk in enumerate(walks)])
+    draws = np.array(
+        [
+            row({"time": walk, "rate": 4.0 * (number == 0), LOG: 8.0 * (number == 0)})
+            for number, walk in enumerate(walks)
+        ]
+    )
     (response,) = evidence_of([table("one", np.zeros((2, len(FEATURES))), {key(one): draws[None]})], [one]).responses
     assert response.usual is not None
-    for name, spread, usual in (("rate", np.sqrt(2.0), 0.0), ("time", 1.0, 1.0)):
-        assert response.spread[0, NUMBER[name]] == pytest.approx(spread)
-        assert response.usual[0, NUMBER[name]] == pytest.approx(usual)
+    shown = {"rate": (0.0, np.sqrt(2.0), 0.0, 0.0), "time": (0.0, 1.0, 0.0, 1.0), LOG: (1.0, np.sqrt(7.0), -1.0, 0.0)}
+    for name, expected in shown.items():
+        at = NUMBER[name]
+        found = (
+            response.mean[0, 0, at],
+            response.spread[0, at],
+            response.usual.shift[0, at],
+            response.usual.spread[0, at],
+        )
+        assert found == pytest.approx(expected)
 
 
 def test_how_large_events_are_is_told_by_those_that_happen() -> None:

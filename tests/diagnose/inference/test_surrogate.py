@@ -7,6 +7,7 @@ import pytest
 from inference_support import SESSIONS, SIZES, evidence, exactly, random_response, response, row, rows
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.evidence import Usual
 from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
@@ -40,7 +41,7 @@ def test_what_happens_in_few_sessions_costs_little_in_the_others() -> None:
     """Twenty features that an event in one session spreads: that one gains, and the three without it lose ln 2."""
     names = [one.name for one in FEATURES[:20]]
     walk = random_response("rate_random_walk", dict.fromkeys(names, 3.0))
-    events, never = replace(walk, usual=np.zeros_like(walk.spread)), np.zeros((SESSIONS, len(FEATURES)))
+    events, never = replace(walk, usual=Usual(*np.zeros((2, *walk.spread.shape)))), np.zeros((SESSIONS, len(FEATURES)))
     shown = never + np.eye(SESSIONS, 1) * row(dict.fromkeys(names, 5.0))
     for one, least in ((events, -np.log(2.0)), (walk, -10.0 * np.log(1.0 + 3.0**2))):
         surrogate = Surrogate(evidence(shown, one))
@@ -168,7 +169,7 @@ def test_curves_and_planes_are_scores_whatever_was_simulated() -> None:
     names = ("rate", LOG, OTHER_LOG, "time")
     one, two, three = (response(name, dict(zip(names, rng.normal(0.0, 2.0, 4), strict=True))) for name in NAMES)
     events = random_response("rate_random_walk", {"rate": 2.0, "time": 1.0})
-    three = replace(events, mean=three.mean, usual=0.5 * events.spread)
+    three = replace(events, mean=three.mean, usual=Usual(-0.2 * events.spread, 0.5 * events.spread))
     surrogate = Surrogate(evidence(dict(zip(names, rng.normal(0.0, 3.0, 4), strict=True)), one, two, three))
     sets = [(Cause(one, 1),), (Cause(two, 2),), (Cause(one, 1), Cause(two, 0)), (Cause(one, 0), Cause(three, 1))]
     for known in rng.permutation(len(sets)):
