@@ -35,11 +35,10 @@ def earned_by(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> Earn
     A random cause spreads them by itself; that is what it does, and no excuse.
     """
     evidence = surrogate.evidence
-    change, variance, *_, discrepancy = surrogate.prediction(causes)
-    others = surrogate.prediction(without(causes, one))
-    wide, unmoved = evidence.sigma**2 + variance, evidence.difference - others.change
-    moving = log_likelihood(evidence.difference - change, wide, discrepancy).sum()
-    excusing = log_likelihood(unmoved, wide, discrepancy).sum()
+    all_of_them, others = surrogate.prediction(causes), surrogate.prediction(without(causes, one))
+    wide, unmoved = evidence.sigma**2 + all_of_them.variance, evidence.difference - others.change
+    moving = log_likelihood(evidence.difference - all_of_them.change, wide, all_of_them.discrepancy).sum()
+    excusing = log_likelihood(unmoved, wide, all_of_them.discrepancy).sum()
     exact = log_likelihood(unmoved, wide, others.discrepancy).sum()
     return Earned(float(moving - excusing), float(excusing - exact))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
-from gyrodrift.diagnose.inference.likelihood import CROSS_TALK, EXACT_CROSS_TALK, discrepancy_variance
+from gyrodrift.diagnose.inference.likelihood import CROSS_TALK, EXACT_CROSS_TALK, Scatter, discrepancy_variance
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 NOT_COMPARED = 1e6
@@ -51,16 +51,12 @@ class Response:
     realised: Floats | None = None
     usual: Usual | None = None
 
-    @property
-    def usual_variance(self) -> Floats:
-        """(sizes, F) of a session in which nothing rare happened."""
-        variance: Floats = np.square(self.spread if self.usual is None else self.usual.spread)
-        return variance
-
-    @property
-    def usual_shift(self) -> Floats:
-        """(sizes, F) by which such a session differs from the mean."""
-        return np.zeros_like(self.spread) if self.usual is None else self.usual.shift
+    def scatter(self, sizes: slice | int) -> Scatter:
+        """Of the features about the mean at some sizes, (sizes, F), or at one, (F,)."""
+        spread = self.spread[sizes]
+        if self.usual is None:
+            return Scatter(np.square(spread), np.square(spread), np.zeros_like(spread))
+        return Scatter(np.square(spread), np.square(self.usual.spread[sizes]), self.usual.shift[sizes])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,6 +74,14 @@ class Scatter(NamedTuple):
     usual: Floats
     shift: Floats
 
+    def beside(self, other: "Scatter") -> "Scatter":
+        """Of both at once."""
+        return Scatter(self.variance + other.variance, self.usual + other.usual, self.shift + other.shift)
+
+    def widened(self, variance: Floats | float) -> "Scatter":
+        """With a variance more that is always there."""
+        return Scatter(variance + self.variance, variance + self.usual, self.shift)
+
 
 def log_likelihood_of_events(residual: Floats, scatter: Scatter, discrepancy: Floats) -> Floats:
     """The same where a session has what happens in few of them, or has not: either is as likely as the other.

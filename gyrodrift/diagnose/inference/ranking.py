@@ -85,9 +85,10 @@ def _ranked(surrogate: Surrogate, causes: Sequence[Cause], name: str) -> Ranked:
 def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
     """Model discrepancy excuses nothing here: it is asked what the cause itself takes away."""
     evidence = surrogate.evidence
-    change, variance, *_ = surrogate.prediction((cause,))
+    predicted = surrogate.prediction((cause,))
     before = pooled_z(evidence.z) / evidence.caution
-    after = pooled_z((evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance)) / evidence.caution
+    left = (evidence.difference - predicted.change) / np.sqrt(evidence.sigma**2 + predicted.variance)
+    after = pooled_z(left) / evidence.caution
     deviates = np.abs(before) > evidence.stands_out
     return explained_share(deviates, before, after) if deviates.any() else None
 

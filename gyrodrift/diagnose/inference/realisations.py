@@ -24,15 +24,8 @@ def sure_gains(evidence: Evidence, response: Response) -> Floats:
     count = len(evidence.names)
     each = np.array(
         [
-            _gains(evidence, changes, *predicted)
-            for changes, *predicted in zip(
-                _realised(response),
-                response.mean,
-                response.spread,
-                response.usual_variance,
-                response.usual_shift,
-                strict=True,
-            )
+            _gains(evidence, changes, mean, response.scatter(at))
+            for at, (changes, mean) in enumerate(zip(_realised(response), response.mean, strict=True))
         ]
     )
     sessions = np.arange(count)
@@ -49,12 +42,11 @@ def _realised(response: Response) -> Floats:
     return interpolated(response.candidate, response.realised)
 
 
-def _gains(evidence: Evidence, changes: Floats, mean: Floats, spread: Floats, usual: Floats, shift: Floats) -> Floats:
+def _gains(evidence: Evidence, changes: Floats, mean: Floats, scatter: Scatter) -> Floats:
     """(sessions, realisations × runs) of changes at one size, (sessions, realisations, F), with what chance adds."""
     chance = evidence.nulls * evidence.sigma[:, None]
     both = changes[:, :, None] + chance[:, None]
     shown = both.reshape(len(both), -1, both.shape[-1])
     sigma_2, no_discrepancy = np.square(evidence.sigma)[:, None], np.zeros(1)
-    scatter = Scatter(sigma_2 + np.square(spread), sigma_2 + usual, shift)
-    with_it = log_likelihood_of_events(shown - mean[:, None], scatter, no_discrepancy)
+    with_it = log_likelihood_of_events(shown - mean[:, None], scatter.widened(sigma_2), no_discrepancy)
     return with_it - log_likelihood(shown, sigma_2, no_discrepancy)

@@ -65,24 +65,20 @@ class Prediction(NamedTuple):
 
     change
         Of the features.
-    variance
-        What random causes add to that of the features, and what is not known of a set from a few simulations of it.
-    usual, shift
-        The same variance, and by how much the change differs, where nothing of random causes happened that few
-        realisations have.
+    scatter
+        By random causes, and by what is not known of a set from a few simulations of it.
     discrepancy
         The model-discrepancy variance.
     """
 
     change: Floats
-    variance: Floats
-    usual: Floats
-    shift: Floats
+    scatter: Scatter
     discrepancy: Floats
 
-    def beside_chance(self, chance: Floats | float) -> Scatter:
-        """The scatter with a variance of chance more."""
-        return Scatter(chance + self.variance, chance + self.usual, self.shift)
+    @property
+    def variance(self) -> Floats:
+        """Of the scatter."""
+        return self.scatter.variance
 
 
 class Correction(NamedTuple):
@@ -115,22 +111,21 @@ class Surrogate:
         added, known = self._added(causes), self._correction(_responses(causes))
         if known is None:
             return added
-        scatter = added.beside_chance(known.variance)
-        return Prediction(added.change + known.change, *scatter, added.discrepancy)
+        return added._replace(change=added.change + known.change, scatter=added.scatter.widened(known.variance))
 
     def scores(self, causes: Sequence[Cause]) -> Floats:
         """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
         predicted, evidence = self.prediction(causes), self.evidence
         fitted = sum(cause.response.phases_deg is not None for cause in causes)
-        left, scatter = evidence.difference - predicted.change, predicted.beside_chance(evidence.sigma**2)
+        left, scatter = evidence.difference - predicted.change, predicted.scatter.widened(evidence.sigma**2)
         likelihood = log_likelihood_of_events(left, scatter, predicted.discrepancy)
         return likelihood - FREE_PHASE_COST * fitted
 
     def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
         """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
-        change, variance, *_, discrepancy = self.prediction(causes)
-        evidence = self.evidence
-        left: Floats = (evidence.difference - change) / np.sqrt(evidence.sigma**2 + variance + discrepancy)
+        predicted, evidence = self.prediction(causes), self.evidence
+        variance = evidence.sigma**2 + predicted.variance + predicted.discrepancy
+        left: Floats = (evidence.difference - predicted.change) / np.sqrt(variance)
         return left
 
     def curves(self, others: Sequence[Cause], responses: Iterable[Response], step: int = 1) -> Iterator[Floats]:
@@ -146,7 +141,9 @@ class Surrogate:
     def planes(self, first: Response, responses: Iterable[Response], step: int) -> Iterator[Floats]:
         """(sizes of the first, sizes, sessions) scores when each of the candidates joins a first one."""
         single = [self._added((Cause(first, at),)) for at in range(0, len(first.candidate.sizes), step)]
-        beside = Prediction(*(np.array(each)[:, None] for each in zip(*single, strict=True)))
+        changes, scatters, discrepancies = zip(*single, strict=True)
+        scatter = Scatter(*map(_stacked, zip(*scatters, strict=True)))
+        beside = Prediction(_stacked(changes), scatter, _stacked(discrepancies))
         for response in responses:
             yield self._curve(beside, frozenset({first}), response, step)
 
@@ -157,14 +154,12 @@ class Surrogate:
         change = combined(beside.change, response.mean[::step]) + (0.0 if known is None else known.change)
         is_random = response.candidate.realisations > 1
         sizes = slice(None, None, step) if is_random else slice(1)  # else 0 at all sizes
-        chance = self.evidence.sigma**2 + (0.0 if known is None else known.variance)
-        both_scatter = Scatter(
-            chance + beside.variance + np.square(response.spread[sizes])[:, None],
-            chance + beside.usual + response.usual_variance[sizes, None],
-            beside.shift + response.usual_shift[sizes, None],
+        own = Scatter(*(each[:, None] for each in response.scatter(sizes)))
+        scatter = beside.scatter.beside(own).widened(
+            self.evidence.sigma**2 + (0.0 if known is None else known.variance)
         )
         discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
-        likelihood = log_likelihood_of_events(self.evidence.difference - change, both_scatter, discrepancy)
+        likelihood = log_likelihood_of_events(self.evidence.difference - change, scatter, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted
 
@@ -186,16 +181,14 @@ class Surrogate:
 
     def _added(self, causes: Sequence[Cause]) -> Prediction:
         """By the tables alone."""
-        change = np.zeros_like(self.evidence.difference)
-        variance, usual, shift, discrepancy = (np.zeros_like(change) for _ in range(4))
+        change, *none, discrepancy = (np.zeros_like(self.evidence.difference) for _ in range(5))
+        scatter = Scatter(*none)
         for cause in causes:
             mean = cause.response.mean[cause.at]
             change = combined(change, mean)
-            variance = variance + np.square(cause.response.spread[cause.at])
-            usual = usual + cause.response.usual_variance[cause.at]
-            shift = shift + cause.response.usual_shift[cause.at]
+            scatter = scatter.beside(cause.response.scatter(cause.at))
             discrepancy = discrepancy + self.evidence.discrepancies[cause.response][cause.at]
-        return Prediction(change, variance, usual, shift, discrepancy)
+        return Prediction(change, scatter, discrepancy)
 
     def _scatter(self, simulated: SimulatedSet, known: Floats) -> Floats:
         """(sessions, F) by which simulations of a set scatter more than a rig without it, and their mean with them.
@@ -222,6 +215,11 @@ class Surrogate:
         names = _names(responses)
         parts = [one for one in self.corrections if _names(one.responses) <= names]
         return max(parts, key=lambda one: (len(one.responses), len(one.responses & responses)), default=None)
+
+
+def _stacked(values: Sequence[Floats]) -> Floats:
+    """(sizes, 1, sessions, F) to be beside the sizes of another candidate."""
+    return np.array(values)[:, None]
 
 
 def _responses(causes: Sequence[Cause]) -> frozenset[Response]:

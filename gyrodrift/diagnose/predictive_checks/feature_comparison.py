@@ -82,9 +82,9 @@ def _held_out_prediction(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple
     change, spread = np.zeros_like(evidence.difference), evidence.sigma.copy()
     for held_out in range(len(evidence.names) if causes else 0):
         effects = [cause for cause in fitted_without(surrogate, causes, held_out) if not cause.is_out_of_catalogue]
-        mean, variance, *_, discrepancy = surrogate.prediction(effects)
-        change[held_out] = mean[held_out]
-        spread[held_out] = np.sqrt(spread[held_out] ** 2 + (variance + discrepancy)[held_out])
+        predicted = surrogate.prediction(effects)
+        change[held_out] = predicted.change[held_out]
+        spread[held_out] = np.sqrt(spread[held_out] ** 2 + (predicted.variance + predicted.discrepancy)[held_out])
     return change, spread
 
 

@@ -14,8 +14,8 @@ NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
 COARSER = 1.3
 """Than the rig's steps, where steps as seen are other ones."""
 
-CUTOFFS_HZ = {False: (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), True: (35.0, 15.0, 7.0, 3.0)}
-"""Of low-passes that leave the noise that is seen, and of those behind which it is seen."""
+CUTOFFS_HZ, BEHIND_HZ = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (35.0, 15.0, 7.0, 3.0)
+"""Of low-passes that take from the noise that is seen, and of those behind which it is seen."""
 
 
 def _time_constant_s(cutoff_hz: float) -> float:
@@ -26,7 +26,7 @@ def _time_constant_s(cutoff_hz: float) -> float:
 def _low_passes(_: Hints) -> list[Variant]:
     """The size is the time constant, so that 0 is none."""
     variants = []
-    for is_behind, cutoffs_hz in CUTOFFS_HZ.items():
+    for cutoffs_hz, is_behind in ((CUTOFFS_HZ, False), (BEHIND_HZ, True)):
         points = 1.0 / (2.0 * np.pi * np.array(cutoffs_hz))
         variants.append(Variant(SizeGrid(points, between(points[0], points[-1])), is_noise_behind=is_behind))
     return variants
