@@ -6,7 +6,7 @@ from typing import cast
 
 import numpy as np
 import pytest
-from simulate_support import session_of, subject_from
+from simulate_support import candidate_of, session_of, subject_from
 
 from firmware_sim.rig import parse_effect
 from gyrodrift.arrays import Floats
@@ -25,7 +25,7 @@ def subject() -> Subject:
 
 @cache
 def series(*, is_named: bool) -> ResidualSeries:
-    cause = SimpleNamespace(is_random=False, candidate=SimpleNamespace(noise_share=1.0))
+    cause = SimpleNamespace(is_random=False, candidate=candidate_of("scale_factor"))
     named = cast("NamedCause", SimpleNamespace(cause=cause, in_session=lambda *_: HIGH))
     return residual_series_of(subject(), (named,) if is_named else (), 1)
 
