@@ -7,14 +7,11 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.recording.order_statistics import median
+from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA, median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 HOLD_SIGMAS = 4.0
 """Blocks further off than this are held there, where single ones would pass for a step or a period."""
-
-MAD_TO_SIGMA = 1.4826
-"""Standard deviation of normal numbers over the median of their absolute values."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_EVENTS, OF_MOTION, happened_in, mean_where
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response, Usual
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
+from gyrodrift.diagnose.inference.least_squares import MAD_TO_SIGMA
 from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
@@ -18,9 +19,6 @@ PRIOR_RUNS = 2.0
 
 ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
 """Features that know a phase: what another cause does to all others is none of its business."""
-
-MEDIAN_TO_SIGMA = 1.4826
-"""Of a normal distribution: its standard deviation by the median of absolute deviations."""
 
 ABSENT_SHARE = 0.1
 """Of the replays: a regressor that so many of them have not is on the edge of being one."""
@@ -134,7 +132,7 @@ def _random(simulated: Floats, candidate: Candidate) -> Response:
     mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
     spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
     middle = np.where(LINEAR, 0.0, _median_where(happened, pooled))
-    usual = MEDIAN_TO_SIGMA * _median_where(happened, np.abs(pooled - middle[:, None]))
+    usual = MAD_TO_SIGMA * _median_where(happened, np.abs(pooled - middle[:, None]))
     is_rare = usual < spread
     most = np.where(is_rare, middle - mean, 0.0), np.where(is_rare, usual, spread)
     wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)

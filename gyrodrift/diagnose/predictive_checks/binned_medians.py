@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 
 LEAST = 5
 """Points in a bin; with fewer its median is chance."""
@@ -20,9 +21,6 @@ ERROR_OF_MEDIAN = 1.2533
 
 OUTLIER = 6.0
 """Standard deviations from the median at which a value is held."""
-
-MAD_TO_SIGMA = 1.4826
-"""The standard deviation of normal numbers over their median absolute deviation."""
 
 
 class Medians(NamedTuple):

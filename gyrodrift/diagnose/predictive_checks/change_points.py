@@ -6,12 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 
 LEAST_SECONDS = 10
 """Between two change points, and on both sides of one."""
-
-MAD_TO_SIGMA = 1.4826
-"""The standard deviation of normal numbers over their median absolute deviation."""
 
 CLEAR = 6.0
 """Standard errors by which the means on both sides of a split differ; chance reaches 4 in a long session."""

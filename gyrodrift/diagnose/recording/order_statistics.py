@@ -16,6 +16,9 @@ FloatOrFloats = TypeVar("FloatOrFloats", float, Floats)
 MEDIAN_TO_SIGMA = 0.6745
 """Median of the absolute values of normal numbers, in standard deviations."""
 
+MAD_TO_SIGMA = 1.4826
+"""The standard deviation of normal numbers over their median absolute deviation."""
+
 BINS, FEW = 1024, 32
 """Into so many even bins values are counted, until no more than FEW are left to be sorted."""
 

@@ -91,21 +91,21 @@ class Subject:
     def with_noise(self, share: float) -> "Subject":
         """The same with the noise of the rig multiplied."""
         base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
-        return replace(self, rig=self.rig.model_copy(update={"base": base}))
+        return self._with_base(base)
 
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with noise and bias found beside more effects of the rig, which hide both at rest."""
         if effects not in self.bases:
             rig = with_replaced(self.rig, effects)
             self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base
-        return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
+        return self._with_base(self.bases[effects])
 
     def beside(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with the bias that is left beside more effects."""
         if effects not in self.bases:
             bias_dps = bias_beside(self.seen, self.design, self.rig, effects)
             self.bases[effects] = self.rig.base.model_copy(update={"bias_dps": bias_dps})
-        return replace(self, rig=self.rig.model_copy(update={"base": self.bases[effects]}))
+        return self._with_base(self.bases[effects])
 
     def held_to(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with the motion that is behind its angles and rates if the rig has more effects.
@@ -194,6 +194,9 @@ class Subject:
         """What a simulation is with something added to its rate that is no effect."""
         added_dps = shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
         return replace(without, rate_dps=without.rate_dps + size * added_dps)
+
+    def _with_base(self, base: Base) -> "Subject":
+        return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
     def _course(self) -> int:
         """Sessions that play one profile draw by the same random numbers: what is wrong in rebuilding it is shared.
