@@ -1,45 +1,51 @@
 """First-order recursions and slow random tracks over blocks, without a Python step for each sample."""
 
 from collections.abc import Callable
+from typing import Any, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware_sim.effects.effect import Floats, Rng
 
 RUN = 64
-"""Samples that one matrix product takes; the carry between runs is a Python float."""
+"""Samples that one matrix product takes; the carry between runs is a Python number."""
 
 SLOW_STEP_S = 0.1
 SLOW_CHUNK = 1024
 """Bias processes are drawn on a grid of SLOW_STEP_S, SLOW_CHUNK values at a time, and interpolated."""
 
 
-class OnePole:
-    """y[n] = pole·y[n−1] + x[n], carried from block to block; `last` is y before the first."""
+Number = TypeVar("Number", np.float64, np.complex128)
 
-    def __init__(self, pole: float, last: float = 0.0) -> None:
-        self.last = last
-        powers: Floats = np.power(pole, np.arange(RUN + 1, dtype=np.float64))
+
+class OnePole(Generic[Number]):
+    """y[n] = pole·y[n−1] + x[n], carried from block to block; `last` is y before the first. Real or complex."""
+
+    def __init__(self, pole: Number, last: Number) -> None:
+        self.last: Number = last
+        powers = np.power(pole, np.arange(RUN + 1, dtype=np.float64))
         steps = np.arange(RUN)
         distance = steps[:, None] - steps[None, :]
-        self._within: Floats = np.where(distance >= 0, powers[np.maximum(distance, 0)], 0.0)
-        self._decay: Floats = powers[1:]
+        self._within: NDArray[Number] = np.where(distance >= 0, powers[np.maximum(distance, 0)], 0.0)
+        self._decay: NDArray[Number] = powers[1:]
 
-    def __call__(self, x: Floats) -> Floats:
+    def __call__(self, x: NDArray[Number]) -> NDArray[Number]:
         """The next values, of the shape of x (n,)."""
         runs = -(-len(x) // RUN)
-        padded = np.zeros(runs * RUN)
+        padded = np.zeros(runs * RUN, x.dtype)
         padded[: len(x)] = x
         y = padded.reshape(runs, RUN) @ self._within.T
-        carries = np.empty(runs)
-        carry, whole = self.last, float(self._decay[-1])
+        carries = np.empty(runs, x.dtype)
+        carry: Any = self.last.item()
+        whole = self._decay[-1].item()
         for run, end in enumerate(y[:, -1].tolist()):
             carries[run] = carry
             carry = end + whole * carry
         y += carries[:, None] * self._decay
-        out: Floats = y.reshape(-1)[: len(x)]
+        out: NDArray[Number] = y.reshape(-1)[: len(x)]
         if len(out):
-            self.last = float(out[-1])
+            self.last = out[-1]
         return out
 
 

@@ -30,8 +30,8 @@ class BiasInstability(Effect):
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Slow track."""
         sigma_dps = self.floor_dph / 3600.0 * sqrt(log(3.0) / pi)
-        poles = [float(np.exp(-SLOW_STEP_S / tau_s)) for tau_s in FLICKER_TAUS_S]
-        processes = [OnePole(pole, sigma_dps * rng.standard_normal()) for pole in poles]
+        poles = [np.exp(-SLOW_STEP_S / tau_s) for tau_s in FLICKER_TAUS_S]
+        processes = [OnePole(pole, np.float64(sigma_dps * rng.standard_normal())) for pole in poles]
         scales = [sigma_dps * sqrt(1.0 - pole**2) for pole in poles]
 
         def draw(count: int) -> Floats:
@@ -55,7 +55,7 @@ class RateRandomWalk(Effect):
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Slow track."""
-        walk = OnePole(1.0)
+        walk = OnePole(np.float64(1.0), np.float64(0.0))
         step_dps = self.density_dps_rts * sqrt(SLOW_STEP_S)
         track = SlowTrack(lambda count: walk(step_dps * rng.standard_normal(count)))
         return lambda rate, moments: rate + track.at(moments.t_s)

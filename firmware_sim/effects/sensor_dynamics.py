@@ -1,13 +1,13 @@
 """Sensor: what depends on how fast the rate changes. Low-pass, delay, vibration. These act in continuous time."""
 
-from math import exp, pi
-from typing import Annotated, ClassVar, Literal
+from math import pi, sqrt
+from typing import Annotated, ClassVar, Generic, Literal
 
 import numpy as np
 from pydantic import Field
 
 from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
-from firmware_sim.effects.recursion import OnePole
+from firmware_sim.effects.recursion import Number, OnePole
 
 STEPS_PER_TIME_CONSTANT = 10.0
 STEPS_PER_PERIOD = 25.0
@@ -55,42 +55,63 @@ class Vibration(Effect):
 
 
 class Bandwidth(Effect):
-    """One-pole low-pass, H = 1 / (1 + jf/f_c), of motion, vibration and noise. Typical f_c: 5 to 256 Hz.
+    """Low-pass of motion, vibration and noise: of the first order (RC), or of the second (Butterworth).
 
-    Exact for input that is linear between the points of the analogue grid (first-order hold):
-    y[n] = p·y[n−1] + a·x[n] + b·x[n−1] with p = exp(−h/τ), c = τ/h·(1 − p), a = 1 − c, b = c − p.
+    H = 1 / (1 + jf/f_c), or 1 / (1 + j√2·f/f_c − (f/f_c)²). Typical f_c: 5 to 256 Hz.
+
+    The output is the real part of z, where dz/dt = s·(z − g·x): one pole is s = −ω with g = 1, and two are
+    s = ω·exp(3jπ/4) with g = 1 − j and the conjugates of both. Exact for input that is linear between the points of the
+    analogue grid (first-order hold):
+    z[n] = p·z[n−1] + a·x[n] + b·x[n−1] with p = exp(s·h), c = (p − 1)/(s·h), a = g·(1 − c), b = g·(c − p).
     """
 
     name: Literal["bandwidth"] = "bandwidth"
     cutoff_hz: Annotated[float, Field(ge=0.05, le=2000.0)]
+    order: Annotated[int, Field(ge=1, le=2)] = 1
     stage: ClassVar[str] = "sensor"
     place: ClassVar[Place] = Place.LOW_PASS
-    typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0}
-    small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0}
+    typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0, "order": 1}
+    small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0, "order": 1}
 
     def finest_step_s(self) -> float:
         """A tenth of the time constant."""
         return 1.0 / (2.0 * pi * self.cutoff_hz) / STEPS_PER_TIME_CONSTANT
 
+    def delay_s(self) -> float:
+        """By which slow changes come late, s."""
+        return sqrt(self.order) / (2.0 * pi * self.cutoff_hz)
+
+    def power_passed(self, frequency_hz: Floats) -> Floats:
+        """What is left of the power at frequencies, of their shape."""
+        left: Floats = 1.0 / (1.0 + np.power(frequency_hz / self.cutoff_hz, 2 * self.order))
+        return left
+
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Recursion over the analogue grid, settled on the first value."""
-        return _LowPass(1.0 / (2.0 * pi * self.cutoff_hz))
+        omega = 2.0 * pi * self.cutoff_hz
+        if self.order == 1:
+            return _LowPass(np.float64(-omega), np.float64(1.0))
+        return _LowPass(np.complex128(omega * np.exp(0.75j * pi)), np.complex128(1.0 - 1.0j))
 
 
-class _LowPass:
-    def __init__(self, tau_s: float) -> None:
-        self._tau_s = tau_s
-        self._pole: OnePole | None = None
+class _LowPass(Generic[Number]):
+    def __init__(self, pole: Number, gain: Number) -> None:
+        self._pole: Number = pole
+        self._gain: Number = gain
+        self._recursion: OnePole[Number] | None = None
         self._x_before = 0.0
-        self._a = self._b = 0.0
+        self._a: Number = gain
+        self._b: Number = gain
 
     def __call__(self, rate: Floats, moments: Moments) -> Floats:
-        if self._pole is None:
-            p = exp(-moments.step_s / self._tau_s)
-            c = self._tau_s / moments.step_s * (1.0 - p)
-            self._a, self._b = 1.0 - c, c - p
+        if self._recursion is None:
+            along = self._pole * moments.step_s
+            kept = np.exp(along)
+            c = (kept - 1.0) / along
+            self._a, self._b = self._gain * (1.0 - c), self._gain * (c - kept)
             self._x_before = float(moments.rate_dps[0])  # settled on the motion, before any noise
-            self._pole = OnePole(p, self._x_before)
+            self._recursion = OnePole(kept, self._gain * self._x_before)
         before = np.concatenate([[self._x_before], rate[:-1]])
         self._x_before = float(rate[-1])
-        return self._pole(self._a * rate + self._b * before)
+        passed: Floats = np.real(self._recursion(self._a * rate + self._b * before))
+        return passed

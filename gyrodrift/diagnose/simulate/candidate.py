@@ -115,11 +115,12 @@ class Variant:
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
+        said = [f"{name} {value:.4g}" for name, value in self.fixed.items()]
         if self.is_noise_behind:
-            return "noise as behind it"
+            said.append("noise as behind it")
         if self.noise_share != 1.0:
-            return f"noise times {self.noise_share:g}"
-        return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
+            said.append(f"noise times {self.noise_share:g}")
+        return ", ".join(said)
 
 
 @dataclass(frozen=True, slots=True)

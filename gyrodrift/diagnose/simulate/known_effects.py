@@ -37,7 +37,7 @@ BETTER = 9.0
 
 
 def gyro_model_of(rig: Rig) -> GyroModel:
-    """In what steps the gyro of a rig reads, and how late: by its delay, and by the time constant of a low-pass."""
+    """In what steps the gyro of a rig reads, and how late: by its delay, and by that of a low-pass."""
     delay_s, count_dps = 0.0, rig.base.dps_per_lsb
     for effect in rig.effects:
         if isinstance(effect, Quantization):
@@ -45,7 +45,7 @@ def gyro_model_of(rig: Rig) -> GyroModel:
         if isinstance(effect, Latency):
             delay_s += effect.delay_ms * 1e-3
         if isinstance(effect, Bandwidth):
-            delay_s += 1.0 / (2.0 * np.pi * effect.cutoff_hz)
+            delay_s += effect.delay_s()
     return GyroModel(count_dps, delay_s)
 
 

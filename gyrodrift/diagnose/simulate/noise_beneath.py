@@ -41,11 +41,11 @@ def _before_low_pass(rig: Rig, effects: tuple[Effect, ...]) -> float:
 
 def _passed(effects: Sequence[Effect], sample_rate_hz: float) -> float:
     """Power of white noise behind low-passes where it is measured: what they leave, and what folds down to it."""
-    cutoffs_hz = np.array([effect.cutoff_hz for effect in effects if isinstance(effect, Bandwidth)])
-    if not len(cutoffs_hz):
+    low_passes = [effect for effect in effects if isinstance(effect, Bandwidth)]
+    if not low_passes:
         return 1.0
     frequencies_hz = sample_rate_hz * (np.linspace(*WHITE_BAND, BAND_POINTS) + np.arange(-FOLDS, FOLDS + 1)[:, None])
-    left = (1.0 / (1.0 + np.square(frequencies_hz / cutoffs_hz[:, None, None]))).prod(axis=0).sum(axis=0)
+    left = np.prod([each.power_passed(frequencies_hz) for each in low_passes], axis=0).sum(axis=0)
     return float(np.exp(np.log(left).mean()))
 
 

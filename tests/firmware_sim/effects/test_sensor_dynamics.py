@@ -14,7 +14,7 @@ from effects_bench import (
     tone,
 )
 
-from firmware_sim.effects.effect import Effect, Floats
+from firmware_sim.effects.effect import Effect, Floats, Moments
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency, Vibration
 from firmware_sim.rig import Base
 
@@ -51,6 +51,32 @@ def test_gain_and_phase_are_those_of_one_pole(effect: Effect | None, part: float
     assert inverse.imag == pytest.approx(part if effect else 0.0, abs=0.005)
 
 
+@pytest.mark.parametrize("cutoff_hz", [10.0, 40.0])
+@pytest.mark.parametrize("part", [0.25, 1.0])
+def test_gain_and_phase_of_the_second_order_are_those_of_butterworth(cutoff_hz: float, part: float) -> None:
+    """1/H = 1 + j√2·f/fc − (f/fc)² at a quarter of the cut-off and at the cut-off, to half a percent."""
+    inverse = 1.0 / response(Bandwidth(cutoff_hz=cutoff_hz, order=2), part * cutoff_hz)
+    assert inverse.real == pytest.approx(1.0 - part**2, abs=0.005)
+    assert inverse.imag == pytest.approx(np.sqrt(2.0) * part, abs=0.007)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_slow_changes_come_late_by_what_a_low_pass_says(order: int) -> None:
+    """The phase at a fortieth of the cut-off, to a hundredth."""
+    effect = Bandwidth(cutoff_hz=40.0, order=order)
+    late_s = -np.angle(response(effect, 1.0)) / (2.0 * np.pi)
+    assert late_s == pytest.approx(effect.delay_s(), rel=0.01)
+
+
+def test_the_second_order_takes_more_of_the_noise() -> None:
+    """At three times the cut-off 1/82 in power is left, and so says the effect."""
+    effect, base = Bandwidth(cutoff_hz=40.0, order=2), Base(sample_rate_hz=1000.0, dps_per_lsb=1e-4)
+    rate_dps = record(rig_of(effect, base=base), profile_of(*REST), 120.0).rate_dps
+    left = density(rate_dps, 1000.0, 112.0, 128.0) / base.noise_dps_rthz
+    assert left == pytest.approx(np.sqrt(1.0 / 82.0), rel=0.08)
+    assert effect.power_passed(np.array([120.0]))[0] == pytest.approx(1.0 / 82.0)
+
+
 @sized("bandwidth")
 def test_the_noise_falls_with_the_gain(effect: Effect | None) -> None:
     """Far below the cut-off it has its density, at three times the cut-off its tenth part in power."""
@@ -63,10 +89,13 @@ def test_the_noise_falls_with_the_gain(effect: Effect | None) -> None:
     assert high == pytest.approx(base.noise_dps_rthz * np.sqrt(0.1 if effect else 1.0), rel=0.08)
 
 
-def test_a_low_pass_starts_where_the_table_is() -> None:
-    """There is no transient from zero: a gyro without noise at rest says zero from its first sample."""
-    base = SHIPPED.model_copy(update={"noise_dps_rthz": 0.0, "bias_dps": 0.0})
-    assert not record(rig_of(effect_of("bandwidth"), base=base), profile_of(*REST), 1.0).rate_dps.any()
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_low_pass_starts_where_the_table_is(order: int) -> None:
+    """There is no transient from zero: a table that turns already is seen to do so from the first sample."""
+    turning, t_s = np.full(50, 30.0), np.arange(50, dtype=np.float64) * 1e-3
+    passed = Bandwidth(cutoff_hz=10.0, order=order).begin(np.random.default_rng(0), 100.0)
+    moments = Moments(t_s, t_s, 30.0 * t_s, turning, turning, 1e-3)
+    assert passed(turning, moments) == pytest.approx(turning)
 
 
 def test_a_low_pass_starts_no_noisier_than_it_goes_on() -> None:

@@ -17,6 +17,8 @@ COARSER = 1.3
 CUTOFFS_HZ, BEHIND_HZ = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (35.0, 15.0, 7.0, 3.0)
 """Of low-passes that take from the noise that is seen, and of those behind which it is seen."""
 
+ORDERS = (1, 2)
+
 
 def _time_constant_s(cutoff_hz: float) -> float:
     """And the other way round."""
@@ -24,11 +26,13 @@ def _time_constant_s(cutoff_hz: float) -> float:
 
 
 def _low_passes(_: Hints) -> list[Variant]:
-    """The size is the time constant, so that 0 is none."""
+    """The size is the time constant of a cutoff, so that 0 is none."""
     variants = []
-    for cutoffs_hz, is_behind in ((CUTOFFS_HZ, False), (BEHIND_HZ, True)):
-        points = 1.0 / (2.0 * np.pi * np.array(cutoffs_hz))
-        variants.append(Variant(SizeGrid(points, between(points[0], points[-1])), is_noise_behind=is_behind))
+    for order in ORDERS:
+        for cutoffs_hz, is_behind in ((CUTOFFS_HZ, False), (BEHIND_HZ, True)):
+            points = 1.0 / (2.0 * np.pi * np.array(cutoffs_hz))
+            grid = SizeGrid(points, between(points[0], points[-1]))
+            variants.append(Variant(grid, {"order": order}, is_noise_behind=is_behind))
     return variants
 
 
