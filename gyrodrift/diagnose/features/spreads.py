@@ -22,6 +22,9 @@ REST_GAIN, MOVING_GAIN = 6.0, 20.0
 LEAST_SQUARE = 1e-12
 """Of a difference; keeps the limit of equal values above zero."""
 
+USUAL_SHARE = 0.9
+"""Of squares, beyond which they may be outliers."""
+
 
 @dataclass(frozen=True, slots=True)
 class SpreadPlaces:
@@ -92,5 +95,14 @@ def _mean_square(differences: Floats) -> float:
     if not len(differences):
         return 0.0
     squares = np.square(differences)
-    limit = OUTLIER_LIMIT * median(squares) + LEAST_SQUARE
+    limit = OUTLIER_LIMIT * _usual(squares) + LEAST_SQUARE
     return float(np.minimum(squares, limit).mean())
+
+
+def _usual(squares: Floats) -> float:
+    """Their median; of which most are 0, the mean of all but the largest, or it would jump where half of them are."""
+    middle = median(squares)
+    if middle > LEAST_SQUARE:
+        return middle
+    kept = max(1, round(USUAL_SHARE * len(squares)))
+    return float(np.partition(squares, kept - 1)[:kept].mean())

@@ -78,10 +78,13 @@ class GyroModel:
         Step that its rates come in, deg/s.
     delay_s
         How much later than the encoder, s.
+    hides_rest
+        Whether it may read zero though it would scatter: no zero says how much.
     """
 
     count_dps: float
     delay_s: float = 0.0
+    hides_rest: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +128,8 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     if is_clipped.any():
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
-    sigma_dps = max(_noise_dps(seen.rate_dps[~is_clipped], period_s), gyro.count_dps / float(np.sqrt(12.0)))
+    scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
+    sigma_dps = max(_noise_dps(seen.rate_dps[scatters], period_s), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
     at_rest = rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
     jerk = _jerk(rate_dps, sigma_dps, period_s)

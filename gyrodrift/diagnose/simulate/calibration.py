@@ -18,6 +18,7 @@ from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spectral_line import white_dps
+from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.recording import Recording, filled
@@ -104,9 +105,11 @@ def calibrated(
 
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
-    """Of a recording or of a simulation of it; the bias in motion where something hides it at rest."""
+    """Of a recording or of a simulation of it; in motion where something hides both at rest."""
     shows = _shows_bias(seen, design, step_dps, in_motion=in_motion)
-    return Level(white_dps(seen, design, step_dps), float(np.median(block_residual_dps(seen, design)[shows])))
+    turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
+    white = turning_dps or white_dps(seen, design, step_dps)
+    return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
 
 
 def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:

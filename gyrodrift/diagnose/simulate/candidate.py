@@ -60,7 +60,7 @@ class Hints:
     rate_step_dps, angle_step_deg
         The steps that rates and angles come in.
     least_dps, largest_dps
-        Rates other than zero that the device put out.
+        Rates below which the device puts out zero, and that it does not exceed.
     period_s, turn_order, angle_turn_order
         Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
     sample_period_s, bunch_s

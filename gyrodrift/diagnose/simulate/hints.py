@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
-from gyrodrift.diagnose.features.rate_values import NEAR_ZERO_DPS, smallest
+from gyrodrift.diagnose.features.rate_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.order_statistics import distinct, running_median_5
@@ -24,6 +24,12 @@ NEAR_STEP = np.linspace(0.98, 1.02, 401)
 
 BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
+
+LEVELS_ABOVE = 4
+"""Of a rate, which come about equally often."""
+
+FEW_SIZES, FAR_BELOW = 25, 6.0
+"""Smallest rates whose distance is usual, and how many times that LEAK of them lie apart where the first is alone."""
 
 LEAST_RANGE_DPS = 1.0
 """No gyro ends at less."""
@@ -104,8 +110,30 @@ def angle_step_deg(shown: Sequence[Shown]) -> float:
 
 
 def least_dps(shown: Sequence[Shown]) -> float:
-    """The smallest rate other than zero; where there is none, one count."""
-    return _median([_least(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
+    """The rate below which zero is put out; of none but zeros, one count.
+
+    A level stands for all rates within half a step. Of those at the smallest one that comes only some were let through,
+    which are the fewer beside the levels above it, the higher the least of them was.
+    """
+    sizes = np.abs(np.concatenate([one.slow_dps for one in shown]))
+    sizes = sizes[sizes > 0.0]
+    if not len(sizes):
+        return dps_per_lsb(shown)
+    step = rate_step_dps(shown)
+    level = _first_of_many(sizes, step)
+    at = np.rint((sizes - level) / step)
+    here, above = np.count_nonzero(at == 0), np.count_nonzero((at > 0) & (at <= LEVELS_ABOVE)) / LEVELS_ABOVE
+    let_through = min(here / above, 1.0) if above else 1.0
+    return level + (0.5 - let_through) * step
+
+
+def _first_of_many(sizes: Floats, step: float) -> float:
+    """The smallest of some numbers, but for a few that lie far below all others and may be chance."""
+    few = np.sort(sizes)[:FEW_SIZES]
+    usual = max(step, float(np.ptp(few[LEAK - 1 :])) / len(few)) if len(few) >= LEAK else step
+    apart = few[LEAK - 1 :] - few[: len(few) - LEAK + 1]
+    alone = np.logical_and.accumulate(apart[: LEAK - 1] > FAR_BELOW * usual)
+    return float(few[np.count_nonzero(alone)])
 
 
 def largest_dps(shown: Sequence[Shown]) -> float:
@@ -183,12 +211,6 @@ def _even_step(values: Floats) -> float:
 
 def _most(values: Floats) -> float:
     return float(np.abs(values).max(initial=0.0))
-
-
-def _least(values: Floats) -> float:
-    """Other than zero; 0 where there is none."""
-    sizes: Floats = np.abs(values[values != 0.0])
-    return smallest(sizes) if len(sizes) else 0.0
 
 
 def _count_deg(subject: Subject) -> float:

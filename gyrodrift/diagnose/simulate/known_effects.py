@@ -37,7 +37,7 @@ BETTER = 9.0
 
 
 def gyro_model_of(rig: Rig) -> GyroModel:
-    """In what steps the gyro of a rig reads, and how late: by its delay, and by that of a low-pass."""
+    """In what steps the gyro of a rig reads, how late (by its delay, and by that of a low-pass), and what it hides."""
     delay_s, count_dps = 0.0, rig.base.dps_per_lsb
     for effect in rig.effects:
         if isinstance(effect, Quantization):
@@ -46,7 +46,7 @@ def gyro_model_of(rig: Rig) -> GyroModel:
             delay_s += effect.delay_ms * 1e-3
         if isinstance(effect, Bandwidth):
             delay_s += effect.delay_s()
-    return GyroModel(count_dps, delay_s)
+    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)))
 
 
 def hides_rest(effect: Effect) -> bool:

@@ -97,7 +97,8 @@ class Subject:
         """The same with noise and bias found beside more effects of the rig, which hide both at rest."""
         if effects not in self.bases:
             rig = with_replaced(self.rig, effects)
-            self.bases[effects] = calibrated(self.seen, self.design, self.posterior.mean, rig).base
+            motion = self.held_to(effects).posterior.mean
+            self.bases[effects] = calibrated(self.seen, self.design, motion, rig).base
         return self._with_base(self.bases[effects])
 
     def beside(self, effects: tuple[Effect, ...]) -> "Subject":

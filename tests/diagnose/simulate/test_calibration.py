@@ -111,6 +111,19 @@ def test_beside_a_dead_band_noise_and_bias_are_found_anew(noise: float, bias_dps
         assert base.bias_dps == pytest.approx(bias_dps, abs=0.01)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_that_a_wide_dead_band_hides_at_rest_is_found_in_motion(seed: int) -> None:
+    """All of the rest is zero: neither the calibration nor the motion that is rebuilt may take that for no noise."""
+    rng = np.random.default_rng(seed)
+    noise, cpr = float(np.exp(rng.uniform(np.log(0.002), np.log(0.01)))), int(rng.choice([512, 2048, 36_000]))
+    band = parse_effect(f"deadband:width_dps={rng.uniform(0.4, 0.7):.3f}")
+    base = BASE.model_copy(update={"noise_dps_rthz": noise, "bias_dps": 0.0, "encoder_cpr": cpr})
+    session = Simulation(Rig(base=base, effects=(band,)), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
+    found = subject_of(recording_of(session), Rig(base=base, effects=(band,)))
+    assert found.posterior.sigma_dps == pytest.approx(noise * BASE.sample_rate_hz**0.5, rel=0.2)
+    assert found.rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.2)
+
+
 def test_a_short_rest_shows_that_there_is_no_more_noise_than_its_steps_hide() -> None:
     """Four seconds of one value before a motion that never turns steadily: what moves is not taken for noise."""
     turns = [{"kind": "ramp", "seconds": 0.3, "to_dps": to_dps} for to_dps in (38.0, 5.0, 30.0, 10.0)]

@@ -93,9 +93,34 @@ def test_outliers_that_coarse_counts_hide_are_found_at_rest() -> None:
     assert hints_of([one]).spike_dps == pytest.approx(15.0, rel=0.05)
 
 
-def test_a_dead_band_shows_as_the_smallest_rate() -> None:
-    """What is put out begins where the band ends."""
-    assert hints_with("deadband:width_dps=0.5").least_dps == pytest.approx(0.5, rel=0.05)
+@pytest.mark.parametrize("step_dps", [0.061, 0.0305])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_width_of_a_dead_band_is_known_to_part_of_a_step(step_dps: float, seed: int) -> None:
+    """How many rates come at the first level that is put out tells where within it the band ends."""
+    width_dps = float(np.random.default_rng(seed).uniform(0.2, 0.7))
+    base = BASE.model_copy(update={"dps_per_lsb": step_dps, "noise_dps_rthz": 0.006})
+    rig = Rig(base=base, effects=(parse_effect(f"deadband:width_dps={width_dps:.4f}"),))
+    one = subject_of(recording_of(Simulation(rig, MOTION, seed=seed, minutes=3.0).whole()), Rig(base=base))
+    assert hints_of([one]).least_dps == pytest.approx(width_dps, abs=0.3 * step_dps)
+
+
+@pytest.mark.parametrize("leaks", [0, 1, 2])
+def test_a_dead_band_may_leak_twice(leaks: int) -> None:
+    """Of the few rates of a quick motion the smallest is the width, but for what lies far below all others."""
+    one = subject_from(session_of(parse_effect("deadband:width_dps=0.5")))
+    near = np.concatenate([np.linspace(0.1, 0.12, leaks), np.random.default_rng(1).uniform(0.5, 3.0, 300)])
+    rate_dps = np.where(np.abs(one.seen.recording.rate_dps) < 3.0, 0.0, one.seen.recording.rate_dps)
+    rate_dps[: len(near)] = near
+    seen = replace(one.seen, recording=replace(one.seen.recording, rate_dps=rate_dps))
+    assert hints_of([replace(one, seen=seen)]).least_dps == pytest.approx(0.5, abs=0.02)
+
+
+def test_without_a_dead_band_all_that_rounds_to_a_step_is_put_out() -> None:
+    """Zero is what is nearer to it than half a step."""
+    base = BASE.model_copy(update={"dps_per_lsb": 0.061, "noise_dps_rthz": 0.02})
+    rig = Rig(base=base)
+    one = subject_of(recording_of(Simulation(rig, MOTION, seed=1, minutes=3.0).whole()), rig)
+    assert hints_of([one]).least_dps == pytest.approx(0.0305, abs=0.3 * 0.061)
 
 
 def test_a_slip_is_found_with_its_height() -> None:
