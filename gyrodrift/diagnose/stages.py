@@ -10,7 +10,7 @@ import numpy as np
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
-from gyrodrift.diagnose.inference.exact_sizes import exact_sizes
+from gyrodrift.diagnose.inference.exact_sizes import Placed, exact_sizes
 from gyrodrift.diagnose.inference.indistinct import (
     AT_ONE_HEATING,
     AT_ONE_SPEED,
@@ -122,12 +122,16 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
     evidence = evidence_of(simulated.tables, simulated.tried)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
 
-        def simulate_at(causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
-            pairs = zip(causes, sizes, strict=True)
-            return sets.change_of([Sized(one.candidate, size, one.response.phases_deg) for one, size in pairs])
+        def simulate_at(placed: Sequence[Placed]) -> SimulatedSet:
+            return sets.change_of([Sized(one.cause.candidate, one.size, phases_deg_of(one)) for one in placed])
+
+        def phases_deg_of(one: Placed) -> Floats | None:
+            if one.phase_deg is None:
+                return one.cause.response.phases_deg
+            return np.full(len(simulated.subjects), one.phase_deg)
 
         def simulate(causes: Sequence[Cause]) -> SimulatedSet:
-            return simulate_at(causes, [one.size for one in causes])
+            return simulate_at([Placed(one, one.size) for one in causes])
 
         result = search(evidence, simulate)
         alternatives, surrogate = alternatives_of(result, simulate)

@@ -1,9 +1,9 @@
-"""Sizes between those of the grid, by what simulations at these very sizes leave unexplained.
+"""Sizes and phases between those of the grid, by what simulations at these very values leave unexplained.
 
-A fit decides between sizes a tenth apart. A strong cause stands out by more than its size is known to that way: adopted
-a percent off, it would be found again. Gauss-Newton steps with the weights of the likelihood go on from there; slopes
-come from the tables at first, and from what the simulations on the way show (C. G. Broyden, A class of methods for
-solving nonlinear simultaneous equations, 1965).
+A fit decides between sizes a tenth apart, and phases a twelfth of a turn. A strong cause stands out by more than it is
+known to that way: adopted a percent off, it would be found again. Gauss-Newton steps with the weights of the likelihood
+go on from there; slopes come from the tables at first, and from what the simulations on the way show (C. G. Broyden, A
+class of methods for solving nonlinear simultaneous equations, 1965).
 """
 
 from collections.abc import Callable, Sequence
@@ -14,10 +14,20 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM, log_likelihood
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.candidate import PHASE_STEP_DEG
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
-SimulateAt = Callable[[Sequence[Cause], Sequence[float]], SimulatedSet]
-"""What causes do to the features at sizes of no grid, by the simulator itself."""
+
+class Placed(NamedTuple):
+    """A cause at a size, and perhaps at a phase in degrees, of no grid."""
+
+    cause: Cause
+    size: float
+    phase_deg: float | None = None
+
+
+SimulateAt = Callable[[Sequence[Placed]], SimulatedSet]
+"""What causes do to the features there, by the simulator itself."""
 
 ROUNDS = 2
 """Simulations at most; what the last one leaves is a step too, which needs no further one."""
@@ -34,55 +44,72 @@ REWEIGHTINGS = 20
 
 
 class ExactSize(NamedTuple):
-    """Of a cause, with its standard error by what chance leaves."""
+    """Of a cause, with its standard error by what chance leaves; its phase likewise, degrees, where it has one."""
 
     size: float
     error: float
+    phase_deg: float | None = None
+    phase_error_deg: float = 0.0
+
+
+class _Unknown(NamedTuple):
+    """A size or a phase: whose it is in a set, what it is by the grid, and the same cause to either side of it."""
+
+    number: int
+    is_phase: bool
+    own: float
+    below: Cause
+    above: Cause
+    bounds: tuple[float, float]
 
 
 class _State(NamedTuple):
-    """Sizes, (k,), what causes do at these, (sessions, F), and by how much more with each size, (k, sessions, F)."""
+    """Values, (k,), what causes do at these, (sessions, F), and by how much more with each value, (k, sessions, F)."""
 
-    sizes: Floats
+    values: Floats
     change: Floats
     slopes: Floats
 
 
 def exact_sizes(surrogate: Surrogate, causes: Sequence[Cause], simulate_at: SimulateAt) -> dict[str, ExactSize]:
     """Of each cause whose size can be any, by its name: random ones and those of a single size stay as they are."""
-    free = [number for number, cause in enumerate(causes) if not cause.is_random and len(_beside(cause)) > 1]
-    if not free:
+    unknowns = _unknowns(surrogate, causes)
+    if not unknowns:
         return {}
     prediction, evidence = surrogate.prediction(causes), surrogate.evidence
     variance = evidence.sigma**2 + prediction.variance
-    own = np.array([cause.size for cause in causes])
-    bounds = np.array([_bounds(causes[number]) for number in free]).T
-    is_simulated = not all(causes[number].candidate.grid_points[0] < 0.0 for number in free)
-
-    def change_at(sizes: Floats) -> Floats:
-        every = own.copy()
-        every[free] = sizes
-        return simulate_at(causes, every.tolist()).change
-
-    slopes = np.array([_slope(surrogate, causes, number) for number in free])
-    state = _State(own[free], prediction.change, slopes)
+    bounds = np.array([one.bounds for one in unknowns]).T
+    is_simulated = not all(causes[one.number].candidate.grid_points[0] < 0.0 for one in unknowns)
+    slopes = np.array([_slope(surrogate, causes, one) for one in unknowns])
+    state = _State(np.array([one.own for one in unknowns]), prediction.change, slopes)
     for _ in range(ROUNDS if is_simulated else 0):
         step, error = _step(evidence.difference - state.change, state.slopes, variance)
-        sizes = np.clip(state.sizes + step, *bounds)
-        if (np.abs(sizes - state.sizes) < WORTH_A_ROUND * error).all():
+        values = np.clip(state.values + step, *bounds)
+        if (np.abs(values - state.values) < WORTH_A_ROUND * error).all():
             break
-        change = change_at(sizes)
+        change = simulate_at(_placed(causes, unknowns, values)).change
         before, after = (_score(evidence.difference - each, variance) for each in (state.change, change))
         if after < before - AS_GOOD:
-            return _named(causes, free, state.sizes, error)
-        state = _State(sizes, change, _learned(state, sizes - state.sizes, change, error))
+            return _named(causes, unknowns, state.values, error)
+        state = _State(values, change, _learned(state, values - state.values, change, error))
     step, error = _step(evidence.difference - state.change, state.slopes, variance)
-    return _named(causes, free, np.clip(state.sizes + step, *bounds), error)
+    return _named(causes, unknowns, np.clip(state.values + step, *bounds), error)
 
 
-def _named(causes: Sequence[Cause], free: Sequence[int], sizes: Floats, error: Floats) -> dict[str, ExactSize]:
-    found = zip(free, sizes, error, strict=True)
-    return {causes[number].name: ExactSize(float(size), float(off)) for number, size, off in found}
+def _unknowns(surrogate: Surrogate, causes: Sequence[Cause]) -> list[_Unknown]:
+    found = []
+    for number, cause in enumerate(causes):
+        near = _beside(cause)
+        if cause.is_random or len(near) == 1:
+            continue
+        below, above = (Cause(cause.response, at) for at in (near[0], near[-1]))
+        found.append(_Unknown(number, False, cause.size, below, above, (below.size, above.size)))
+        phase_deg = cause.candidate.phase_deg
+        if phase_deg is not None and not cause.candidate.is_phase_free:
+            bounds = phase_deg - PHASE_STEP_DEG, phase_deg + PHASE_STEP_DEG
+            before, behind = (_turned(surrogate, cause, bound_deg) for bound_deg in bounds)
+            found.append(_Unknown(number, True, phase_deg, before, behind, bounds))
+    return found
 
 
 def _beside(cause: Cause) -> list[int]:
@@ -92,20 +119,40 @@ def _beside(cause: Cause) -> list[int]:
     return [at for at in near if sizes[at] * cause.size > 0.0]
 
 
-def _bounds(cause: Cause) -> tuple[float, float]:
-    near = cause.candidate.sizes[_beside(cause)]
-    return float(near[0]), float(near[-1])
+def _turned(surrogate: Surrogate, cause: Cause, phase_deg: float) -> Cause:
+    """The same cause at another phase of the grid."""
+    variants = surrogate.evidence.variants(cause.name)
+    return Cause(next(one for one in variants if one.candidate.phase_deg == phase_deg % 360.0), cause.at)
 
 
-def _slope(surrogate: Surrogate, causes: Sequence[Cause], number: int) -> Floats:
-    """(sessions, F) by which the change grows with the size of one of the causes."""
-    cause = causes[number]
-    near = _beside(cause)
-    changes, sizes = [], cause.candidate.sizes
-    for at in (near[0], near[-1]):
-        beside = [*causes[:number], Cause(cause.response, at), *causes[number + 1 :]]
-        changes.append(surrogate.prediction(beside).change)
-    slope: Floats = (changes[1] - changes[0]) / (sizes[near[-1]] - sizes[near[0]])
+def _placed(causes: Sequence[Cause], unknowns: Sequence[_Unknown], values: Floats) -> list[Placed]:
+    placed = [Placed(cause, cause.size) for cause in causes]
+    for one, value in zip(unknowns, values.tolist(), strict=True):
+        changed = {"phase_deg": value} if one.is_phase else {"size": value}
+        placed[one.number] = placed[one.number]._replace(**changed)
+    return placed
+
+
+def _named(
+    causes: Sequence[Cause], unknowns: Sequence[_Unknown], values: Floats, errors: Floats
+) -> dict[str, ExactSize]:
+    found: dict[str, ExactSize] = {}
+    for one, value, error in zip(unknowns, values.tolist(), errors.tolist(), strict=True):
+        name = causes[one.number].name
+        if one.is_phase:
+            found[name] = found[name]._replace(phase_deg=value % 360.0, phase_error_deg=error)
+        else:
+            found[name] = ExactSize(value, error)
+    return found
+
+
+def _slope(surrogate: Surrogate, causes: Sequence[Cause], one: _Unknown) -> Floats:
+    """(sessions, F) by which the change grows with an unknown."""
+    below, above = (
+        surrogate.prediction([*causes[: one.number], beside, *causes[one.number + 1 :]]).change
+        for beside in (one.below, one.above)
+    )
+    slope: Floats = (above - below) / (one.bounds[1] - one.bounds[0])
     return slope
 
 
@@ -114,7 +161,7 @@ def _score(left: Floats, variance: Floats) -> float:
 
 
 def _step(left: Floats, slopes: Floats, variance: Floats) -> tuple[Floats, Floats]:
-    """(k,) each: by how much sizes change to explain the most of what is left, and the standard errors of that."""
+    """(k,) each: by how much values change to explain the most of what is left, and the standard errors of that."""
     columns = (slopes / np.sqrt(variance)).reshape(len(slopes), -1).T
     wanted, weights = (left / np.sqrt(variance)).ravel(), np.ones(left.size)
     step = np.zeros(len(slopes))
@@ -127,7 +174,7 @@ def _step(left: Floats, slopes: Floats, variance: Floats) -> tuple[Floats, Float
 
 
 def _learned(state: _State, moved: Floats, change: Floats, error: Floats) -> Floats:
-    """Slopes that would have foretold this change; they turn the least where sizes were not moved."""
+    """Slopes that would have foretold this change; they turn the least where values were not moved."""
     along = moved / np.square(error)
     missing = change - state.change - np.tensordot(moved, state.slopes, axes=1)
     slopes: Floats = state.slopes + along[:, None, None] * missing / float(along @ moved)

@@ -70,10 +70,12 @@ def size_of(one: Alternatives) -> float:
 
 
 def effect_of(one: Alternatives) -> Effect:
-    """The effect of the simulator at the fitted size; where phases are free, at that of the first session."""
-    phases_deg = one.cause.response.phases_deg
+    """The effect of the simulator at the fitted size and phase; where phases are free, at that of the first session."""
+    phase_deg, phases_deg = None if one.exact is None else one.exact.phase_deg, one.cause.response.phases_deg
+    if phases_deg is not None:
+        phase_deg = float(phases_deg[0])
     made = one.cause.candidate.make(size_of(one))
-    return made if phases_deg is None else made.model_copy(update={"phase_deg": float(phases_deg[0])})
+    return made if phase_deg is None else made.model_copy(update={"phase_deg": phase_deg})
 
 
 def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
@@ -86,13 +88,20 @@ def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
     reach = (best, best - error, best + error, plausible[0], plausible[-1])
     value, *ends = (_value(candidate.make(float(size)), name) for size in reach)
     found = [Parameter(name, value, min(value, *ends), max(value, *ends), unit)]
-    phases_deg = one.cause.response.phases_deg
-    for other, fixed in candidate.make(best).model_dump().items():
-        if other == "phase_deg" and phases_deg is not None:
-            found.append(Parameter(other, float(phases_deg[0]), -HALF_TURN_DEG, HALF_TURN_DEG, unit_of(other)))
-        elif other not in {name, "name"}:
-            found.append(Parameter(other, fixed, fixed, fixed, unit_of(other)))
+    for other, fixed in effect_of(one).model_dump().items():
+        if other not in {name, "name"}:
+            found.append(Parameter(other, fixed, *_phase_reach(one, other, fixed), unit_of(other)))
     return tuple(found)
+
+
+def _phase_reach(one: Alternatives, parameter: str, value: float) -> tuple[float, float]:
+    """From where to where a phase may be; all else is fixed with the candidate."""
+    if parameter != "phase_deg":
+        return value, value
+    if one.cause.response.phases_deg is not None:
+        return -HALF_TURN_DEG, HALF_TURN_DEG
+    off_deg = 0.0 if one.exact is None else PLAUSIBLE * one.exact.phase_error_deg
+    return value - off_deg, value + off_deg
 
 
 def _value(effect: Effect, parameter: str) -> float:

@@ -18,6 +18,9 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
 """A session's design and random stream to what is added to its rate, deg/s at size 1, shape (n,)."""
 
+PHASE_STEP_DEG = 30.0
+"""Between phases that are tried."""
+
 
 class Need(StrEnum):
     """What recordings have to hold for an effect to show in them."""

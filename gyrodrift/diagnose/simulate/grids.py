@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.simulate.candidate import Hints, SizeGrid, Variant
+from gyrodrift.diagnose.simulate.candidate import PHASE_STEP_DEG, Hints, SizeGrid, Variant
 
 PER_DECADE = 24
 """Sizes between which a fit decides, to a decade: steps of a tenth."""
 
-PHASES_DEG = tuple(30.0 * step for step in range(12))
+PHASES_DEG = tuple(np.arange(0.0, 360.0, PHASE_STEP_DEG).tolist())
 
 INNER = 10.0
 """What is linear in its size is simulated at this part of its largest one, far from the ends of any range."""

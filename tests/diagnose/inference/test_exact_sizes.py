@@ -9,8 +9,9 @@ from inference_support import SESSIONS, evidence, exactly, random_response, resp
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
-from gyrodrift.diagnose.inference.exact_sizes import ROUNDS, exact_sizes
+from gyrodrift.diagnose.inference.exact_sizes import ROUNDS, Placed, exact_sizes
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.grids import PHASES_DEG
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 LATE = response("latency", {"acceleration": 30.0, "rate": 2.0})
@@ -24,9 +25,9 @@ class Simulator:
     def __init__(self) -> None:
         self.asked: list[list[float]] = []
 
-    def __call__(self, causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
-        self.asked.append(list(sizes))
-        done = {cause.name: size for cause, size in zip(causes, sizes, strict=True)}
+    def __call__(self, placed: Sequence[Placed]) -> SimulatedSet:
+        self.asked.append([one.size for one in placed])
+        done = {one.cause.name: one.size for one in placed}
         return exactly(does(done.get("latency", 0.0), done.get("temp_bias", 0.0)))
 
 
@@ -39,7 +40,7 @@ def does(late_ms: float, slope_dps_per_c: float = 0.0) -> Floats:
 def surrogate_of(difference: Floats, *causes: Cause) -> Surrogate:
     """It was simulated at the sizes of the grid."""
     surrogate = Surrogate(evidence(difference, *(cause.response for cause in causes)))
-    return surrogate.refined(causes, Simulator()(causes, [cause.size for cause in causes]))
+    return surrogate.refined(causes, Simulator()([Placed(cause, cause.size) for cause in causes]))
 
 
 @pytest.mark.parametrize("true", [2.6, 2.95, 3.0, 3.4])
@@ -68,8 +69,8 @@ def test_no_size_goes_beyond_its_neighbours() -> None:
 def test_a_step_that_explains_less_is_not_taken() -> None:
     """The simulator says the opposite of its table."""
 
-    def contrary(causes: Sequence[Cause], sizes: Sequence[float]) -> SimulatedSet:
-        return exactly(does(6.0 - sizes[0]))
+    def contrary(placed: Sequence[Placed]) -> SimulatedSet:
+        return exactly(does(6.0 - placed[0].size))
 
     assert exact_sizes(surrogate_of(does(3.4), AT_3), (AT_3,), contrary)["latency"].size == 3.0
 
@@ -82,6 +83,40 @@ def test_what_is_linear_needs_no_simulation() -> None:
     found = exact_sizes(surrogate_of(does(3.0) + rows({"acceleration": 6.0}), cause), (cause,), simulate)
     assert found["latency"].size == pytest.approx(3.2, abs=0.01)
     assert not simulate.asked
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_phase_between_two_of_twelve_is_found_with_its_size(seed: int) -> None:
+    """Of a tilt beside an absolute encoder, whose table knows sine and cosine, wherever it is."""
+    rng = np.random.default_rng(seed)
+    size, phase_deg = float(rng.uniform(2.0, 7.0)), float(rng.uniform(0.0, 360.0))
+
+    def tilt(amplitude: float, at_deg: float) -> Floats:
+        sine, cosine = np.sin(np.deg2rad(at_deg)), np.cos(np.deg2rad(at_deg))
+        return rows({"turn_sine": 30.0 * amplitude * cosine, "turn_cosine": 30.0 * amplitude * sine})
+
+    def simulate(placed: Sequence[Placed]) -> SimulatedSet:
+        return exactly(tilt(placed[0].size, placed[0].phase_deg or 0.0))
+
+    def turned(at_deg: float) -> Response:
+        table = response("g_sensitivity", {})
+        mean = np.array([tilt(each, at_deg) for each in table.candidate.sizes])
+        return Response(replace(table.candidate, phase_deg=at_deg), mean, table.spread)
+
+    twelve = [turned(at_deg) for at_deg in PHASES_DEG]
+    nearest = min(twelve, key=lambda one: abs((at_of(one) - phase_deg + 180.0) % 360.0 - 180.0))
+    cause = Cause(nearest, int(np.abs(nearest.candidate.sizes - size).argmin()))
+    found = exact_sizes(Surrogate(evidence(tilt(size, phase_deg), *twelve)), (cause,), simulate)["g_sensitivity"]
+    assert found.phase_deg is not None
+    assert abs((found.phase_deg - phase_deg + 180.0) % 360.0 - 180.0) < 1.0
+    assert found.size == pytest.approx(size, rel=0.01)
+    assert 0.0 < found.phase_error_deg < 1.0
+
+
+def at_of(one: Response) -> float:
+    """Its phase, degrees."""
+    assert one.candidate.phase_deg is not None
+    return one.candidate.phase_deg
 
 
 def test_what_is_random_or_has_one_size_stays_as_it_is() -> None:

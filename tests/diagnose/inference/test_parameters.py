@@ -48,6 +48,16 @@ def test_an_exact_size_is_the_value_and_its_error_is_within_the_interval() -> No
     assert effect_of(one).model_dump()["error_percent"] == 5.2
 
 
+def test_an_exact_phase_is_the_value_and_its_error_the_interval() -> None:
+    """Else it is that of the grid."""
+    cause = Cause(response("g_sensitivity", {"rate": 1.0}), 4)
+    profile = -50.0 * (SIZES - 5.0) ** 2
+    one = Alternatives(cause, 1.0, (), profile, ExactSize(5.2, 0.05, 77.0, 1.5))
+    _, phase = parameters_of(one)
+    assert (phase.name, phase.value, phase.low, phase.high) == ("phase_deg", 77.0, 74.0, 80.0)
+    assert effect_of(one).model_dump() == {"name": "g_sensitivity", "amplitude_dps": 5.2, "phase_deg": 77.0}
+
+
 @pytest.mark.parametrize(
     ("parameter", "unit"),
     [
