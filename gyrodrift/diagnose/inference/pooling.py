@@ -30,7 +30,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     differences = np.array([table.difference for table in tables])
     has = own_nulls.any(axis=1) | (differences != 0.0)
     runs = np.maximum(has.sum(axis=0) * own_nulls.shape[1], 1)
-    centre = np.where(has, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
+    centre = np.where(has & ~OF_EVENTS, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
     away = own_nulls - centre[:, None]
     variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
     thresholds = np.array([table.thresholds for table in tables])

@@ -21,6 +21,9 @@ FREE_PHASE_COST = 1.0
 """Log-likelihood that a phase gains in a session by being fitted to it, where there is nothing: two normal numbers in
 place of one are worth a half to one."""
 
+TINY = 1e-30
+"""Keeps a share of nothing from being undefined."""
+
 
 @dataclass(frozen=True, slots=True)
 class Cause:
@@ -176,7 +179,8 @@ class Surrogate:
         others = [one for one in self.corrections if not one.responses <= responses]
         within = [one for one in self.corrections if one.responses < responses]
         added = self._added(causes)
-        new = Correction(responses, simulated.change - added.change, self._scatter(simulated, added.variance))
+        change = beyond_noise(simulated.change - added.change, simulated.variance / simulated.runs)
+        new = Correction(responses, change, self._scatter(simulated, added.variance))
         return replace(self, corrections=(*others, new, *within))
 
     def _added(self, causes: Sequence[Cause]) -> Prediction:
@@ -215,6 +219,16 @@ class Surrogate:
         names = _names(responses)
         parts = [one for one in self.corrections if _names(one.responses) <= names]
         return max(parts, key=lambda one: (len(one.responses), len(one.responses & responses)), default=None)
+
+
+def beyond_noise(change: Floats, variance: Floats) -> Floats:
+    """What is to be believed of a change that is known with a variance: all of a large one, hardly any of a small one.
+
+    A random cause that may go either way does so in the mean of a few simulations, too.
+    """
+    squares = np.square(change)
+    believed: Floats = change * squares / np.maximum(squares + variance, TINY)
+    return believed
 
 
 def _stacked(values: Sequence[Floats]) -> Floats:
