@@ -88,7 +88,7 @@ def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
     away = rows(difference) if isinstance(difference, Mapping) else difference
     nulls = np.where(np.arange(6)[:, None] % 2 == 0, 1.0, -1.0) * np.ones((len(away), 1, len(FEATURES)))
     names = tuple(f"session-{number}" for number in range(len(away)))
-    return Evidence(names, away, np.ones_like(away), nulls, responses)
+    return Evidence(names, away, np.ones_like(away), np.ones_like(away), nulls, responses)
 
 
 def exactly(change: Floats) -> SimulatedSet:

@@ -71,7 +71,7 @@ def shared_with_unknown(surrogate: Surrogate, found: CauseSet, one: Cause) -> fl
 def _direction(surrogate: Surrogate, one: Cause) -> Floats:
     """What a cause alone moves in all sessions, as a vector of length 1, or less where chance moves more."""
     alone = surrogate.prediction((one,))
-    z = (alone.change / np.sqrt(surrogate.evidence.sigma**2 + alone.variance)).ravel()
+    z = (alone.change / np.sqrt(surrogate.evidence.variance_with(alone.variance))).ravel()
     return z / max(float(np.linalg.norm(z)), 1.0)
 
 
@@ -79,7 +79,7 @@ def moved_by(surrogate: Surrogate, found: CauseSet, one: Cause) -> float:
     """The largest pooled z of what one of the causes moves beside the others."""
     whole = surrogate.prediction(found.causes)
     moved = whole.change - surrogate.prediction(without(found.causes, one)).change
-    z = pooled_z(moved / np.sqrt(surrogate.evidence.sigma**2 + whole.variance)) / surrogate.evidence.caution
+    z = pooled_z(moved / np.sqrt(surrogate.evidence.variance_with(whole.variance))) / surrogate.evidence.caution
     return float(np.abs(z).max())
 
 

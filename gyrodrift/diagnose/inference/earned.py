@@ -36,7 +36,7 @@ def earned_by(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> Earn
     """
     evidence = surrogate.evidence
     all_of_them, others = surrogate.prediction(causes), surrogate.prediction(without(causes, one))
-    wide, unmoved = evidence.sigma**2 + all_of_them.variance, evidence.difference - others.change
+    wide, unmoved = evidence.variance_with(all_of_them.variance), evidence.difference - others.change
     moving = log_likelihood(evidence.difference - all_of_them.change, wide, all_of_them.discrepancy).sum()
     excusing = log_likelihood(unmoved, wide, all_of_them.discrepancy).sum()
     exact = log_likelihood(unmoved, wide, others.discrepancy).sum()

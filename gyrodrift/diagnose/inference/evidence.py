@@ -69,6 +69,9 @@ class Evidence:
         (sessions, F) recording less simulation, and less what the replay itself leaves.
     sigma
         (sessions, F) spread of that where there is no gap, and the relevance threshold, together.
+    chance
+        (sessions, F) the spread alone. The threshold is room for whatever does not matter, and so for what scatters
+        within it, too.
     nulls
         (sessions, runs, F) differences without a gap, in units of sigma.
     caution
@@ -82,6 +85,7 @@ class Evidence:
     names: tuple[str, ...]
     difference: Floats
     sigma: Floats
+    chance: Floats
     nulls: Floats
     responses: tuple[Response, ...]
     caution: Floats | float = 1.0
@@ -97,6 +101,11 @@ class Evidence:
     def z(self) -> Floats:
         """(sessions, F) how far each feature deviates before anything is added."""
         return self.difference / self.sigma
+
+    def variance_with(self, scatter: Floats) -> Floats:
+        """Of the difference where more scatters by such a variance, (…, sessions, F)."""
+        found: Floats = np.maximum(self.sigma**2, self.chance**2 + scatter)
+        return found
 
     def only(self, names: Sequence[str]) -> "Evidence":
         """The same with some of the candidates."""

@@ -77,7 +77,7 @@ def exact_sizes(surrogate: Surrogate, causes: Sequence[Cause], simulate_at: Simu
     if not unknowns:
         return {}
     prediction, evidence = surrogate.prediction(causes), surrogate.evidence
-    variance = evidence.sigma**2 + prediction.variance
+    variance = evidence.variance_with(prediction.variance)
     bounds = np.array([one.bounds for one in unknowns]).T
     is_simulated = not all(causes[one.number].candidate.grid_points[0] < 0.0 for one in unknowns)
     slopes = np.array([_slope(surrogate, causes, one) for one in unknowns])

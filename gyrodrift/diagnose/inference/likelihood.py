@@ -6,6 +6,7 @@ calibration of computer models (2001). Without its variance, what a large true c
 explained by a crowd of small wrong ones.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -81,6 +82,10 @@ class Scatter(NamedTuple):
     def widened(self, variance: Floats | float) -> "Scatter":
         """With a variance more that is always there."""
         return Scatter(variance + self.variance, variance + self.usual, self.shift)
+
+    def through(self, total: Callable[[Floats], Floats]) -> "Scatter":
+        """With all else that scatters, as a function of either variance."""
+        return Scatter(total(self.variance), total(self.usual), self.shift)
 
 
 def log_likelihood_of_events(residual: Floats, scatter: Scatter, discrepancy: Floats) -> Floats:

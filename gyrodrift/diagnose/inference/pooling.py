@@ -38,7 +38,8 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     again = np.where(OF_MOTION, beyond_chance(own_nulls.sum(axis=(0, 1)) / runs, variance / runs), 0.0)
     changes = np.array([table.smoother for table in tables])
     smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
-    sigma = np.sqrt(common + thresholds**2 + len(tables) * (again + smoother))
+    chance = np.sqrt(common + len(tables) * (again + smoother))
+    sigma = np.hypot(chance, thresholds)
     sigma[absent_of(tables) | _without_events(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
@@ -48,6 +49,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
+        chance=chance,
         nulls=away / sigma[:, None],
         responses=(*responses, *_beside_each_other(tables, responses, difference, sigma)),
         caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),

@@ -87,7 +87,7 @@ def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
     evidence = surrogate.evidence
     predicted = surrogate.prediction((cause,))
     before = pooled_z(evidence.z) / evidence.caution
-    left = (evidence.difference - predicted.change) / np.sqrt(evidence.sigma**2 + predicted.variance)
+    left = (evidence.difference - predicted.change) / np.sqrt(evidence.variance_with(predicted.variance))
     after = pooled_z(left) / evidence.caution
     deviates = np.abs(before) > evidence.stands_out
     return explained_share(deviates, before, after) if deviates.any() else None

@@ -47,6 +47,6 @@ def _gains(evidence: Evidence, changes: Floats, mean: Floats, scatter: Scatter) 
     chance = evidence.nulls * evidence.sigma[:, None]
     both = changes[:, :, None] + chance[:, None]
     shown = both.reshape(len(both), -1, both.shape[-1])
-    sigma_2, no_discrepancy = np.square(evidence.sigma)[:, None], np.zeros(1)
-    with_it = log_likelihood_of_events(shown - mean[:, None], scatter.widened(sigma_2), no_discrepancy)
-    return with_it - log_likelihood(shown, sigma_2, no_discrepancy)
+    total, no_discrepancy = scatter.through(lambda more: evidence.variance_with(more)[:, None]), np.zeros(1)
+    with_it = log_likelihood_of_events(shown - mean[:, None], total, no_discrepancy)
+    return with_it - log_likelihood(shown, np.square(evidence.sigma)[:, None], no_discrepancy)

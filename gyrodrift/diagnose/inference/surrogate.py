@@ -120,14 +120,14 @@ class Surrogate:
         """(sessions,) logarithm of the likelihood of each session's features, less the price of phases fitted to it."""
         predicted, evidence = self.prediction(causes), self.evidence
         fitted = sum(cause.response.phases_deg is not None for cause in causes)
-        left, scatter = evidence.difference - predicted.change, predicted.scatter.widened(evidence.sigma**2)
+        left, scatter = evidence.difference - predicted.change, predicted.scatter.through(evidence.variance_with)
         likelihood = log_likelihood_of_events(left, scatter, predicted.discrepancy)
         return likelihood - FREE_PHASE_COST * fitted
 
     def standardised_residuals(self, causes: Sequence[Cause]) -> Floats:
         """(sessions, F) what the causes leave unexplained, in standard deviations of chance and discrepancy."""
         predicted, evidence = self.prediction(causes), self.evidence
-        variance = evidence.sigma**2 + predicted.variance + predicted.discrepancy
+        variance = evidence.variance_with(predicted.variance) + predicted.discrepancy
         left: Floats = (evidence.difference - predicted.change) / np.sqrt(variance)
         return left
 
@@ -158,11 +158,10 @@ class Surrogate:
         is_random = response.candidate.realisations > 1
         sizes = slice(None, None, step) if is_random else slice(1)  # else 0 at all sizes
         own = Scatter(*(each[:, None] for each in response.scatter(sizes)))
-        scatter = beside.scatter.beside(own).widened(
-            self.evidence.sigma**2 + (0.0 if known is None else known.variance)
-        )
+        scatter = beside.scatter.beside(own).widened(0.0 if known is None else known.variance)
         discrepancy = beside.discrepancy + self.evidence.discrepancies[response][::step]
-        likelihood = log_likelihood_of_events(self.evidence.difference - change, scatter, discrepancy)
+        total = scatter.through(self.evidence.variance_with)
+        likelihood = log_likelihood_of_events(self.evidence.difference - change, total, discrepancy)
         fitted = sum(one.phases_deg is not None for one in both)
         return likelihood - FREE_PHASE_COST * fitted
 
@@ -222,12 +221,13 @@ class Surrogate:
 
 
 def beyond_noise(change: Floats, variance: Floats) -> Floats:
-    """What is to be believed of a change that is known with a variance: all of a large one, hardly any of a small one.
+    """What is to be believed of a change that is known with a variance: nothing of what is no larger than its error.
 
-    A random cause that may go either way does so in the mean of a few simulations, too.
+    Shrinkage after W. James and C. Stein, Estimation with quadratic loss (1961). A random cause that may go either way
+    does so in the mean of a few simulations, too.
     """
     squares = np.square(change)
-    believed: Floats = change * squares / np.maximum(squares + variance, TINY)
+    believed: Floats = change * np.maximum(squares - variance, 0.0) / np.maximum(squares, TINY)
     return believed
 
 

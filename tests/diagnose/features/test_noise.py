@@ -31,6 +31,18 @@ def test_white_noise_is_white_at_rest_and_in_motion() -> None:
     assert max(abs(found[f"noise_slow_{points}"]) for points in MOVING_POINTS) < 0.25
 
 
+def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() -> None:
+    """A rate that leaves zero for one sample in twelve, in six, in three: no step where half of all differences are."""
+    rng = np.random.default_rng(3)
+    leaves = rng.permutation(len(T_S))
+    shares = np.linspace(0.08, 0.36, 15)
+    found = []
+    for share in shares:
+        one = noisy(np.where(leaves < share * len(T_S), 0.5, 0.0))
+        found.append(spreads_of(one.seen.rate_dps, one.design.spread_places).rest[0])
+    assert found == pytest.approx((shares * (1.0 - shares) * 0.25).tolist(), rel=0.3)
+
+
 @pytest.mark.parametrize("number", range(5))
 def test_correlated_noise_has_the_spread_of_its_kernel(number: int) -> None:
     """Means of two neighbours: the squares of the weights that a second difference gives to each draw, in all."""

@@ -167,6 +167,24 @@ def test_what_few_realisations_do_is_rare() -> None:
         assert found == pytest.approx(expected)
 
 
+def test_what_chance_makes_is_told_apart_from_the_threshold() -> None:
+    """Of a rate whose threshold is 2: both together are sigma."""
+    nulls = np.array([row({"rate": 1.0}), row({"rate": -1.0}), row({"rate": 0.5})])
+    one = evidence_of([table("one", nulls)], [])
+    at = NUMBER["rate"]
+    assert one.chance[0, at] == pytest.approx(np.std([1.0, -1.0, 0.5], ddof=1), rel=0.05)
+    assert one.sigma[0, at] == pytest.approx(np.hypot(one.chance[0, at], 2.0))
+
+
+def test_events_of_a_null_that_one_side_lacks_take_nothing_off_the_others() -> None:
+    """A jump that the recording has by chance is in each first replay, and in none of the second."""
+    nulls = np.tile(row({"slip_size": 2.7}), (4, 1))
+    one = replace(table("one", nulls), difference=row({"slip_size": -0.05}))
+    found = evidence_of([one], [])
+    assert found.difference[0, NUMBER["slip_size"]] == pytest.approx(-0.05)
+    assert found.sigma[0, NUMBER["slip_size"]] > 2.0
+
+
 def test_how_large_events_are_is_told_by_those_that_happen() -> None:
     """A session without one says nothing of it, and a run without one does not make them smaller."""
     one = replace(candidate("encoder_slip"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))

@@ -8,7 +8,7 @@ from inference_support import SESSIONS, SIZES, evidence, exactly, random_respons
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.evidence import Usual
-from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate
+from gyrodrift.diagnose.inference.surrogate import FREE_PHASE_COST, Cause, Surrogate, beyond_noise
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 RATE, DRIFT = response("scale_factor", {"rate": 2.0}), response("clock_drift", {"clock_ratio": 3.0})
@@ -85,6 +85,23 @@ def test_what_scatters_from_run_to_run_is_known_the_less() -> None:
         variances = SURROGATE.refined((TWO,), runs).prediction((TWO,)).variance
         assert variances[:, at] == pytest.approx(scatter)
         assert np.count_nonzero(variances) == len(variances)
+
+
+def test_what_scatters_within_a_relevance_threshold_costs_nothing() -> None:
+    """Where chance is 0.6 of sigma, 0.8 is room for what does not matter: a spread of 0.8 is as good as none."""
+    within, beyond = Cause(random_response("rate_random_walk", {"rate": 0.8}), 0), {"rate": 1.1}
+    calm = replace(evidence({}, within.response), chance=np.full((SESSIONS, len(FEATURES)), 0.6))
+    assert Surrogate(calm).scores((within,)) == pytest.approx(Surrogate(calm).scores(()))
+    wider = Cause(random_response("rate_random_walk", beyond), 0)
+    costs = Surrogate(replace(calm, responses=(wider.response,)))
+    assert costs.scores(()) - costs.scores((wider,)) == pytest.approx(0.5 * np.log(0.6**2 + 1.1**2))
+
+
+def test_the_mean_of_a_few_simulations_is_believed_beyond_its_error() -> None:
+    """Of three runs: not where it is as large as that, nearly whole where it is far larger."""
+    change, variance = np.array([0.0, 1.0, -1.0, 2.0, 10.0]), np.ones(5)
+    assert beyond_noise(change, variance) == pytest.approx([0.0, 0.0, 0.0, 1.5, 9.9])
+    assert np.array_equal(beyond_noise(change, np.zeros(5)), change)
 
 
 def test_of_few_runs_half_is_believed() -> None:
