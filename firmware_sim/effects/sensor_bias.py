@@ -1,5 +1,6 @@
 """Sensor: what the bias does by itself, and what turning and tilting do to it."""
 
+from collections.abc import Sequence
 from math import log, pi, sqrt
 from typing import Annotated, ClassVar, Literal
 
@@ -9,8 +10,12 @@ from pydantic import Field
 from firmware_sim.effects.effect import Act, Effect, Floats, Place, Rng
 from firmware_sim.effects.recursion import SLOW_STEP_S, OnePole, Poisson, SlowTrack
 
-FLICKER_TAUS_S = tuple(0.3 * 3.0**power for power in range(10))
-"""Time constants, 0.3 s to 1.6 h, whose sum has a spectrum of 1/f between their ends."""
+FLICKER_RATIO = 3.0
+FLICKER_TAUS_S = tuple(2.7 * FLICKER_RATIO**power for power in range(8))
+"""Time constants, 2.7 s to 1.6 h, whose sum has a spectrum of 1/f between their ends. Quicker ones follow, each drawn
+from sample to sample, down to QUICKEST of a sample period, where what folds down is nearly white."""
+
+QUICKEST = 0.25
 
 
 class BiasInstability(Effect):
@@ -29,18 +34,45 @@ class BiasInstability(Effect):
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Slow track."""
-        sigma_dps = self.floor_dph / 3600.0 * sqrt(log(3.0) / pi)
-        poles = [np.exp(-SLOW_STEP_S / tau_s) for tau_s in FLICKER_TAUS_S]
-        processes = [OnePole(pole, np.float64(sigma_dps * rng.standard_normal())) for pole in poles]
-        scales = [sigma_dps * sqrt(1.0 - pole**2) for pole in poles]
+        sigma_dps = self.floor_dph / 3600.0 * sqrt(log(FLICKER_RATIO) / pi)
+        slow = _processes(rng, sigma_dps, SLOW_STEP_S, FLICKER_TAUS_S)
+        quick = _processes(rng, sigma_dps, 1.0 / sample_rate_hz, _quick_taus_s(sample_rate_hz))
+        track = SlowTrack(lambda count: _sum(slow, count))
+        return lambda rate, moments: rate + track.at(moments.t_s) + _sum(quick, len(rate))
 
-        def draw(count: int) -> Floats:
-            drawn = [step(scale * rng.standard_normal(count)) for step, scale in zip(processes, scales, strict=True)]
-            summed: Floats = np.sum(drawn, axis=0)
-            return summed
 
-        track = SlowTrack(draw)
-        return lambda rate, moments: rate + track.at(moments.t_s)
+class _Markov:
+    """A process of first order, of a standard deviation, whose steps are so many time constants."""
+
+    def __init__(self, rng: Rng, sigma_dps: float, step: float) -> None:
+        pole = np.exp(-step)
+        self._rng = rng
+        self._scale = sigma_dps * sqrt(1.0 - pole**2)
+        self._recursion = OnePole(pole, np.float64(sigma_dps * rng.standard_normal()))
+
+    def draw(self, count: int) -> Floats:
+        return self._recursion(self._scale * self._rng.standard_normal(count))
+
+
+def _quick_taus_s(sample_rate_hz: float) -> list[float]:
+    taus_s, tau_s = [], FLICKER_TAUS_S[0] / FLICKER_RATIO
+    while tau_s * sample_rate_hz > QUICKEST:
+        taus_s.append(tau_s)
+        tau_s /= FLICKER_RATIO
+    return taus_s
+
+
+def _processes(rng: Rng, sigma_dps: float, step_s: float, taus_s: Sequence[float]) -> list[_Markov]:
+    """Each with random numbers of its own: how many are drawn at once does not matter."""
+    own = rng.spawn(len(taus_s))
+    return [_Markov(each, sigma_dps, step_s / tau_s) for each, tau_s in zip(own, taus_s, strict=True)]
+
+
+def _sum(processes: Sequence[_Markov], count: int) -> Floats:
+    summed = np.zeros(count)
+    for process in processes:
+        summed += process.draw(count)
+    return summed
 
 
 class RateRandomWalk(Effect):

@@ -22,8 +22,11 @@ REST_GAIN, MOVING_GAIN = 6.0, 20.0
 LEAST_SQUARE = 1e-12
 """Of a difference; keeps the limit of equal values above zero."""
 
-USUAL_SHARE = 0.9
-"""Of squares, beyond which they may be outliers."""
+USUAL_SHARE, TRIMMED_TO_MEDIAN = 0.9, 0.73
+"""Of squares, beyond which they may be outliers; median of the squares of normal numbers over the mean of that share."""
+
+UNEVEN = 3.0
+"""Mean over median of squares, which is 2.2 of normal numbers: below it the median is as good."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +103,10 @@ def _mean_square(differences: Floats) -> float:
 
 
 def _usual(squares: Floats) -> float:
-    """Their median; of which most are 0, the mean of all but the largest, or it would jump where half of them are."""
+    """Their median, or what it would be by the mean of all but the largest: where about half are 0 it would jump."""
     middle = median(squares)
-    if middle > LEAST_SQUARE:
+    if float(squares.mean()) < UNEVEN * middle:
         return middle
     kept = max(1, round(USUAL_SHARE * len(squares)))
-    return float(np.partition(squares, kept - 1)[:kept].mean())
+    trimmed = float(np.partition(squares, kept - 1)[:kept].mean())
+    return max(middle, TRIMMED_TO_MEDIAN * trimmed)

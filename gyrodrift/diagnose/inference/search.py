@@ -14,6 +14,7 @@ from gyrodrift.diagnose.inference.earned import unearned
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.family_wise import pooled_z
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated
+from gyrodrift.diagnose.inference.splits import with_its_kin
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate, without
 
 MAX_CAUSES = 4
@@ -163,7 +164,8 @@ def _or_a_pair(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> tu
     if not is_worth_pairs(surrogate, single):
         return single, surrogate
     both, surrogate = pairs(surrogate, simulate)
-    accepted = [pair for pair in both if passes_acceptance(surrogate, pair, single)]
+    of_one_group, surrogate = with_its_kin(surrogate, single, simulate)
+    accepted = [pair for pair in (*both, *of_one_group) if passes_acceptance(surrogate, pair, single)]
     return max([single, *accepted], key=lambda one: one.total), surrogate
 
 

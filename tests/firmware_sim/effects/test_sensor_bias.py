@@ -16,6 +16,7 @@ from effects_bench import (
     rig_of,
     sized,
 )
+from scipy.signal import welch
 
 from firmware_sim.effects.effect import Effect, Floats
 from firmware_sim.motion.profile import load_profile
@@ -59,11 +60,25 @@ def test_white_noise_has_its_allan_deviation(noise_dps_rthz: float) -> None:
 
 @sized("bias_instability")
 def test_one_over_f_noise_has_a_flat_allan_deviation(effect: Effect | None) -> None:
-    """0.664·B (IEEE 952) from 10 s on, and at 1 s, near the upper end of the spectrum, a little less."""
+    """0.664·B (IEEE 952)."""
     found = allan_dps(effect, base=slow(0.0))
     floor = 0.664 * put_in(effect, "floor_dph") / 3600.0
-    assert (np.abs(found[1:] - floor) <= BOUNDS[1:] * floor).all()
-    assert 0.8 * floor <= found[0] <= 1.05 * floor
+    assert (np.abs(found - floor) <= BOUNDS * floor).all()
+
+
+@pytest.mark.parametrize("sample_rate_hz", [50.0, 400.0])
+def test_one_over_f_noise_goes_on_to_half_the_sample_rate(sample_rate_hz: float) -> None:
+    """Its two-sided density is B²/(2πf) in each octave, to a quarter."""
+    base = Base(sample_rate_hz=sample_rate_hz, dps_per_lsb=1e-5, noise_dps_rthz=0.0)
+    rate_dps = record(rig_of(effect_of("bias_instability"), base=base), profile_of(*REST), 600.0).rate_dps
+    frequencies_hz, density = welch(rate_dps, sample_rate_hz, nperseg=round(16.0 * sample_rate_hz))
+    floor_dps = put_in(effect_of("bias_instability"), "floor_dph") / 3600.0
+    shares = 0.5 * density[1:] * 2.0 * np.pi * frequencies_hz[1:] / floor_dps**2
+    lowest = 0.5
+    while lowest < sample_rate_hz / 4.0:
+        octave = (frequencies_hz[1:] >= lowest) & (frequencies_hz[1:] < 2.0 * lowest)
+        assert shares[octave].mean() == pytest.approx(1.0, abs=0.25)
+        lowest *= 2.0
 
 
 @sized("rate_random_walk")

@@ -19,7 +19,7 @@ NOISE_AND_ENCODER = (
         "the bias wanders slowly, and stays about where it is (1/f noise)",
         STOCHASTIC_BIAS,
         (),
-        Touches.SLOW_RATE,
+        Touches.VALUES,
         realisations=4,
         matters_from=3.0,
     ),
