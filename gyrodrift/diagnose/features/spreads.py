@@ -23,7 +23,7 @@ LEAST_SQUARE = 1e-12
 """Of a difference; keeps the limit of equal values above zero."""
 
 USUAL_SHARE, TRIMMED_TO_MEDIAN = 0.9, 0.73
-"""Of squares, beyond which they may be outliers; median of the squares of normal numbers over the mean of that share."""
+"""Of squares, beyond which they may be outliers; the median of normal numbers' squares over the mean of that share."""
 
 UNEVEN = 3.0
 """Mean over median of squares, which is 2.2 of normal numbers: below it the median is as good."""

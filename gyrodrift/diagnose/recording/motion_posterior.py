@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
+from firmware_sim.effects.sensor_dynamics import Bandwidth
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
@@ -61,6 +62,9 @@ CALMEST_POINTS, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
 """A tenth of such stretches are the calmest; the largest mean square of third differences among these is 0.614 of 20
 times the variance, where all is white noise."""
 
+BANDS, FOLDS = 512, 20
+"""Frequencies at which a low-pass is looked at, and multiples of the sample rate, on either side, that fold down."""
+
 MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
 """Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
 
@@ -80,11 +84,22 @@ class GyroModel:
         How much later than the encoder, s.
     hides_rest
         Whether it may read zero though it would scatter: no zero says how much.
+    low_passes
+        What its noise went through.
     """
 
     count_dps: float
     delay_s: float = 0.0
     hides_rest: bool = False
+    low_passes: tuple[Bandwidth, ...] = ()
+
+    def power_passed(self, sample_rate_hz: float) -> Floats:
+        """Of white noise, at BANDS even frequencies up to half the sample rate, with what folds down."""
+        frequencies_hz = sample_rate_hz * (
+            (np.arange(BANDS) + 0.5) / (2 * BANDS) + np.arange(-FOLDS, FOLDS + 1)[:, None]
+        )
+        left: Floats = np.prod([each.power_passed(frequencies_hz) for each in self.low_passes], axis=0).sum(axis=0)
+        return left
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +144,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
-    sigma_dps = max(_noise_dps(seen.rate_dps[scatters], period_s), gyro.count_dps / float(np.sqrt(12.0)))
+    sigma_dps = max(_noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
     at_rest = rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
     jerk = _jerk(rate_dps, sigma_dps, period_s)
@@ -208,9 +223,22 @@ def _encoder_noise_deg(seen: Cleaned) -> float:
     return _middle(np.diff(seen.encoder_deg - turned_deg, 2)) / float(np.sqrt(NOISE_GAIN))
 
 
-def _noise_dps(rate_dps: Floats, period_s: float) -> float:
-    """Standard deviation of the white noise of a sample: motion widens the one estimate less, a tone the other."""
-    return min(_noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps))
+def _noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
+    """Standard deviation of the white noise of a sample: motion widens the one estimate less, a tone the other.
+
+    Behind low-passes it is that of noise as dense as theirs is where they let it through: what they took is no sign of
+    a calm gyro, and what they let through no motion.
+    """
+    of_means, of_calmest = _noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps)
+    if not gyro.low_passes:
+        return min(of_means, of_calmest)
+    passed = gyro.power_passed(1.0 / period_s)
+    half = 0.5 * np.pi * (np.arange(BANDS) + 0.5) / BANDS  # half the angle of a sample
+    points = points_of(NOISE_MEAN_S, period_s)
+    mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
+    seen_by = np.square(mean) * between**4, np.sin(half) ** 6
+    shares = [float((weights * passed).sum() / weights.sum()) for weights in seen_by]
+    return min(of_means / float(np.sqrt(shares[0])), of_calmest / float(np.sqrt(shares[1])))
 
 
 def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:

@@ -30,6 +30,9 @@ OF_THE_RATE = (Place.LOW_PASS, Place.RATE, Place.OUTPUT)
 NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
 """Of these: steps that no noise smooths are others, and phases are what is looked for."""
 
+TABLE_HZ = 20.0
+"""What a table or a robot does is slower: of a motion of 5 Hz a low-pass of the first order there takes 3 %."""
+
 PHASES_DEG = np.arange(0.0, 360.0, 3.0)
 
 BETTER = 9.0
@@ -46,7 +49,8 @@ def gyro_model_of(rig: Rig) -> GyroModel:
             delay_s += effect.delay_ms * 1e-3
         if isinstance(effect, Bandwidth):
             delay_s += effect.delay_s()
-    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)))
+    low_passes = tuple(effect for effect in rig.effects if isinstance(effect, Bandwidth))
+    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), low_passes)
 
 
 def hides_rest(effect: Effect) -> bool:
@@ -64,15 +68,29 @@ class MotionSeen(NamedTuple):
     gyro: GyroModel
     encoder: tuple[Effect, ...]
 
+    @property
+    def low_passes(self) -> tuple[Bandwidth, ...]:
+        """Those that take from the rate what a table does."""
+        return tuple(effect for effect in self.gyro.low_passes if effect.cutoff_hz < TABLE_HZ)
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether one of the two sees another motion than there is, but for its being late."""
+        return bool(self.encoder or self.low_passes)
+
 
 def motion_seen_by(rig: Rig) -> MotionSeen:
     """How its gyro and its encoder see a motion."""
     return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)))
 
 
-def has_encoder_effects(rig: Rig) -> bool:
-    """Whether the encoder of a rig sees another angle than there is."""
-    return bool(_of_encoder(rig))
+def rates_before(rig: Rig, rate_dps: Floats, motion: ReplayedMotion) -> Floats:
+    """Rates of the gyro with what its low-passes took of a motion that is about right, as late as they are."""
+    moments, given_dps = moments_of(motion), rate_dps.copy()
+    for effect in motion_seen_by(rig).low_passes:
+        passed_dps = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(motion.rate_dps, moments)
+        given_dps += np.interp(moments.t_s - effect.delay_s(), moments.t_s, motion.rate_dps) - passed_dps
+    return given_dps
 
 
 def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:

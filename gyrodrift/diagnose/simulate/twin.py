@@ -35,9 +35,9 @@ from gyrodrift.diagnose.simulate.known_effects import (
     MotionSeen,
     angles_before,
     gyro_model_of,
-    has_encoder_effects,
     moments_of,
     motion_seen_by,
+    rates_before,
     with_phases,
 )
 from gyrodrift.session.session import Session
@@ -47,7 +47,7 @@ SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
 """Tell their random streams from those of effects, which go by their names."""
 
 CORRECTIONS = 2
-"""Rounds in which the rig's own errors of the encoder are taken out of its angles."""
+"""Rounds in which the rig's own errors of the encoder are taken out of its angles, and of the gyro out of its rates."""
 
 COURSE_S, COURSE_DEG = 5.0, 45.0
 """How often, and how finely, the course of a motion is noted to tell whether another is the same."""
@@ -276,7 +276,7 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     posterior = motion_posterior_of(seen, gyro)
     design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps)
     known = with_phases(rig, seen, design)
-    if not has_encoder_effects(rig):
+    if not motion_seen_by(rig).is_bent:
         return Rebuilt(known, posterior, design, seen.encoder_deg)
     encoder_deg, posterior = corrected(seen, known, posterior)
     return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean, posterior.sigma_dps), encoder_deg)
@@ -285,12 +285,13 @@ def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
 def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floats, MotionPosterior]:
     """Angles of the encoder without what a rig says it errs by, and the motion behind them, from one about right."""
     gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
-    if not has_encoder_effects(rig):
+    if not motion_seen_by(rig).is_bent:
         return seen.encoder_deg, motion_posterior_of(seen, gyro)
     encoder_deg = seen.encoder_deg
     for _ in range(CORRECTIONS):
         encoder_deg = angles_before(rig, seen.encoder_deg, posterior.mean)
-        posterior = motion_posterior_of(seen, gyro, encoder_deg)
+        whole = replace(seen, rate_dps=rates_before(rig, seen.rate_dps, posterior.mean))
+        posterior = motion_posterior_of(whole, gyro, encoder_deg)
     return encoder_deg, posterior
 
 

@@ -10,7 +10,7 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate import known_effects
-from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, has_encoder_effects
+from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, motion_seen_by
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
 
@@ -147,5 +147,5 @@ def test_a_gyro_is_as_late_as_its_rig_says() -> None:
 
 def test_jumps_are_no_known_error_of_the_encoder() -> None:
     """They come by chance, and are taken out where they are seen."""
-    assert not has_encoder_effects(Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor"))))
-    assert has_encoder_effects(Rig(effects=(parse_effect("backlash"),)))
+    assert not motion_seen_by(Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor")))).is_bent
+    assert motion_seen_by(Rig(effects=(parse_effect("backlash"),))).is_bent
