@@ -105,22 +105,17 @@ class Variant:
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
     noise_share
         What share of the scatter that the recording shows was there before this effect changed it.
-    is_noise_behind
-        Of a low-pass: whether that scatter is what it let through, and there was the more before, the lower it is.
     """
 
     grid: SizeGrid
     fixed: Mapping[str, float] = field(default_factory=dict)
     phase_deg: float | None = None
     noise_share: float = 1.0
-    is_noise_behind: bool = False
 
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
         said = [f"{name} {value:.4g}" for name, value in self.fixed.items()]
-        if self.is_noise_behind:
-            said.append("noise as behind it")
         if self.noise_share != 1.0:
             said.append(f"noise times {self.noise_share:g}")
         return ", ".join(said)
@@ -146,7 +141,7 @@ class Candidate:
         How many draws a size takes: one where chance plays no part.
     is_exact
         Whether a device can follow no other form.
-    phase_deg, noise_share, is_noise_behind
+    phase_deg, noise_share
         As in `Variant`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
@@ -170,7 +165,6 @@ class Candidate:
     is_exact: bool = False
     phase_deg: float | None = None
     noise_share: float = 1.0
-    is_noise_behind: bool = False
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
@@ -282,7 +276,6 @@ class CandidateKind:
             is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
             noise_share=variant.noise_share,
-            is_noise_behind=variant.is_noise_behind,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 

@@ -33,6 +33,9 @@ NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
 TABLE_HZ = 20.0
 """What a table or a robot does is slower: of a motion of 5 Hz a low-pass of the first order there takes 3 %."""
 
+TERMS = 6
+"""Of the series by which it is given back."""
+
 PHASES_DEG = np.arange(0.0, 360.0, 3.0)
 
 BETTER = 9.0
@@ -84,13 +87,25 @@ def motion_seen_by(rig: Rig) -> MotionSeen:
     return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)))
 
 
-def rates_before(rig: Rig, rate_dps: Floats, motion: ReplayedMotion) -> Floats:
-    """Rates of the gyro with what its low-passes took of a motion that is about right, as late as they are."""
-    moments, given_dps = moments_of(motion), rate_dps.copy()
+def taken_dps(rig: Rig, motion: ReplayedMotion, rate_dps: Floats) -> Floats:
+    """(n,) What the low-passes of a rig take of a rate, as late as they let the others through, deg/s."""
+    moments, found_dps = moments_of(motion), np.zeros(len(rate_dps))
     for effect in motion_seen_by(rig).low_passes:
-        passed_dps = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(motion.rate_dps, moments)
-        given_dps += np.interp(moments.t_s - effect.delay_s(), moments.t_s, motion.rate_dps) - passed_dps
-    return given_dps
+        passed_dps = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(rate_dps, moments)
+        found_dps += np.interp(moments.t_s - effect.delay_s(), moments.t_s, rate_dps) - passed_dps
+    return found_dps
+
+
+def restored_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
+    """(n,) The rate of a motion that follows a low-passed gyro, with what was taken of it: a Neumann series.
+
+    P. H. van Cittert, Zum Einfluß der Spaltbreite auf die Intensitätsverteilung in Spektrallinien II (1931).
+    """
+    t_s, late_s = moments_of(motion).t_s, sum(effect.delay_s() for effect in motion_seen_by(rig).low_passes)
+    found_dps = motion.rate_dps
+    for _ in range(TERMS):
+        found_dps = motion.rate_dps + np.interp(t_s + late_s, t_s, taken_dps(rig, motion, found_dps))
+    return found_dps
 
 
 def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:

@@ -22,13 +22,13 @@ ZERO_SHARE = 0.02
 def with_noise_beneath(subject: Subject, tried: Sequence[Candidate], effects: tuple[Effect, ...]) -> Subject:
     """The rig of a session as it is to be simulated with candidates, whose effects those are.
 
-    Noise and bias of what hides them at rest are found beside it; else the bias is what others leave of it. So much
-    noise is tried as a candidate says.
+    Noise and bias of what hides them at rest are found beside it; else the bias is what others leave of it, and all
+    noise that is seen is behind a low-pass. So much of it is tried as a candidate says.
     """
     is_hidden = any(map(hides_rest, effects)) and _reads_zero(subject)
     subject = subject.recalibrated(effects) if is_hidden else subject.beside(effects)
     share = float(np.prod([one.noise_share for one in tried]))
-    if any(one.is_noise_behind for one in tried):
+    if any(isinstance(effect, Bandwidth) for effect in effects):
         share *= _before_low_pass(subject.rig, effects)
     return subject if share == 1.0 else subject.with_noise(share)
 

@@ -37,7 +37,8 @@ from gyrodrift.diagnose.simulate.known_effects import (
     gyro_model_of,
     moments_of,
     motion_seen_by,
-    rates_before,
+    restored_dps,
+    taken_dps,
     with_phases,
 )
 from gyrodrift.session.session import Session
@@ -287,11 +288,12 @@ def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floa
     gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
     if not motion_seen_by(rig).is_bent:
         return seen.encoder_deg, motion_posterior_of(seen, gyro)
-    encoder_deg = seen.encoder_deg
+    encoder_deg, rate_dps = seen.encoder_deg, restored_dps(rig, posterior.mean)
     for _ in range(CORRECTIONS):
         encoder_deg = angles_before(rig, seen.encoder_deg, posterior.mean)
-        whole = replace(seen, rate_dps=rates_before(rig, seen.rate_dps, posterior.mean))
+        whole = replace(seen, rate_dps=seen.rate_dps + taken_dps(rig, posterior.mean, rate_dps))
         posterior = motion_posterior_of(whole, gyro, encoder_deg)
+        rate_dps = posterior.mean.rate_dps
     return encoder_deg, posterior
 
 

@@ -137,10 +137,28 @@ def test_the_angle_is_rebuilt_without_the_backlash_of_the_rig() -> None:
     assert off_deg(seen(play)) < 0.3 * off_deg(seen(play, known=False))
 
 
+@pytest.mark.parametrize(("order", "cutoff_hz"), [(1, 3.0), (1, 8.0), (2, 4.0), (2, 10.0)])
+def test_behind_a_low_pass_of_the_rig_noise_is_no_motion_and_motion_is_whole(order: int, cutoff_hz: float) -> None:
+    """Slow noise looks like motion, and quick motion is weakened: neither where the rig knows of it."""
+    effect = parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}")
+    base = BASE.model_copy(update={"encoder_cpr": 512, "noise_dps_rthz": 0.01})
+    session = Simulation(Rig(base=base, effects=(effect,)), MOTION, seed=2, minutes=MOTION.seconds / 60.0).whole()
+    known, unknown = (subject_of(recording_of(session), Rig(base=base, effects=has)) for has in ((effect,), ()))
+    true_dps = MOTION.at(np.arange(known.design.samples) / RATE_HZ)[1]
+    at_rest = true_dps == 0.0
+    off_dps = [one.posterior.mean.rate_dps - true_dps for one in (known, unknown)]
+    for regime, share in ((at_rest, 0.5), (~at_rest, 0.95)):
+        assert np.std(off_dps[0][regime]) < share * np.std(off_dps[1][regime])
+    assert 0.06 < known.posterior.sigma_dps < 0.2  # 0.1, of noise that would be as dense, and some of the motion
+
+
 def test_a_gyro_is_as_late_as_its_rig_says() -> None:
-    """A delay of 12 ms, and a low-pass of 20 Hz whose time constant is 1/(2π·20) = 7.96 ms."""
+    """A delay of 12 ms, and a low-pass of 20 Hz whose time constant is 7.96 ms; √2 times that in second order."""
     rig = Rig(base=BASE, effects=(parse_effect("latency:delay_ms=12"), parse_effect("bandwidth:cutoff_hz=20")))
     assert gyro_model_of(rig).delay_s == pytest.approx(0.012 + 0.0079577, abs=1e-6)
+    assert gyro_model_of(Rig(base=BASE, effects=(parse_effect("bandwidth:cutoff_hz=20,order=2"),))).delay_s == (
+        pytest.approx(0.011254, abs=1e-6)
+    )
     assert gyro_model_of(rig).count_dps == BASE.dps_per_lsb
     assert gyro_model_of(Rig(base=BASE)).delay_s == 0.0
 

@@ -14,10 +14,8 @@ NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
 COARSER = 1.3
 """Than the rig's steps, where steps as seen are other ones."""
 
-CUTOFFS_HZ, BEHIND_HZ = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (35.0, 15.0, 7.0, 3.0)
-"""Of low-passes that take from the noise that is seen, and of those behind which it is seen."""
-
-ORDERS = (1, 2)
+CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
+"""Of low-passes."""
 
 
 def _time_constant_s(cutoff_hz: float) -> float:
@@ -27,13 +25,9 @@ def _time_constant_s(cutoff_hz: float) -> float:
 
 def _low_passes(_: Hints) -> list[Variant]:
     """The size is the time constant of a cutoff, so that 0 is none."""
-    variants = []
-    for order in ORDERS:
-        for cutoffs_hz, is_behind in ((CUTOFFS_HZ, False), (BEHIND_HZ, True)):
-            points = 1.0 / (2.0 * np.pi * np.array(cutoffs_hz))
-            grid = SizeGrid(points, between(points[0], points[-1]))
-            variants.append(Variant(grid, {"order": order}, is_noise_behind=is_behind))
-    return variants
+    points = 1.0 / (2.0 * np.pi * np.array(CUTOFFS_HZ))
+    grid = SizeGrid(points, between(points[0], points[-1]))
+    return [Variant(grid, {"order": order}) for order in ORDERS]
 
 
 def _coarser_steps(hints: Hints) -> Sequence[Variant]:
