@@ -1,16 +1,19 @@
 """Two that do nearly the same, on a toy whose tables do not add: a delay and a low-pass."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, candidate, evidence, exactly, rows
+from inference_support import SESSIONS, candidate, evidence, exactly, random_response, response, rows
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.fit import CauseSet
 from gyrodrift.diagnose.inference.search import search
-from gyrodrift.diagnose.inference.surrogate import Cause
+from gyrodrift.diagnose.inference.splits import with_its_kin
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 SIZES = np.geomspace(1.0, 10.0, 25)
@@ -37,11 +40,30 @@ def tables() -> tuple[Response, ...]:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_how_much_is_the_delay_and_how_much_the_low_pass(seed: int) -> None:
-    """Whatever their sizes; by the tables alone one of them would have nearly all."""
+    """Whatever their sizes."""
     late, smoothed = np.exp(np.random.default_rng(seed).uniform(np.log(2.0), np.log(9.0), 2)).tolist()
     found = search(evidence(does(late, smoothed), *tables()), simulate).found
     sizes = {cause.name: cause.size for cause in found.causes}
     assert sizes == {"latency": pytest.approx(late, rel=0.2), "bandwidth": pytest.approx(smoothed, rel=0.2)}
+
+
+def test_a_pair_is_made_with_what_is_of_the_same_group_and_does_not_add() -> None:
+    """No walk, which chance makes, no gain, which is of another kind, and of two straight lines the tables are the sum."""
+    gain, walk = (
+        response("scale_factor", {"rate": 1.0}, SIZES),
+        random_response("rate_random_walk", {"time": 1.0}, SIZES),
+    )
+    late, smoothed = tables()
+    surrogate = Surrogate(evidence(does(3.0, 4.0), late, smoothed, gain, walk))
+    single = CauseSet((Cause(smoothed, 20),), surrogate.scores(()))
+    (pair,), known = with_its_kin(surrogate, single, simulate)
+    assert pair.names == ("bandwidth", "latency")
+    assert sum(cause.size for cause in pair.causes) == pytest.approx(7.0, rel=0.1)
+    assert known.knows(pair.causes)
+    assert with_its_kin(surrogate, CauseSet((Cause(gain, 0),), surrogate.scores(())), simulate)[0] == []
+    lines = [replace(one, candidate=replace(one.candidate, grid_points=np.array([-1.0, 1.0]))) for one in tables()]
+    straight = Surrogate(evidence(does(3.0, 4.0), *lines))
+    assert with_its_kin(straight, CauseSet((Cause(lines[1], 20),), straight.scores(())), simulate)[0] == []
 
 
 @pytest.mark.parametrize("name", ["latency", "bandwidth"])
