@@ -63,7 +63,8 @@ CALMEST_POINTS, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
 times the variance, where all is white noise."""
 
 BANDS, FOLDS = 512, 20
-"""Frequencies at which a low-pass is looked at, and multiples of the sample rate, on either side, that fold down."""
+"""Frequencies up to half the sample rate at which a low-pass is looked at, and multiples of that rate, on either side,
+that fold down."""
 
 MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
 """Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
@@ -93,12 +94,12 @@ class GyroModel:
     hides_rest: bool = False
     low_passes: tuple[Bandwidth, ...] = ()
 
-    def power_passed(self, sample_rate_hz: float) -> Floats:
-        """Of white noise, at BANDS even frequencies up to half the sample rate, with what folds down."""
-        frequencies_hz = sample_rate_hz * (
-            (np.arange(BANDS) + 0.5) / (2 * BANDS) + np.arange(-FOLDS, FOLDS + 1)[:, None]
-        )
-        left: Floats = np.prod([each.power_passed(frequencies_hz) for each in self.low_passes], axis=0).sum(axis=0)
+    def power_passed(self, frequencies_hz: Floats, sample_rate_hz: float) -> Floats:
+        """Of white noise, at frequencies of the samples, of their shape: what low-passes leave, and what folds down."""
+        if not self.low_passes:
+            return np.ones_like(frequencies_hz)
+        folded_hz = frequencies_hz + sample_rate_hz * np.arange(-FOLDS, FOLDS + 1)[:, None]
+        left: Floats = np.prod([one.power_passed(folded_hz) for one in self.low_passes], axis=0).sum(axis=0)
         return left
 
 
@@ -232,8 +233,8 @@ def _noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
     of_means, of_calmest = _noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps)
     if not gyro.low_passes:
         return min(of_means, of_calmest)
-    passed = gyro.power_passed(1.0 / period_s)
-    half = 0.5 * np.pi * (np.arange(BANDS) + 0.5) / BANDS  # half the angle of a sample
+    turns = (np.arange(BANDS) + 0.5) / (2 * BANDS)  # of a sample
+    passed, half = gyro.power_passed(turns / period_s, 1.0 / period_s), np.pi * turns
     points = points_of(NOISE_MEAN_S, period_s)
     mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
     seen_by = np.square(mean) * between**4, np.sin(half) ** 6

@@ -48,7 +48,7 @@ def test_how_much_is_the_delay_and_how_much_the_low_pass(seed: int) -> None:
 
 
 def test_a_pair_is_made_with_what_is_of_the_same_group_and_does_not_add() -> None:
-    """No walk, which chance makes, no gain, which is of another kind, and of two straight lines the tables are the sum."""
+    """No walk, which chance makes, no gain, which is of another kind; and the tables of two straight lines do add."""
     gain, walk = (
         response("scale_factor", {"rate": 1.0}, SIZES),
         random_response("rate_random_walk", {"time": 1.0}, SIZES),
