@@ -7,12 +7,12 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 """
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from firmware_sim.effects.sensor_dynamics import Bandwidth
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
@@ -75,6 +75,14 @@ DRAW_SMOOTH_S = 0.1
 which no table has, would pass for noise of the gyro."""
 
 
+class LowPass(Protocol):
+    """What the noise of a gyro went through."""
+
+    def power_passed(self, frequency_hz: Floats) -> Floats:
+        """What is left of the power at frequencies, of their shape."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class GyroModel:
     """What the rig says of how the gyro sees the motion.
@@ -92,7 +100,7 @@ class GyroModel:
     count_dps: float
     delay_s: float = 0.0
     hides_rest: bool = False
-    low_passes: tuple[Bandwidth, ...] = ()
+    low_passes: tuple[LowPass, ...] = ()
 
     def power_passed(self, frequencies_hz: Floats, sample_rate_hz: float) -> Floats:
         """Of white noise, at frequencies of the samples, of their shape: what low-passes leave, and what folds down."""

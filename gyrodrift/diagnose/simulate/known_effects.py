@@ -52,8 +52,7 @@ def gyro_model_of(rig: Rig) -> GyroModel:
             delay_s += effect.delay_ms * 1e-3
         if isinstance(effect, Bandwidth):
             delay_s += effect.delay_s()
-    low_passes = tuple(effect for effect in rig.effects if isinstance(effect, Bandwidth))
-    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), low_passes)
+    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), _low_passes(rig))
 
 
 def hides_rest(effect: Effect) -> bool:
@@ -66,15 +65,13 @@ class MotionSeen(NamedTuple):
 
     encoder
         Effects by which the encoder stands elsewhere.
+    low_passes
+        Those that take from the rate what a table does.
     """
 
     gyro: GyroModel
     encoder: tuple[Effect, ...]
-
-    @property
-    def low_passes(self) -> tuple[Bandwidth, ...]:
-        """Those that take from the rate what a table does."""
-        return tuple(effect for effect in self.gyro.low_passes if effect.cutoff_hz < TABLE_HZ)
+    low_passes: tuple[Bandwidth, ...]
 
     @property
     def is_bent(self) -> bool:
@@ -84,7 +81,12 @@ class MotionSeen(NamedTuple):
 
 def motion_seen_by(rig: Rig) -> MotionSeen:
     """How its gyro and its encoder see a motion."""
-    return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)))
+    low_passes = tuple(effect for effect in _low_passes(rig) if effect.cutoff_hz < TABLE_HZ)
+    return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)), low_passes)
+
+
+def _low_passes(rig: Rig) -> tuple[Bandwidth, ...]:
+    return tuple(effect for effect in rig.effects if isinstance(effect, Bandwidth))
 
 
 def taken_dps(rig: Rig, motion: ReplayedMotion, rate_dps: Floats) -> Floats:
