@@ -33,7 +33,7 @@ class BiasInstability(Effect):
     small: ClassVar[dict[str, float]] = {"floor_dph": 10.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Slow track."""
+        """Slow track, and what is quicker."""
         sigma_dps = self.floor_dph / 3600.0 * sqrt(log(FLICKER_RATIO) / pi)
         slow = _processes(rng, sigma_dps, SLOW_STEP_S, FLICKER_TAUS_S)
         quick = _processes(rng, sigma_dps, 1.0 / sample_rate_hz, _quick_taus_s(sample_rate_hz))

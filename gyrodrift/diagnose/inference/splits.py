@@ -11,6 +11,7 @@ import numpy as np
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.fit import CauseSet, Simulate, best_of, cross_validated
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
+from gyrodrift.diagnose.simulate.candidate import Candidate
 
 SPLIT_STEP, SPLITS = 8, 6
 """Every eighth size of the second, beside the best of the first; so many of them are simulated, the best by the tables
@@ -21,20 +22,23 @@ def with_its_kin(surrogate: Surrogate, single: CauseSet, simulate: Simulate) -> 
     """A single cause in a pair with each other of its group, scored; and the surrogate that knows these pairs."""
     (cause,), found = single.causes, []
     for name in surrogate.evidence.candidate_names():
-        kin = best_of(surrogate, single.causes, surrogate.evidence.variants(name))
-        if name != cause.name and _share(cause, kin):
+        variants = surrogate.evidence.variants(name)
+        if name != cause.name and _share(cause.candidate, variants[0].candidate):
+            kin = best_of(surrogate, single.causes, variants)
             surrogate = _at_best_split(surrogate, cause.response, kin.response, simulate)
             pair, surrogate = cross_validated(surrogate, (cause, kin), simulate)
             found.append(pair)
     return found, surrogate
 
 
-def _share(cause: Cause, kin: Cause) -> bool:
+def _share(one: Candidate, kin: Candidate) -> bool:
     """Whether two may do the same, in a way that their tables do not tell: what is linear adds up."""
-    both = cause.candidate, kin.candidate
-    is_effect = not any(one.is_out_of_catalogue or one.realisations > 1 or one.phase_deg is not None for one in both)
-    is_linear = all(one.grid_points[0] < 0.0 for one in both)
-    return is_effect and not is_linear and both[0].group == both[1].group
+    both = one, kin
+    is_effect = not any(
+        each.is_out_of_catalogue or each.realisations > 1 or each.phase_deg is not None for each in both
+    )
+    is_linear = all(each.grid_points[0] < 0.0 for each in both)
+    return is_effect and not is_linear and one.group == kin.group
 
 
 def _at_best_split(surrogate: Surrogate, first: Response, second: Response, simulate: Simulate) -> Surrogate:
