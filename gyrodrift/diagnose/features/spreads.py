@@ -22,11 +22,9 @@ REST_GAIN, MOVING_GAIN = 6.0, 20.0
 LEAST_SQUARE = 1e-12
 """Of a difference; keeps the limit of equal values above zero."""
 
-USUAL_SHARE, TRIMMED_TO_MEDIAN = 0.9, 0.73
-"""Of squares, beyond which they may be outliers; the median of normal numbers' squares over the mean of that share."""
-
-UNEVEN = 3.0
-"""Mean over median of squares, which is 2.2 of normal numbers: below it the median is as good."""
+MANY_ZEROS, USUAL_SHARE, TRIMMED_TO_MEDIAN = 0.25, 0.9, 0.73
+"""Of squares, as where a dead band or coarse steps hide most; those that are no outliers; and the median of normal
+numbers' squares over the mean of these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +101,9 @@ def _mean_square(differences: Floats) -> float:
 
 
 def _usual(squares: Floats) -> float:
-    """Their median, or what it would be by the mean of all but the largest: where about half are 0 it would jump."""
+    """Their median; of which many are 0, rather what it would be by the mean of the smaller ones, or it would jump."""
     middle = median(squares)
-    if float(squares.mean()) < UNEVEN * middle:
+    if np.count_nonzero(squares < LEAST_SQUARE) < MANY_ZEROS * len(squares):
         return middle
     kept = max(1, round(USUAL_SHARE * len(squares)))
     trimmed = float(np.partition(squares, kept - 1)[:kept].mean())

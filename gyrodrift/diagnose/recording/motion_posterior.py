@@ -235,8 +235,8 @@ def _encoder_noise_deg(seen: Cleaned) -> float:
 def _noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
     """Standard deviation of the white noise of a sample: motion widens the one estimate less, a tone the other.
 
-    Behind low-passes it is that of noise as dense as theirs is where they let it through: what they took is no sign of
-    a calm gyro, and what they let through no motion.
+    Behind low-passes it is that of noise as dense as theirs is at the samples, folds and all, where they let it
+    through: what they took is no sign of a calm gyro, and what they let through no motion.
     """
     of_means, of_calmest = _noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps)
     if not gyro.low_passes:
@@ -246,7 +246,7 @@ def _noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
     points = points_of(NOISE_MEAN_S, period_s)
     mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
     seen_by = np.square(mean) * between**4, np.sin(half) ** 6
-    shares = [float((weights * passed).sum() / weights.sum()) for weights in seen_by]
+    shares = [float((weights * passed).sum() / (weights.sum() * passed[0])) for weights in seen_by]
     return min(of_means / float(np.sqrt(shares[0])), of_calmest / float(np.sqrt(shares[1])))
 
 

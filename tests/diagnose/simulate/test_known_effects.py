@@ -152,6 +152,20 @@ def test_behind_a_low_pass_of_the_rig_noise_is_no_motion_and_motion_is_whole(ord
     assert 0.06 < known.posterior.sigma_dps < 0.2  # 0.1, of noise that would be as dense, and some of the motion
 
 
+@pytest.mark.parametrize(("rate_hz", "cutoff_hz", "order"), [(50.0, 45.0, 1), (100.0, 45.0, 2), (400.0, 45.0, 1)])
+def test_noise_that_folds_down_behind_a_low_pass_is_as_large_as_it_is(
+    rate_hz: float, cutoff_hz: float, order: int
+) -> None:
+    """Of one pole its density at the samples is π·fc/fs·coth(π·fc/fs) times that before, 2.85 at 50 Hz, 1 at 400 Hz."""
+    effect = parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}")
+    base = BASE.model_copy(update={"sample_rate_hz": rate_hz, "noise_dps_rthz": 0.01})
+    rig = Rig(base=base, effects=(effect,))
+    found = subject_of(recording_of(Simulation(rig, MOTION, seed=3, minutes=MOTION.seconds / 60.0).whole()), rig)
+    folded = np.arange(-40, 41) * rate_hz / cutoff_hz
+    density = np.sum(1.0 / (1.0 + folded ** (2 * order)))
+    assert found.posterior.sigma_dps == pytest.approx(0.01 * np.sqrt(density * rate_hz), rel=0.2)
+
+
 def test_a_gyro_is_as_late_as_its_rig_says() -> None:
     """A delay of 12 ms, and a low-pass of 20 Hz whose time constant is 7.96 ms; √2 times that in second order."""
     rig = Rig(base=BASE, effects=(parse_effect("latency:delay_ms=12"), parse_effect("bandwidth:cutoff_hz=20")))
