@@ -9,7 +9,7 @@ from features_support import AT_REST, FACTS, PERIOD_S, T_S, TRUE_DPS, Observed, 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.noise import root_share
 from gyrodrift.diagnose.features.spectral_line import WINDOW, spectral_line, white_dps
-from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
+from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, SpreadPlaces, spreads_of
 
 SIGMA = 0.05
 
@@ -41,6 +41,16 @@ def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() ->
         one = noisy(np.where(leaves < share * len(T_S), 0.5, 0.0))
         found.append(spreads_of(one.seen.rate_dps, one.design.spread_places).rest[0])
     assert found == pytest.approx((shares * (1.0 - shares) * 0.25).tolist(), rel=0.3)
+
+
+def test_outliers_in_a_short_rest_are_held_back() -> None:
+    """Three of sixty samples, and so nine of all second differences, more than the tenth that a long rest may have."""
+    rate_dps = white(SIGMA, 7, 60)
+    rate_dps[[11, 30, 47]] += 20.0
+    none = np.zeros(0, np.int64)
+    rests = tuple(np.arange(len(rate_dps) // points - 2) if points < 16 else none for points in REST_POINTS)
+    places = SpreadPlaces(rests, (none,) * len(MOVING_POINTS), (none,) * len(MOVING_POINTS), none)
+    assert spreads_of(rate_dps, places).rest[0] < 6.0 * SIGMA**2
 
 
 @pytest.mark.parametrize("number", range(5))
