@@ -103,8 +103,10 @@ def restored_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
 
     P. H. van Cittert, Zum Einfluß der Spaltbreite auf die Intensitätsverteilung in Spektrallinien II (1931).
     """
-    t_s, late_s = moments_of(motion).t_s, sum(effect.delay_s() for effect in motion_seen_by(rig).low_passes)
-    found_dps = motion.rate_dps
+    low_passes, found_dps = motion_seen_by(rig).low_passes, motion.rate_dps
+    if not low_passes:
+        return found_dps
+    t_s, late_s = moments_of(motion).t_s, sum(effect.delay_s() for effect in low_passes)
     for _ in range(TERMS):
         found_dps = motion.rate_dps + np.interp(t_s + late_s, t_s, taken_dps(rig, motion, found_dps))
     return found_dps
