@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.recording.among_neighbours import off_cubic, stands_alone, steepest_beside
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import (
     distinct,
@@ -19,7 +20,7 @@ from gyrodrift.diagnose.recording.order_statistics import (
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SPIKE_SIGMAS = 10.0
-"""An outlier of the rate is this far off the median of the five samples about it."""
+"""An outlier of the rate is this far off, beside the encoder or among its neighbours."""
 
 COUNTS_OF_A_SPIKE = 4.0
 """LevelSteps of the rate: less is no outlier where its noise hides within a step."""
@@ -27,6 +28,15 @@ COUNTS_OF_A_SPIKE = 4.0
 SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
 this share of what it is beside the angle."""
+
+MOVED_SIGMAS = 3.0
+"""Where an outlier among its neighbours is less than SPIKE_OWN beside the encoder, by so much, something did move."""
+
+STEEP_SHARE = 0.6
+"""Of the steps from sample to sample beside it: what is off by less may be motion."""
+
+ALONE_SAMPLES = 3
+"""Where the rate changes quickly, those beside an outlier stand out, too: the largest of so many is the one."""
 
 END_SAMPLES = 2
 """Neighbours on one side only do not tell a wild value from a motion that is under way."""
@@ -175,13 +185,27 @@ def _closest(gaps: Floats) -> float:
 
 
 def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Mask, Floats]:
-    """Which samples are, and by how much the rate is off beside the encoder at each, deg/s; shape (n,) each."""
+    """Which samples are, and by how much the rate is off at each, deg/s; shape (n,) each.
+
+    It is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
+    one that shows it more clearly. What the encoder sees, too, was moved.
+    """
     away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
-    out_dps = away_dps - running_median_5(away_dps)
-    least_dps = COUNTS_OF_A_SPIKE * granularity(recording.rate_dps)
-    is_spike: Mask = np.abs(out_dps) > np.maximum(SPIKE_SIGMAS * _sigma(out_dps, recording), least_dps)
-    is_spike &= np.abs(rate_dps - running_median_5(rate_dps)) > SPIKE_OWN * np.abs(out_dps)
-    is_spike &= np.isfinite(recording.rate_dps)
+    beside_dps, among_dps = away_dps - running_median_5(away_dps), off_cubic(rate_dps)
+    own_dps = np.abs(rate_dps - running_median_5(rate_dps))
+    beside_sigma = _sigma(beside_dps, recording)
+    among_sigma = _sigma(np.minimum(np.abs(among_dps), own_dps), recording)  # an outlier has no echoes there
+    by_neighbours = np.abs(among_dps) * beside_sigma > np.abs(beside_dps) * among_sigma
+    out_dps = np.where(by_neighbours, among_dps, beside_dps)
+    size_dps, sigma_dps = np.abs(out_dps), np.where(by_neighbours, among_sigma, beside_sigma)
+    least_dps = np.maximum(SPIKE_SIGMAS * sigma_dps, COUNTS_OF_A_SPIKE * granularity(recording.rate_dps))
+    is_steep = size_dps < STEEP_SHARE * steepest_beside(rate_dps)
+    was_moved = is_steep | (beside_dps * np.sign(out_dps) < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
+    # On a slope the median is none: there a sample that repeats the one before is as far off as an outlier.
+    on_slope = stands_alone(among_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
+    is_own = np.maximum(own_dps, np.where(on_slope, np.abs(among_dps), 0.0)) > SPIKE_OWN * size_dps
+    is_spike: Mask = (size_dps > least_dps) & is_own & ~(by_neighbours & was_moved)
+    is_spike &= (size_dps == maximum_filter1d(size_dps, ALONE_SAMPLES)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike, out_dps
 

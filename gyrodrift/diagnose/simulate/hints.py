@@ -12,10 +12,9 @@ from gyrodrift.diagnose.features.periodic import angle_shares, periodic_componen
 from gyrodrift.diagnose.features.rate_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
-from gyrodrift.diagnose.recording.order_statistics import distinct, running_median_5
+from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import DECIMALS, step_of
 from gyrodrift.diagnose.recording.recording import Recording
-from gyrodrift.diagnose.recording.rests import WILD_SIGMAS
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -76,19 +75,9 @@ def line_hz(shown: Sequence[Shown]) -> float:
 
 
 def spike_dps(shown: Sequence[Shown]) -> float:
-    """Height of outliers of the rate, over those of all sessions; of those at rest where coarse counts hide others."""
+    """Height of outliers of the rate, over those of all sessions."""
     heights = np.concatenate([np.abs(one.subject.seen.spikes_dps) for one in shown])
-    if not len(heights):
-        heights = np.concatenate([_wild_at_rest_dps(one.subject) for one in shown])
     return _median(heights) if len(heights) else 0.0
-
-
-def _wild_at_rest_dps(subject: Subject) -> Floats:
-    """How far off wild samples at rest are, shape (some,)."""
-    rate_dps = subject.seen.rate_dps
-    away_dps: Floats = np.abs(rate_dps - running_median_5(rate_dps))[subject.design.regimes.at_rest]
-    wild_dps: Floats = away_dps[away_dps > WILD_SIGMAS * subject.posterior.sigma_dps]
-    return wild_dps
 
 
 def slip_deg(shown: Sequence[Shown]) -> float:

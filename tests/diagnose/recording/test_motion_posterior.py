@@ -160,9 +160,9 @@ def test_rests_are_found_through_coarse_steps(cpr: int, rate_hz: float, bias_dps
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), [(512, 50.0), (1024, 100.0)])
 def test_a_wild_sample_ends_no_rest(cpr: int, rate_hz: float) -> None:
-    """Though counts too coarse for it leave it in the rate: what is not at rest is not seen as noise there."""
+    """Counts too coarse for it do not show it; it is one among its neighbours."""
     one = seen(creeping(2.0), cpr, rate_hz, "spikes:height_dps=10,share_percent=1", seconds=41.0)
-    assert not len(one.cleaned.spikes_dps)
+    assert len(one.cleaned.spikes_dps) > 0.004 * len(one.rate_dps)
     still = one.posterior().mean.rate_dps == 0.0
     assert not still[np.abs(one.rate_dps) > 0.2].any()
     assert still[one.rate_dps == 0.0].mean() > 0.85

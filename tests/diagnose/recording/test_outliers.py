@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded, white
 
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, cleaned, granularity, step_of, steps_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
+from gyrodrift.simulation.sessions import Simulation
 
 SIGMA = 0.05
 
@@ -39,6 +42,31 @@ def test_outliers_are_found_with_their_size() -> None:
     found = seen(spikes={1000: 5.0, 9000: -12.0, 15_000: 30.0})
     assert found.spikes_dps == pytest.approx([5.0, -12.0, 30.0], abs=4.0 * SIGMA)
     assert np.abs(found.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_coarse_counts_hide_no_outlier(seed: int) -> None:
+    """Of any table and any rate: nearly all are found, with their size, and nothing else is."""
+    rng = np.random.default_rng([seed, 20])
+    rate_hz, cpr = float(rng.choice([50.0, 100.0, 200.0, 400.0])), int(2.0 ** rng.uniform(9.0, 16.0))
+    motion, minutes, height_dps = load_profile("identify"), 2.0, 20.0
+    base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr, noise_dps_rthz=float(rng.uniform(0.0015, 0.02)))
+    rig = Rig(base=base, effects=(parse_effect(f"spikes:height_dps={height_dps},share_percent=0.3"),))
+    whole = [Simulation(each, motion, seed, 0, minutes).whole() for each in (rig, Rig(base=base))]
+    put_in = np.count_nonzero(np.abs(whole[0].rate_dps - whole[1].rate_dps) > 0.5 * height_dps)
+    found, without = (cleaned(recording_of(session, round(60.0 * minutes * rate_hz))).spikes_dps for session in whole)
+    assert put_in
+    assert not len(without)
+    assert put_in - len(found) <= max(1, 0.1 * put_in)
+    assert np.median(np.abs(found)) == pytest.approx(height_dps, rel=0.05)
+
+
+def test_an_edge_of_the_rate_is_no_outlier() -> None:
+    """Nor a corner, nor a sample that repeats the one before while the rate changes quickly."""
+    rate_dps = np.interp(T_S, [0.0, 20.0, 20.2, 40.0, 40.01, T_S[-1]], [0.0, 0.0, 60.0, 60.0, 0.0, 0.0]) + white(SIGMA)
+    rate_dps[2010] = rate_dps[2009]
+    angle_deg = np.cumsum(rate_dps) * (T_S[1] - T_S[0])
+    assert not len(cleaned(recorded(rate_dps, angle_deg, 720)).spikes_dps)
 
 
 def test_an_outlier_is_filled_by_its_neighbours() -> None:
