@@ -38,6 +38,9 @@ STEEP_SHARE = 0.6
 ALONE_SAMPLES = 3
 """Where the rate changes quickly, those beside an outlier stand out, too: the largest of so many is the one."""
 
+IN_A_ROW = 2
+"""Outliers that hide each other: the second shows once the first is taken out."""
+
 END_SAMPLES = 2
 """Neighbours on one side only do not tell a wild value from a motion that is under way."""
 
@@ -115,9 +118,7 @@ class Cleaned:
 def cleaned(recording: Recording) -> Cleaned:
     """Find outliers and jumps by what their neighbours are."""
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
-    is_spike, out_dps = _outliers(recording, rate_dps, encoder_deg)
-    spikes_dps = out_dps[is_spike]
-    rate_dps = filled(np.where(is_spike, np.nan, rate_dps)) if len(spikes_dps) else rate_dps
+    rate_dps, spikes_dps = _without_outliers(recording, rate_dps, encoder_deg)
     step_deg = granularity(recording.encoder_deg)
     jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg, step_deg)
     slips_deg = jumps_deg[jumps_deg != 0.0]
@@ -184,8 +185,20 @@ def _closest(gaps: Floats) -> float:
     return float(np.partition(gaps, last)[last])
 
 
-def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Mask, Floats]:
-    """Which samples are, and by how much the rate is off at each, deg/s; shape (n,) each.
+def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Floats, Floats]:
+    """The rate with straight lines across its outliers, shape (n,), and by how much each is off those."""
+    is_spike, without_dps = np.zeros(len(rate_dps), np.bool_), rate_dps
+    for _ in range(IN_A_ROW):
+        found = _outliers(recording, without_dps, encoder_deg)
+        if not found.any():
+            break
+        is_spike |= found
+        without_dps = filled(np.where(is_spike, np.nan, rate_dps))
+    return without_dps, (rate_dps - without_dps)[is_spike]
+
+
+def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Mask:
+    """Which samples are, shape (n,).
 
     It is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
     one that shows it more clearly. What the encoder sees, too, was moved.
@@ -207,7 +220,7 @@ def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tu
     is_spike: Mask = (size_dps > least_dps) & is_own & ~(by_neighbours & was_moved)
     is_spike &= (size_dps == maximum_filter1d(size_dps, ALONE_SAMPLES)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
-    return is_spike, out_dps
+    return is_spike
 
 
 def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> Floats:

@@ -61,6 +61,14 @@ def test_coarse_counts_hide_no_outlier(seed: int) -> None:
     assert np.median(np.abs(found)) == pytest.approx(height_dps, rel=0.05)
 
 
+@pytest.mark.parametrize("cpr", [720, COUNTS_PER_TURN])
+def test_of_two_outliers_in_a_row_none_is_left(cpr: int) -> None:
+    """The one would be taken for the other's neighbour."""
+    found = seen(spikes={1000: 22.0, 1001: 24.0, 9000: 20.0, 9002: -20.0}, cpr=cpr)
+    assert len(found.spikes_dps) == 4
+    assert np.abs(found.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
+
+
 def test_an_edge_of_the_rate_is_no_outlier() -> None:
     """Nor a corner, nor a sample that repeats the one before while the rate changes quickly."""
     rate_dps = np.interp(T_S, [0.0, 20.0, 20.2, 40.0, 40.01, T_S[-1]], [0.0, 0.0, 60.0, 60.0, 0.0, 0.0]) + white(SIGMA)
