@@ -69,6 +69,10 @@ CLOSEST, CLOSEST_SHARE = 4, 0.15
 """But for so many pairs that are closer by chance, and no more than this share of all, the closest values lie a step
 apart: a motion that passes quickly visits few of them."""
 
+FEW_STEPS, WHOLE = 16.0, 0.1
+"""Where the larger of these are a few times the smallest, to this part of it, that one is the step itself: a motion
+that comes by the same values again and again may show it once."""
+
 NEXT_LEVEL = 1.6
 """LevelSteps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
 
@@ -182,7 +186,10 @@ def _closest(gaps: Floats) -> float:
     if not len(gaps):
         return 0.0
     last = min(CLOSEST, int(CLOSEST_SHARE * len(gaps)))
-    return float(np.partition(gaps, last)[last])
+    lowest = np.sort(np.partition(gaps, last)[: last + 1])
+    times = lowest / lowest[0]
+    is_step = times[-1] < FEW_STEPS and np.abs(times - np.rint(times)).max() < WHOLE
+    return float(lowest[0] if is_step else lowest[-1])
 
 
 def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Floats, Floats]:
@@ -212,12 +219,15 @@ def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Ma
     out_dps = np.where(by_neighbours, among_dps, beside_dps)
     size_dps, sigma_dps = np.abs(out_dps), np.where(by_neighbours, among_sigma, beside_sigma)
     least_dps = np.maximum(SPIKE_SIGMAS * sigma_dps, COUNTS_OF_A_SPIKE * granularity(recording.rate_dps))
+    is_spike: Mask = size_dps > least_dps
+    if not is_spike.any():
+        return is_spike
     is_steep = size_dps < STEEP_SHARE * steepest_beside(rate_dps)
     was_moved = is_steep | (beside_dps * np.sign(out_dps) < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
     # On a slope the median is none: there a sample that repeats the one before is as far off as an outlier.
     on_slope = stands_alone(among_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
     is_own = np.maximum(own_dps, np.where(on_slope, np.abs(among_dps), 0.0)) > SPIKE_OWN * size_dps
-    is_spike: Mask = (size_dps > least_dps) & is_own & ~(by_neighbours & was_moved)
+    is_spike &= is_own & ~(by_neighbours & was_moved)
     is_spike &= (size_dps == maximum_filter1d(size_dps, ALONE_SAMPLES)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike

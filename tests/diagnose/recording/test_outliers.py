@@ -150,6 +150,14 @@ def test_the_step_of_few_levels_is_that_of_the_closest() -> None:
     assert granularity(0.05 * levels) == pytest.approx(0.05)
 
 
+def test_the_step_of_a_motion_that_comes_by_the_same_values_is_the_smallest() -> None:
+    """Whose multiples the others are; pairs that are closer by chance are parts of none."""
+    seldom = 0.05 * np.cumsum([0, 1, 36, 2, 37, 3, 36, 5, 37, 7, *(36, 37) * 10])
+    assert granularity(seldom) == pytest.approx(0.05)
+    chance = np.cumsum([0.13, 1.0, 0.47, 1.0, 0.77, *(1.0,) * 40])
+    assert granularity(chance) == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(5), np.full(3, np.nan)])
 def test_one_value_has_no_step(values: Floats) -> None:
     """Nor has none."""
