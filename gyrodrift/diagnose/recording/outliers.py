@@ -212,22 +212,21 @@ def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Ma
     """
     away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
     beside_dps, among_dps = away_dps - running_median_5(away_dps), off_cubic(rate_dps)
-    own_dps = np.abs(rate_dps - running_median_5(rate_dps))
-    beside_sigma = _sigma(beside_dps, recording)
-    among_sigma = _sigma(np.minimum(np.abs(among_dps), own_dps), recording)  # an outlier has no echoes there
-    by_neighbours = np.abs(among_dps) * beside_sigma > np.abs(beside_dps) * among_sigma
-    out_dps = np.where(by_neighbours, among_dps, beside_dps)
-    size_dps, sigma_dps = np.abs(out_dps), np.where(by_neighbours, among_sigma, beside_sigma)
-    least_dps = np.maximum(SPIKE_SIGMAS * sigma_dps, COUNTS_OF_A_SPIKE * granularity(recording.rate_dps))
-    is_spike: Mask = size_dps > least_dps
+    beside, among, own_dps = np.abs(beside_dps), np.abs(among_dps), np.abs(rate_dps - running_median_5(rate_dps))
+    beside_sigma = _sigma(beside, recording)
+    among_sigma = _sigma(np.minimum(among, own_dps), recording)  # an outlier has no echoes there
+    is_spike: Mask = (beside > SPIKE_SIGMAS * beside_sigma) | (among > SPIKE_SIGMAS * among_sigma)
     if not is_spike.any():
         return is_spike
+    by_neighbours = among * beside_sigma > beside * among_sigma
+    size_dps = np.where(by_neighbours, among, beside)
     is_steep = size_dps < STEEP_SHARE * steepest_beside(rate_dps)
-    was_moved = is_steep | (beside_dps * np.sign(out_dps) < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
+    along_dps = beside_dps * np.sign(np.where(by_neighbours, among_dps, beside_dps))
+    was_moved = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
     # On a slope the median is none: there a sample that repeats the one before is as far off as an outlier.
     on_slope = stands_alone(among_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
-    is_own = np.maximum(own_dps, np.where(on_slope, np.abs(among_dps), 0.0)) > SPIKE_OWN * size_dps
-    is_spike &= is_own & ~(by_neighbours & was_moved)
+    is_own = np.maximum(own_dps, np.where(on_slope, among, 0.0)) > SPIKE_OWN * size_dps
+    is_spike &= (size_dps > COUNTS_OF_A_SPIKE * granularity(recording.rate_dps)) & is_own & ~(by_neighbours & was_moved)
     is_spike &= (size_dps == maximum_filter1d(size_dps, ALONE_SAMPLES)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike
@@ -241,21 +240,20 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
     least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
     is_rounded = quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
-    noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(out_deg, recording)
+    noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(np.abs(out_deg), recording)
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg
 
 
-def _sigma(values: Floats, recording: Recording) -> Floats:
+def _sigma(absolute: Floats, recording: Recording) -> Floats:
     """Spread about each sample: of its second or the neighbouring ones, and no less than of all; shape (n,)."""
     points = max(LEAST_POINTS, round(1.0 / recording.period_s))
-    seconds = max(1, len(values) // points)
-    absolute = np.abs(values)
+    seconds = max(1, len(absolute) // points)
     spread = row_quantiles(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE) / MIDDLE_SIGMAS
     spread = np.maximum(spread, max(median(spread), quantile(absolute, 0.5) / MIDDLE_SIGMAS))
     padded = np.concatenate([spread[:1], spread, spread[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
-    last = np.minimum(np.arange(len(values)) // points, seconds - 1)
+    last = np.minimum(np.arange(len(absolute)) // points, seconds - 1)
     widest: Floats = wide[last]
     return widest

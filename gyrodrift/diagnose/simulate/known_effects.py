@@ -1,6 +1,6 @@
 """What a rig says that stands between motion and measurement, taken out before the motion is rebuilt."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -44,15 +44,14 @@ BETTER = 9.0
 
 def gyro_model_of(rig: Rig) -> GyroModel:
     """In what steps the gyro of a rig reads, how late (by its delay, and by that of a low-pass), and what it hides."""
-    delay_s, count_dps = 0.0, rig.base.dps_per_lsb
+    low_passes, count_dps = _low_passes(rig), rig.base.dps_per_lsb
+    delay_s = _late_s(low_passes)
     for effect in rig.effects:
         if isinstance(effect, Quantization):
             count_dps = max(count_dps, effect.step_dps)
         if isinstance(effect, Latency):
             delay_s += effect.delay_ms * 1e-3
-        if isinstance(effect, Bandwidth):
-            delay_s += effect.delay_s()
-    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), _low_passes(rig))
+    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), low_passes)
 
 
 def hides_rest(effect: Effect) -> bool:
@@ -89,6 +88,11 @@ def _low_passes(rig: Rig) -> tuple[Bandwidth, ...]:
     return tuple(effect for effect in rig.effects if isinstance(effect, Bandwidth))
 
 
+def _late_s(low_passes: Iterable[Bandwidth]) -> float:
+    """By how much they delay what they let through, one after the other."""
+    return sum((effect.delay_s() for effect in low_passes), 0.0)
+
+
 def taken_dps(rig: Rig, motion: ReplayedMotion, rate_dps: Floats) -> Floats:
     """(n,) What the low-passes of a rig take of a rate, as late as they let the others through, deg/s."""
     moments, found_dps = moments_of(motion), np.zeros(len(rate_dps))
@@ -106,7 +110,7 @@ def restored_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
     low_passes, found_dps = motion_seen_by(rig).low_passes, motion.rate_dps
     if not low_passes:
         return found_dps
-    t_s, late_s = moments_of(motion).t_s, sum(effect.delay_s() for effect in low_passes)
+    t_s, late_s = moments_of(motion).t_s, _late_s(low_passes)
     for _ in range(TERMS):
         found_dps = motion.rate_dps + np.interp(t_s + late_s, t_s, taken_dps(rig, motion, found_dps))
     return found_dps
