@@ -15,8 +15,10 @@ FAMILY_WISE_ERROR = 0.02
 """Probability that chance makes a deviation of any feature. Of the 5 % that a false alarm may have in all, the search
 over causes and what is not exact in the null need their part."""
 
-LEAST, MOST = 3.5, 1e6
-"""Of the threshold: where chance is small beside the relevance thresholds, what is not exact in the null decides."""
+LEAST, MOST = 4.3, 1e6
+"""Of the threshold: where chance is small beside the relevance thresholds, what is not exact in the null decides. Of
+about 300 rigs drawn at random, driven through themselves, 13 went beyond 3.5 and 3 beyond 4.3; of about 170 devices
+with something that no effect does, 3 lay in between."""
 
 SETS = 400
 SEED = 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR, family_wise_threshold, pooled_z
+from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR, LEAST, family_wise_threshold, pooled_z
 
 FEATURES = 60
 STUDIES, SETS_OF_A_STUDY = 80, 25
@@ -41,13 +41,13 @@ def test_heavy_tails_raise_it_where_there_are_runs_enough_to_show_them() -> None
 
 
 def test_more_runs_and_fewer_features_lower_it() -> None:
-    """Few runs know little of the tails; more features have more chances."""
+    """Few runs know little of the tails; more features have more chances. What is not exact in the null stays."""
     dice = np.random.default_rng(3)
     few, many, narrow = (
         family_wise_threshold(standardised(dice.standard_normal(shape))[0])
-        for shape in ((4, 3, FEATURES), (4, 12, FEATURES), (4, 12, 6))
+        for shape in ((4, 3, 600), (4, 12, 600), (4, 12, FEATURES))
     )
-    assert few > many > narrow > 2.0
+    assert few > many > narrow == LEAST
 
 
 def test_features_that_never_move_are_no_features() -> None:
