@@ -205,10 +205,10 @@ def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Float
 
 
 def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Mask:
-    """Which samples are, shape (n,).
+    """Which samples are outliers of the rate, shape (n,).
 
-    It is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
-    one that shows it more clearly. What the encoder sees, too, was moved.
+    One is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
+    one that shows it more clearly. What is off among its neighbours alone was moved where the encoder saw it, too.
     """
     away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
     beside_dps, among_dps = away_dps - running_median_5(away_dps), off_cubic(rate_dps)
