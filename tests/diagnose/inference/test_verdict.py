@@ -246,16 +246,16 @@ def named(text: str, in_rig: str | None = None) -> NamedCause:
 @pytest.mark.parametrize(
     ("text", "in_rig", "small"),
     [
-        ("latency:delay_ms=1.4", None, True),
-        ("latency:delay_ms=1.6", None, False),
-        ("latency:delay_ms=21.4", "latency:delay_ms=20", True),
-        ("latency:delay_ms=18.4", "latency:delay_ms=20", False),
+        ("latency:delay_ms=0.9", None, True),
+        ("latency:delay_ms=1.1", None, False),
+        ("latency:delay_ms=20.9", "latency:delay_ms=20", True),
+        ("latency:delay_ms=18.9", "latency:delay_ms=20", False),
         ("scale_factor:error_percent=-3", None, False),
         ("temp_bias:slope_dps_per_c=-0.00001", None, True),
     ],
 )
 def test_a_cause_is_small_by_what_is_new_of_it(text: str, in_rig: str | None, small: bool) -> None:  # noqa: FBT001 - parametrized
-    """A delay matters from 1.5 ms on, or from 1.5 ms beside that of the rig."""
+    """A delay matters from 1 ms on, or from 1 ms beside that of the rig."""
     assert is_small(named(text, in_rig)) is small
 
 

@@ -89,7 +89,7 @@ CURVE_AND_TIMES = (
         LAG,
         (Need.MOTION,),
         Touches.VALUES,
-        matters_from=1.5,
+        matters_from=1.0,
     ),
     CandidateKind(
         "backlash",
