@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
 
 REFERENCE_C = 25.0
 """Where the linear effects of temperature are zero."""
@@ -21,18 +21,25 @@ def sensor_temperature_c(ambient_c: Floats, powered_s: Floats) -> Floats:
 
 
 class TempBias(Effect):
-    """Bias k·(T − 25 °C). Typical k: 0.005 to 0.16 deg/s/°C."""
+    """Bias k·ΔT·(1 + c·ΔT), with ΔT = T − 25 °C. Typical k: 0.005 to 0.16 deg/s/°C; c: 0 (a line) to ± 0.02 /°C."""
 
     name: Literal["temp_bias"] = "temp_bias"
     slope_dps_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
+    curve_per_c: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
     stage: ClassVar[str] = "environment"
     place: ClassVar[Place] = Place.RATE
     typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03}
     small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Linear."""
-        return lambda rate, moments: rate + self.slope_dps_per_c * (moments.temp_c - REFERENCE_C)
+        """A line, or a parabola."""
+
+        def act(rate: Floats, moments: Moments) -> Floats:
+            over_c = moments.temp_c - REFERENCE_C
+            changed: Floats = rate + self.slope_dps_per_c * over_c * (1.0 + self.curve_per_c * over_c)
+            return changed
+
+        return act
 
 
 class TempScale(Effect):
@@ -51,16 +58,30 @@ class TempScale(Effect):
 
 
 class Warmup(Effect):
-    """Bias A·exp(−t/τ) after power-on. Typical: 0.05 to 0.5 deg/s over 30 to 600 s."""
+    """Bias A·exp(−t/τ) after power-on; a share of it may decay sooner, as a die before its package.
+
+    Typical: 0.05 to 0.5 deg/s over 30 to 600 s.
+    """
 
     name: Literal["warmup"] = "warmup"
     amplitude_dps: Annotated[float, Field(ge=-20.0, le=20.0)]
     time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 120.0
+    fast_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    fast_time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 30.0
     stage: ClassVar[str] = "environment"
     place: ClassVar[Place] = Place.RATE
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Decay."""
-        return lambda rate, m: rate + self.amplitude_dps * np.exp(-m.powered_s / self.time_constant_s)
+        """One decay, or two."""
+
+        def act(rate: Floats, moments: Moments) -> Floats:
+            left = np.exp(-moments.powered_s / self.time_constant_s)
+            if self.fast_share:
+                fast = np.exp(-moments.powered_s / self.fast_time_constant_s)
+                left = left + self.fast_share * (fast - left)
+            changed: Floats = rate + self.amplitude_dps * left
+            return changed
+
+        return act

@@ -61,4 +61,4 @@ def _shows_first(one: Detectable, other: Detectable) -> bool:
 
 
 def _others(effect: Effect, parameter: str) -> dict[str, float]:
-    return effect.model_dump(exclude={"name", parameter, "phase_deg"})
+    return effect.model_dump(exclude_unset=True, exclude={"name", parameter, "phase_deg"})

@@ -79,7 +79,7 @@ def effect_of(one: Alternatives) -> Effect:
 
 
 def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
-    """The size with its interval first, and then what is fixed with the candidate."""
+    """The size with its interval first, and then what is fixed with the candidate or stands in the rig."""
     candidate, profile = one.cause.candidate, one.profile
     best = size_of(one)
     plausible = candidate.sizes[profile > profile.max() - PLAUSIBLE]
@@ -88,7 +88,7 @@ def parameters_of(one: Alternatives) -> tuple[Parameter, ...]:
     reach = (best, best - error, best + error, plausible[0], plausible[-1])
     value, *ends = (_value(candidate.make(float(size)), name) for size in reach)
     found = [Parameter(name, value, min(value, *ends), max(value, *ends), unit)]
-    for other, fixed in effect_of(one).model_dump().items():
+    for other, fixed in effect_of(one).model_dump(exclude_unset=True).items():
         if other not in {name, "name"}:
             found.append(Parameter(other, fixed, *_phase_reach(one, other, fixed), unit_of(other)))
     return tuple(found)

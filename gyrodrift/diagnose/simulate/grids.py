@@ -1,6 +1,6 @@
 """Grids of sizes and the variants made of them: the parts that the records of candidates are put together from."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -81,9 +81,9 @@ def turned(least: float, most: float) -> Variants:
     return lambda _: [Variant(grid, {"phase_deg": phase_deg}, phase_deg) for phase_deg in PHASES_DEG]
 
 
-def each(parameter: str, values: Sequence[float], grid: SizeGrid) -> Variants:
-    """A variant for each value of a second parameter."""
-    return lambda _: [Variant(grid, {parameter: value}) for value in values]
+def one_of(grid: SizeGrid, others: Sequence[Mapping[str, float]]) -> Variants:
+    """A variant for each of several sets of the other parameters."""
+    return lambda _: [Variant(grid, fixed) for fixed in others]
 
 
 def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Variants:

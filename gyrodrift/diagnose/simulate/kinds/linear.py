@@ -1,10 +1,21 @@
 """Effects that are linear in their size: two simulations tell of all sizes."""
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Need, Touches
-from gyrodrift.diagnose.simulate.grids import each, linear, linear_grid, turned
+from gyrodrift.diagnose.simulate.grids import linear, linear_grid, one_of, turned
 from gyrodrift.diagnose.simulate.kinds.groups import CLOCK, EVEN_IN_RATE, ONCE_PER_TURN, SCALE, SLOW_BIAS
 
 WARMUP_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0)
+
+FAST_SHARE, SLOWER = 0.35, 5.0
+"""Of a warm-up in two stages: what decays with the die, and by how many times slower the package is."""
+
+IN_TWO_STAGES = [
+    {"time_constant_s": tau_s, "fast_share": FAST_SHARE, "fast_time_constant_s": tau_s / SLOWER}
+    for tau_s in (100.0, 160.0, 260.0)
+]
+
+CURVES_PER_C = (-0.01, 0.01)
+"""10 °C from 25 °C a tenth of the line."""
 
 LINEAR = (
     CandidateKind(
@@ -52,7 +63,7 @@ LINEAR = (
     CandidateKind(
         "temp_bias",
         "slope_dps_per_c",
-        linear(0.0005, 0.5),
+        one_of(linear_grid(0.0005, 0.5), [{}, *({"curve_per_c": curve} for curve in CURVES_PER_C)]),
         "the bias follows the temperature",
         SLOW_BIAS,
         (Need.TEMPERATURE,),
@@ -72,7 +83,7 @@ LINEAR = (
     CandidateKind(
         "warmup",
         "amplitude_dps",
-        each("time_constant_s", WARMUP_TAUS_S, linear_grid(0.003, 3.0)),
+        one_of(linear_grid(0.003, 3.0), [*({"time_constant_s": tau_s} for tau_s in WARMUP_TAUS_S), *IN_TWO_STAGES]),
         "the bias settles after power-on, quickly first and then slower",
         SLOW_BIAS,
         (),

@@ -1,7 +1,7 @@
 """Effects in which chance plays a part, tones, and the steps of the encoder."""
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Need, Touches
-from gyrodrift.diagnose.simulate.grids import each, hinted, read_off, simulated, simulated_grid
+from gyrodrift.diagnose.simulate.grids import hinted, one_of, read_off, simulated, simulated_grid
 from gyrodrift.diagnose.simulate.kinds.groups import OUTLIERS, STOCHASTIC_BIAS
 
 DWELLS_S = (8.0, 25.0, 80.0)
@@ -37,7 +37,7 @@ NOISE_AND_ENCODER = (
     CandidateKind(
         "popcorn",
         "step_dps",
-        each("dwell_s", DWELLS_S, simulated_grid(0.01, 0.1, 1.0)),
+        one_of(simulated_grid(0.01, 0.1, 1.0), [{"dwell_s": dwell_s} for dwell_s in DWELLS_S]),
         "the bias jumps to and fro between two levels",
         STOCHASTIC_BIAS,
         (),
