@@ -8,7 +8,10 @@ from pydantic import Field
 from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
 
 REFERENCE_C = 25.0
-"""Where the linear effects of temperature are zero."""
+"""Where the effects of temperature are zero."""
+
+AT_ONCE = {"fast_share": 0.0, "fast_time_constant_s": 30.0}
+"""Of a warm-up with one decay."""
 
 SELF_HEATING_C = 8.0
 SELF_HEATING_S = 240.0
@@ -28,8 +31,8 @@ class TempBias(Effect):
     curve_per_c: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
     stage: ClassVar[str] = "environment"
     place: ClassVar[Place] = Place.RATE
-    typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03}
-    small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005}
+    typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03, "curve_per_c": 0.0}
+    small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005, "curve_per_c": 0.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """A line, or a parabola."""
@@ -70,8 +73,8 @@ class Warmup(Effect):
     fast_time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 30.0
     stage: ClassVar[str] = "environment"
     place: ClassVar[Place] = Place.RATE
-    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0}
-    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0}
+    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0, **AT_ONCE}
+    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0, **AT_ONCE}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """One decay, or two."""

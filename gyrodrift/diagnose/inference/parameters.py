@@ -20,6 +20,7 @@ UNITS = {
     "percent_fs": "% of full scale",
     "percent_per_c": "%/°C",
     "dps_per_c": "deg/s/°C",
+    "curve_per_c": "1/°C",
     "dps": "deg/s",
     "deg": "deg",
     "ms": "ms",
