@@ -17,6 +17,7 @@ from simulate_support import (
     response_at,
 )
 
+from firmware_sim.rig import parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, STATIC
 from gyrodrift.diagnose.simulate.candidate import Touches
@@ -65,6 +66,31 @@ def test_a_linear_effect_responds_half_at_half_the_size_and_turns_with_its_sign(
     for one in LINEAR_FEATURES:
         assert feature(half, one) == pytest.approx(0.5 * feature(whole, one), abs=1e-6 + 1e-9 * most)
         assert feature(opposite, one) == pytest.approx(-feature(whole, one), abs=1e-6 + 1e-9 * most)
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("warmup:amplitude_dps=0.4,time_constant_s=180,fast_share=0.4,fast_time_constant_s=30", "fast_share"),
+        ("warmup:amplitude_dps=-0.4,time_constant_s=35", "time_constant_s 35"),
+        ("temp_bias:slope_dps_per_c=0.1,curve_per_c=0.013", "curve_per_c 0.01"),
+        ("temp_bias:slope_dps_per_c=-0.1,curve_per_c=-0.007", "curve_per_c -0.01"),
+        ("temp_bias:slope_dps_per_c=0.1", ""),
+    ],
+)
+def test_a_slow_bias_is_known_by_its_form(text: str, form: str) -> None:
+    """Of all variants the nearest leaves the least, at about the size that was put in."""
+    effect = parse_effect(text)
+    moved = (plain().simulated((effect,), 0).values - base_run(0).values)[:STATIC]
+    found: list[tuple[float, float, str]] = []
+    for one in KINDS[effect.name].candidates(HINTS):
+        most = float(one.grid_points[-1])
+        step = response_at(one, most)[0, 0, :STATIC] / most
+        size = float(step @ moved / (step @ step))
+        found.append((float(np.linalg.norm(moved - size * step)), size, one.variant))
+    _, size, variant = min(found)
+    assert form in variant if form else not variant
+    assert size == pytest.approx(getattr(effect, KINDS[effect.name].parameter), rel=0.15)
 
 
 @pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.touches is Touches.TIMES])
