@@ -102,7 +102,8 @@ def least_dps(shown: Sequence[Shown]) -> float:
     """The rate below which zero is put out; of none but zeros, one count.
 
     A level stands for all rates within half a step. Of those at the smallest one that comes only some were let through,
-    which are the fewer beside the levels above it, the higher the least of them was.
+    which are the fewer beside the levels above it, the higher the least of them was. Where that one stands for zero
+    itself, as where a bias was taken off rates in coarse steps, it is the least.
     """
     sizes = np.abs(np.concatenate([one.slow_dps for one in shown]))
     sizes = sizes[sizes > 0.0]
@@ -113,7 +114,8 @@ def least_dps(shown: Sequence[Shown]) -> float:
     at = np.rint((sizes - level) / step)
     here, above = np.count_nonzero(at == 0), np.count_nonzero((at > 0) & (at <= LEVELS_ABOVE)) / LEVELS_ABOVE
     let_through = min(here / above, 1.0) if above else 1.0
-    return level + (0.5 - let_through) * step
+    least = level + (0.5 - let_through) * step
+    return least if least > 0.0 else level
 
 
 def _first_of_many(sizes: Floats, step: float) -> float:

@@ -122,6 +122,16 @@ def test_without_a_dead_band_all_that_rounds_to_a_step_is_put_out() -> None:
     assert hints_of([one]).least_dps == pytest.approx(0.0305, abs=0.3 * 0.061)
 
 
+@pytest.mark.parametrize("offset", [0.004, 0.02, 0.03, 0.045, 0.06])
+def test_sizes_are_above_zero_where_a_bias_was_taken_off_coarse_steps(offset: float) -> None:
+    """No level is zero then, and the smallest may stand for it."""
+    base = BASE.model_copy(update={"dps_per_lsb": 0.061, "noise_dps_rthz": 0.003})
+    session = Simulation(Rig(base=base), MOTION, seed=2, minutes=1.5).whole()
+    shown = hints_of([subject_of(recording_of(replace(session, rate_dps=session.rate_dps - offset)), Rig(base=base))])
+    assert 0.0 < shown.least_dps < 0.061
+    assert shown.rate_step_dps == pytest.approx(0.061, rel=0.02)
+
+
 def test_a_slip_is_found_with_its_height() -> None:
     """At rest and in motion."""
     assert hints_with("encoder_slip:step_deg=2,per_hour=200").slip_deg == pytest.approx(2.0, rel=0.05)
