@@ -17,8 +17,8 @@ over causes and what is not exact in the null need their part."""
 
 LEAST, MOST = 4.3, 1e6
 """Of the threshold: where chance is small beside the relevance thresholds, what is not exact in the null decides. Of
-218 rigs drawn at random and driven through themselves, 8 went beyond 3.5 and 3 beyond 4.3; of 171 devices with something
-that no effect does, 1 lay in between."""
+218 rigs drawn at random and driven through themselves, 8 went beyond 3.5 and 3 beyond 4.3; of 171 devices with what no
+effect does, 1 lay in between."""
 
 SETS = 400
 SEED = 0
