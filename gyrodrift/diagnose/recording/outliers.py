@@ -195,8 +195,9 @@ def _closest(gaps: Floats) -> float:
 def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Floats, Floats]:
     """The rate with straight lines across its outliers, shape (n,), and by how much each is off those."""
     is_spike, without_dps = np.zeros(len(rate_dps), np.bool_), rate_dps
+    rough_dps = rough_rate_dps(recording, encoder_deg)
     for _ in range(IN_A_ROW):
-        found = _outliers(recording, without_dps, encoder_deg)
+        found = _outliers(recording, without_dps, rough_dps)
         if not found.any():
             break
         is_spike |= found
@@ -204,13 +205,16 @@ def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Float
     return without_dps, (rate_dps - without_dps)[is_spike]
 
 
-def _outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> Mask:
+def _outliers(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Mask:
     """Which samples are outliers of the rate, shape (n,).
 
     One is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
     one that shows it more clearly. What is off among its neighbours alone was moved where the encoder saw it, too.
+
+    rough_dps
+        Rate of the encoder, shape (n,).
     """
-    away_dps = rate_dps - rough_rate_dps(recording, encoder_deg)
+    away_dps = rate_dps - rough_dps
     beside_dps, among_dps = away_dps - running_median_5(away_dps), off_cubic(rate_dps)
     beside, among, own_dps = np.abs(beside_dps), np.abs(among_dps), np.abs(rate_dps - running_median_5(rate_dps))
     beside_sigma = _sigma(beside, recording)
