@@ -286,7 +286,7 @@ class CandidateKind:
         has = float(getattr(in_rig, self.parameter))
 
         def changed(size: float) -> Effect:
-            return in_rig.model_copy(update={self.parameter: has + size})
+            return in_rig.model_copy(update={**in_rig.model_dump(), self.parameter: has + size})  # all of it is stated
 
         down, lowest = -up[::-1], _least(in_rig, self.parameter) - has
         if lowest > down[0]:

@@ -126,7 +126,9 @@ def beside(text: str, *, absolute: bool = False) -> tuple[Effect, list[Candidate
     return effect, [one for one in candidates(HINTS, rig) if one.name == effect.name]
 
 
-@pytest.mark.parametrize("text", ["scale_factor:error_percent=1.2", "temp_bias", "clock_drift", "warmup"])
+@pytest.mark.parametrize(
+    "text", ["scale_factor:error_percent=1.2", "temp_bias", "clock_drift", "warmup", "warmup:amplitude_dps=0.2"]
+)
 def test_of_a_linear_effect_in_the_rig_sizes_are_what_comes_on_top(text: str) -> None:
     """Of either sign; the effect that is made has both, and the other parameters of the rig."""
     effect, (candidate,) = beside(text)
@@ -136,6 +138,7 @@ def test_of_a_linear_effect_in_the_rig_sizes_are_what_comes_on_top(text: str) ->
     assert np.array_equal(candidate.sizes, candidate_of(effect.name).sizes)
     for size in (candidate.sizes[3], candidate.sizes[-3]):
         assert candidate.make(size).model_dump() == {**effect.model_dump(), name: pytest.approx(has + size)}
+        assert candidate.make(size).model_fields_set == set(type(effect).model_fields)  # a report lists what is stated
         # What is simulated beside the rig is what comes on top alone.
         assert candidate.added(size, (effect,)).model_dump() == {**effect.model_dump(), name: size}
 
