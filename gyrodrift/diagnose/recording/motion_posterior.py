@@ -14,6 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
@@ -120,7 +121,9 @@ class MotionPosterior:
     passed
         What the forward filter gave.
     rests
-        First and last sample but one of each rest.
+        First sample, and the one after the last, of each rest.
+    encoder_deg
+        (n,) angles of the encoder that it follows.
     sigma_dps
         White noise of a sample of the gyro.
     """
@@ -128,13 +131,15 @@ class MotionPosterior:
     mean: ReplayedMotion
     passed: Passed = field(repr=False)
     rests: tuple[tuple[int, int], ...] = field(repr=False)
-    sigma_dps: float = 0.0
+    encoder_deg: Floats = field(repr=False)
+    sigma_dps: float
 
-    def draw(self, rng: np.random.Generator) -> ReplayedMotion:
-        """A motion that encoder and gyro leave possible."""
+    def draw(self, rng: np.random.Generator, within: CountedRests) -> ReplayedMotion:
+        """A motion that encoder and gyro leave possible, and that rests within the counts that were seen."""
         noise = rng.standard_normal((len(self.mean.angle_deg), STATES))
         path = smoothed_back(self.mean.period_s, self.passed, noise, True)
         away_deg = gaussian(path[:, 0] - self.mean.angle_deg, DRAW_SMOOTH_S / self.mean.period_s)
+        away_deg += within.way_inside(self.mean.angle_deg + away_deg)
         # The rate is that of the very angles, or gyro and encoder would see two motions.
         away_dps = central_difference(away_deg, self.mean.period_s)
         mean, away = (
@@ -168,7 +173,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
     found = stretches(at_rest)
     like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
-    return MotionPosterior(_motion(path, like, found), passed, found, sigma_dps)
+    return MotionPosterior(_motion(path, like, found), passed, found, angle_deg, sigma_dps)
 
 
 def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:

@@ -8,8 +8,10 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
+from firmware_sim.effects.encoder import EncoderQuantization
 from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
+from firmware_sim.measure import HALF_A_COUNT
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
@@ -123,6 +125,14 @@ def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floa
         angle_deg = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(angle_deg, moments)
     corrected: Floats = encoder_deg - (angle_deg - motion.angle_deg)
     return corrected
+
+
+def angles_read(rig: Rig, angle_deg: Floats) -> Floats:
+    """What the encoder of a rig reads at angles, of their shape, but for what else the rig says it errs by."""
+    coarser = [effect.cpr for effect in rig.effects if isinstance(effect, EncoderQuantization)]
+    for count_deg in (360.0 / cpr for cpr in (*coarser, rig.base.encoder_cpr)):
+        angle_deg = np.floor(angle_deg / count_deg + HALF_A_COUNT) * count_deg
+    return angle_deg
 
 
 def with_phases(rig: Rig, seen: Cleaned, design: DesignMatrix) -> Rig:

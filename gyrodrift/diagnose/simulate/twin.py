@@ -7,6 +7,7 @@ possible.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import NamedTuple
 from zlib import crc32
 
@@ -23,6 +24,7 @@ from gyrodrift.diagnose.features.dither import hidden_dps, with_hidden
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
 from gyrodrift.diagnose.features.within_second import lag_basis
+from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
@@ -34,6 +36,7 @@ from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
     MotionSeen,
     angles_before,
+    angles_read,
     gyro_model_of,
     moments_of,
     motion_seen_by,
@@ -128,8 +131,20 @@ class Subject:
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion that the recording leaves possible; the same seed is the same motion."""
         if seed not in self.drawn:
-            self.drawn[seed] = self.posterior.draw(np.random.default_rng([self._course() + seed, MOTIONS]))
+            rng = np.random.default_rng([self._course() + seed, MOTIONS])
+            self.drawn[seed] = self.posterior.draw(rng, self._counted_rests())
         return self.drawn[seed]
+
+    def _counted_rests(self) -> CountedRests:
+        """Where it rests, by what the rig's encoder would read."""
+        posterior = self.posterior
+        return counted_rests(
+            posterior.rests,
+            self.seen.encoder_deg,
+            posterior.encoder_deg,
+            partial(angles_read, self.rig),
+            self.seen.step_deg,
+        )
 
     def smoothest(self, seeds: Iterable[int]) -> "Subject":
         """The same driven through the mean of all motions that are left possible, at some seeds."""

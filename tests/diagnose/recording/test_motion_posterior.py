@@ -10,12 +10,14 @@ from scipy.ndimage import minimum_filter1d
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.simulation.sessions import Simulation
 
+ANYWHERE = CountedRests((), np.empty(0), np.empty(0))
 SECONDS = 50.0
 ENCODERS = [(512, 50.0), (1024, 200.0), (4096, 100.0), (36_000, 50.0), (36_000, 400.0)]
 STARTS_DEG = np.linspace(0.0, 0.7, 15)
@@ -117,7 +119,7 @@ def test_the_angle_is_known_to_a_quarter_of_a_count(name: str, first_s: float, c
     count_deg = 360.0 / cpr
     assert one.off_deg(posterior.mean) < 0.26 * count_deg
     assert np.abs(posterior.mean.angle_deg - one.angle_deg).max() < 0.5 * count_deg
-    drawn = posterior.draw(np.random.default_rng(1))
+    drawn = posterior.draw(np.random.default_rng(1), ANYWHERE)
     away_deg = float(np.sqrt(np.square(drawn.angle_deg - posterior.mean.angle_deg).mean()))
     assert 0.1 * one.off_deg(posterior.mean) < away_deg < 6.0 * one.off_deg(posterior.mean)
 
@@ -127,7 +129,7 @@ def test_at_rest_nothing_moves(cpr: int, rate_hz: float) -> None:
     """All but a second about each end of a rest is exactly still, in the mean and in draws, and nothing else is."""
     one = seen(piece("turntable", 100.0), cpr, rate_hz)
     posterior = one.posterior()
-    drawn = posterior.draw(np.random.default_rng(2))
+    drawn = posterior.draw(np.random.default_rng(2), ANYWHERE)
     rest_s = np.count_nonzero(one.rate_dps == 0.0) / rate_hz
     for motion in (posterior.mean, drawn):
         still = motion.rate_dps == 0.0
@@ -254,7 +256,7 @@ def test_between_quick_steps_the_noise_of_the_gyro_is_no_motion(rate_hz: float) 
     inner = minimum_filter1d(held, round(0.6 * rate_hz) | 1)
     assert np.count_nonzero(inner) > 10.0 * rate_hz
     gyro_dps = np.diff(one.recording.rate_dps)[inner].std()
-    for motion in (posterior.mean, posterior.draw(np.random.default_rng(3))):
+    for motion in (posterior.mean, posterior.draw(np.random.default_rng(3), ANYWHERE)):
         assert np.diff(motion.rate_dps)[inner].std() < 0.5 * gyro_dps
 
 
@@ -289,7 +291,7 @@ def test_a_reference_without_steps_is_averaged(name: str, first_s: float) -> Non
 def test_a_draw_is_another_path_each_time_and_the_same_again() -> None:
     """By its random numbers alone."""
     posterior = seen(piece("drive", 100.0), 1024, 100.0).posterior()
-    first, again, other = (posterior.draw(np.random.default_rng(seed)).angle_deg for seed in (1, 1, 2))
+    first, again, other = (posterior.draw(np.random.default_rng(seed), ANYWHERE).angle_deg for seed in (1, 1, 2))
     assert np.array_equal(first, again)
     assert np.std(first - other) > 0.0
 
@@ -299,7 +301,7 @@ def test_many_draws_are_about_the_mean() -> None:
     spreads = []
     for cpr in (512, 4096):
         posterior = seen(piece("drive", 100.0), cpr, 50.0).posterior()
-        away = np.array([posterior.draw(np.random.default_rng(n)).angle_deg for n in range(40)])
+        away = np.array([posterior.draw(np.random.default_rng(n), ANYWHERE).angle_deg for n in range(40)])
         away -= posterior.mean.angle_deg
         spreads.append(float(np.std(away)))
         assert float(np.std(away.mean(axis=0))) == pytest.approx(spreads[-1] / np.sqrt(40.0), rel=0.25)
