@@ -7,7 +7,6 @@ quicker than the counts is the gyro's: its bias walks in the model, so that slow
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -15,10 +14,10 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
+from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
-from gyrodrift.diagnose.recording.order_statistics import quantile
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, points_of, rests, stretches
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
@@ -31,8 +30,8 @@ ones where it is gentle; within so many steps."""
 JERK_GAIN = 0.6
 """Variance of such a difference of means, over intensity of the jerk times the third power of the step."""
 
-NOISE_GAIN, NOISE_SHARES = 6.0, 5.0
-"""Variance of a second difference of white noise; so many times it, and less, is no jerk."""
+NOISE_SHARES = 5.0
+"""So many times what noise makes of it, and less, is no jerk."""
 
 STEADY_S = 4.0
 """Time over which the rate is averaged where nothing drives the motion."""
@@ -55,61 +54,9 @@ STILL_DEG = 0.01
 REST_VARIANCE, REST_JERK = 1e-6, 1e-3
 """Of the rate at rest, (deg/s)², and of the jerk beside that of steady motion."""
 
-NOISE_MEAN_S, CALM_QUANTILE, CALM_SIGMAS = 0.1, 0.4, 0.5244
-"""Over so long rates are averaged where noise is looked for; two fifths of normal numbers are within so many standard
-deviations, and most motion is beyond."""
-
-CALMEST_POINTS, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
-"""A tenth of such stretches are the calmest; the largest mean square of third differences among these is 0.614 of 20
-times the variance, where all is white noise."""
-
-BANDS, FOLDS = 512, 20
-"""Frequencies up to half the sample rate at which a low-pass is looked at, and multiples of that rate, on either side,
-that fold down."""
-
-MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
-"""Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
-
-
 DRAW_SMOOTH_S = 0.1
 """Standard deviation of the Gaussian over what a drawn path is off the mean: the roughness of the model's white jerk,
 which no table has, would pass for noise of the gyro."""
-
-
-class LowPass(Protocol):
-    """What the noise of a gyro went through."""
-
-    def power_passed(self, frequency_hz: Floats) -> Floats:
-        """What is left of the power at frequencies, of their shape."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class GyroModel:
-    """What the rig says of how the gyro sees the motion.
-
-    count_dps
-        Step that its rates come in, deg/s.
-    delay_s
-        How much later than the encoder, s.
-    hides_rest
-        Whether it may read zero though it would scatter: no zero says how much.
-    low_passes
-        What its noise went through.
-    """
-
-    count_dps: float
-    delay_s: float = 0.0
-    hides_rest: bool = False
-    low_passes: tuple[LowPass, ...] = ()
-
-    def power_passed(self, frequencies_hz: Floats, sample_rate_hz: float) -> Floats:
-        """Of white noise, at frequencies of the samples, of their shape: what low-passes leave, and what folds down."""
-        if not self.low_passes:
-            return np.ones_like(frequencies_hz)
-        folded_hz = frequencies_hz + sample_rate_hz * np.arange(-FOLDS, FOLDS + 1)[:, None]
-        left: Floats = np.prod([one.power_passed(folded_hz) for one in self.low_passes], axis=0).sum(axis=0)
-        return left
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +105,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
-    sigma_dps = max(_noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
+    sigma_dps = max(noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
     angles, edges, stands_s = _measurements(seen, angle_deg)
     at_rest = rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
     jerk = _jerk(rate_dps, sigma_dps, period_s)
@@ -234,51 +181,7 @@ def _creeping(steps: Floats, lengths: Integers) -> Mask:
 def _encoder_noise_deg(seen: Cleaned) -> float:
     """Standard deviation of an angle about the turn that the gyro feels, beyond its neighbours."""
     turned_deg = np.cumsum(seen.rate_dps) * seen.recording.period_s
-    return _middle(np.diff(seen.encoder_deg - turned_deg, 2)) / float(np.sqrt(NOISE_GAIN))
-
-
-def _noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
-    """Standard deviation of the white noise of a sample: motion widens the one estimate less, a tone the other.
-
-    Behind low-passes it is that of noise as dense as theirs is at the samples, folds and all, where they let it
-    through: what they took is no sign of a calm gyro, and what they let through no motion.
-    """
-    of_means, of_calmest = _noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps)
-    if not gyro.low_passes:
-        return min(of_means, of_calmest)
-    turns = (np.arange(BANDS) + 0.5) / (2 * BANDS)  # of a sample
-    passed, half = gyro.power_passed(turns / period_s, 1.0 / period_s), np.pi * turns
-    points = points_of(NOISE_MEAN_S, period_s)
-    mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
-    seen_by = np.square(mean) * between**4, np.sin(half) ** 6
-    shares = [float((weights * passed).sum() / (weights.sum() * passed[0])) for weights in seen_by]
-    return min(of_means / float(np.sqrt(shares[0])), of_calmest / float(np.sqrt(shares[1])))
-
-
-def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
-    """By the calmer part of means: a tone is no noise of what is slower."""
-    points = points_of(NOISE_MEAN_S, period_s)
-    count = len(rate_dps) // points
-    bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
-    if not len(bends):
-        return 0.0
-    found = quantile(bends, CALM_QUANTILE) / CALM_SIGMAS
-    return found * float(np.sqrt(points / NOISE_GAIN))
-
-
-def _noise_of_calmest_dps(rate_dps: Floats) -> float:
-    """By single samples of the calmest stretches: a motion that never ends is hardly noise within so few of them."""
-    squares = np.square(np.diff(rate_dps, 3))
-    count = len(squares) // CALMEST_POINTS
-    if not count:
-        return float("inf")
-    stretches = squares[: count * CALMEST_POINTS].reshape(count, CALMEST_POINTS).mean(axis=1)
-    return float(np.sqrt(quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
-
-
-def _middle(values: Floats) -> float:
-    """Standard deviation by the middle of normal numbers."""
-    return quantile(np.abs(values), MIDDLE_QUANTILE) / MIDDLE_SIGMAS
+    return middle_sigma(np.diff(seen.encoder_deg - turned_deg, 2)) / float(np.sqrt(NOISE_GAIN))
 
 
 def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:

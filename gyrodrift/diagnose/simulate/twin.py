@@ -26,8 +26,9 @@ from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
+from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
+from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of

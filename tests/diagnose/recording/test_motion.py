@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.motion_posterior import GyroModel, motion_posterior_of
+from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import cleaned
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session

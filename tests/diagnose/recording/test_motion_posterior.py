@@ -11,8 +11,9 @@ from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
+from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.motion_posterior import GyroModel, MotionPosterior, motion_posterior_of
+from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.simulation.sessions import Simulation
