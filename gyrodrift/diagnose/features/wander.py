@@ -28,8 +28,9 @@ LEVEL_MEAN = 5
 LEAST_LEVELS = 8
 """So many means, or fewer, tell nothing of a distribution."""
 
-KURTOSIS_BOUNDS = (-2.0, 0.5)
-"""Two levels have −2; above normal ones single outliers decide, which are no levels."""
+KURTOSIS_BOUNDS = (-2.0, -0.6)
+"""Two levels have −2. So few normal numbers as a session has means are often this flat, and what is less flat are no
+levels: a single mean that is off decides how much less."""
 
 JUMP_MEAN = 4
 """Blocks in a mean whose steps may be jumps."""
