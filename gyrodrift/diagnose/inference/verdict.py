@@ -80,6 +80,12 @@ class NamedCause:
         """What the rig says of it, where it has it already."""
         return self.cause.candidate.in_rig
 
+    @property
+    def is_as_in_rig(self) -> bool:
+        """Whether the rig has it just so, as far as the sessions know."""
+        has = self.in_rig
+        return has is not None and all(one.low <= float(getattr(has, one.name)) <= one.high for one in self.parameters)
+
     def in_session(self, number: int, stands: Sequence[Effect]) -> Effect:
         """The effect with the phase that session `number` shows; `stands` is what the rig of that session has."""
         phases_deg = self.cause.response.phases_deg
@@ -131,7 +137,8 @@ def verdict_of(result: SearchResult, alternatives: Sequence[Alternatives]) -> Ve
     explained = explained_share(deviates, before, after) if deviates.any() else 1.0
     others = out_of_catalogue(surrogate, result.found)
     unexplained = worst_first([*others, *deviations(after, UNEXPLAINED * evidence.stands_out)])
-    causes = _named(alternatives, result, float(np.clip(1.0 - explained, 0.0, 1.0)), unexplained)
+    every = _named(alternatives, result, float(np.clip(1.0 - explained, 0.0, 1.0)), unexplained)
+    causes = tuple(one for one in every if not one.is_as_in_rig)
     if not deviates.any():
         causes = tuple(one for one in causes if one.probability > LIKELY)
     elif not unexplained and all(one.group_probability < DOUBTFUL for one in causes):

@@ -22,6 +22,10 @@ PHASE_STEP_DEG = 30.0
 """Between phases that are tried."""
 
 
+SAME = 0.05
+"""Of its own size: an effect that the rig has so nearly is the one that it has."""
+
+
 class Need(StrEnum):
     """What recordings have to hold for an effect to show in them."""
 
@@ -259,7 +263,8 @@ class CandidateKind:
             return [self._candidate(one, is_phase_free=is_phase_free) for one in variants]
         if variants[0].grid.points[0] < 0.0 or variants[0].phase_deg is not None:
             return [self._on_top(variants[0], in_rig)]
-        return [self._instead(variant, in_rig) for variant in variants]
+        instead = [self._instead(variant, in_rig) for variant in variants]
+        return [one for one in instead if len(one.sizes)]
 
     def _candidate(self, variant: Variant, *, is_phase_free: bool = False) -> Candidate:
         return Candidate(
@@ -302,7 +307,14 @@ class CandidateKind:
         fixed = {name: value for name, value in in_rig.model_dump().items() if name not in {"name", self.parameter}}
         one = self._candidate(replace(variant, fixed={**fixed, **variant.fixed}))
         touches = Touches.VALUES if one.touches is Touches.SLOW_RATE else one.touches
-        return replace(one, touches=touches, in_rig=in_rig)
+        others = [size for size in one.sizes.tolist() if not self._is_same(one.make(size), in_rig)]
+        return replace(one, touches=touches, in_rig=in_rig, sizes=np.array(others))
+
+    def _is_same(self, effect: Effect, in_rig: Effect) -> bool:
+        """Whether an effect is the one in the rig, but for SAME of its size."""
+        size, has = float(getattr(effect, self.parameter)), float(getattr(in_rig, self.parameter))
+        like = effect.model_copy(update={self.parameter: getattr(in_rig, self.parameter)})
+        return abs(size - has) < SAME * abs(has) and like.model_dump() == in_rig.model_dump()
 
     def _effect(self, size: float, fixed: Mapping[str, float]) -> Effect:
         kind = CATALOGUE[self.name]

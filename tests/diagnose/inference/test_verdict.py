@@ -9,6 +9,7 @@ from inference_support import Amounts, added, candidate, evidence, random_respon
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.surrogate import Cause
 from gyrodrift.diagnose.inference.verdict import (
@@ -257,6 +258,18 @@ def named(text: str, in_rig: str | None = None) -> NamedCause:
 def test_a_cause_is_small_by_what_is_new_of_it(text: str, in_rig: str | None, small: bool) -> None:  # noqa: FBT001 - parametrized
     """A delay matters from 1 ms on, or from 1 ms beside that of the rig."""
     assert is_small(named(text, in_rig)) is small
+
+
+@pytest.mark.parametrize(
+    ("has_ms", "low_ms", "high_ms", "same"),
+    [(20.0, 19.8, 20.4, True), (20.0, 20.1, 20.4, False), (0.0, -1.0, 1.0, True)],
+)
+def test_what_the_rig_has_just_so_is_no_cause(has_ms: float, low_ms: float, high_ms: float, same: bool) -> None:  # noqa: FBT001 - parametrized
+    """Of another size is one whose interval the rig's is not in; of an effect that the rig has not any is."""
+    size = Parameter("delay_ms", 0.5 * (low_ms + high_ms), low_ms, high_ms, "ms")
+    cause = replace(named("latency:delay_ms=20.2", f"latency:delay_ms={has_ms}"), parameters=(size,))
+    assert cause.is_as_in_rig is same
+    assert not replace(named("latency:delay_ms=20.2"), parameters=(size,)).is_as_in_rig
 
 
 def test_what_costs_nothing_is_no_cause() -> None:

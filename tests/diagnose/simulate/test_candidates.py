@@ -9,7 +9,7 @@ from simulate_support import BASE, HINTS, candidate_of
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Touches
+from gyrodrift.diagnose.simulate.candidate import SAME, Candidate, Hints, Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates, register
 from gyrodrift.diagnose.simulate.grids import between, linear_grid, read_grid, simulated_grid
 from gyrodrift.diagnose.simulate.response_table import key
@@ -159,18 +159,39 @@ def test_an_amplitude_in_the_rig_goes_down_to_nothing(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "variants"),
-    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization", 7), ("bandwidth", 2)],
+    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization:step_dps=0.3", 7), ("bandwidth", 2)],
 )
 def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: int) -> None:
-    """The grid is that of one that the rig has not; simulated in full, since the one in the rig is taken away."""
+    """The grid is that of one that the rig has not, but for sizes so near to its own that they are no others.
+
+    Simulated in full, since the one in the rig is taken away.
+    """
     effect, found = beside(text)
     fresh = of(effect.name)
     assert len(found) == len(fresh) == variants
     for candidate, other in zip(found, fresh, strict=True):
         assert candidate.in_rig == effect
-        assert np.array_equal(candidate.sizes, other.sizes)
+        has = getattr(effect, other.parameter)
+        near = [size for size in other.sizes.tolist() if size not in candidate.sizes]
+        assert all(abs(getattr(other.make(size), other.parameter) / has - 1.0) < SAME for size in near)
         assert candidate.make(candidate.sizes[0]) == other.make(other.sizes[0])
         assert candidate.touches is not Touches.SLOW_RATE
+
+
+@pytest.mark.parametrize("cutoff_hz", np.geomspace(3.0, 60.0, 23).tolist())
+def test_the_size_in_the_rig_is_no_other_size(cutoff_hz: float) -> None:
+    """However it lies to the grid; of the other order it is another effect."""
+    same, other = beside(f"bandwidth:cutoff_hz={cutoff_hz:.6g},order=1")[1]
+    assert np.abs([same.make(size).model_dump()["cutoff_hz"] / cutoff_hz - 1.0 for size in same.sizes]).min() >= SAME
+    assert len(same.sizes) >= len(other.sizes) - 1
+
+
+def test_what_is_read_off_as_the_rig_has_it_is_no_candidate() -> None:
+    """There is no other size to try."""
+    width_dps = HINTS.least_dps
+    effect, found = beside(f"deadband:width_dps={width_dps:.9g}")
+    assert [one for one in found if one.name == effect.name] == []
+    assert beside(f"deadband:width_dps={2.0 * width_dps:.9g}")[1]
 
 
 def test_others_are_as_they_were_beside_an_effect_in_the_rig() -> None:
