@@ -21,7 +21,6 @@ Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
 PHASE_STEP_DEG = 30.0
 """Between phases that are tried."""
 
-
 SAME = 0.05
 """Of its own size: an effect that the rig has so nearly is the one that it has."""
 
