@@ -9,6 +9,9 @@ from blind.gap import Cause, Outcome, Said
 CONFIDENT = 0.8
 NEAR = 0.2
 
+NEGLIGIBLE_DEG = 0.3
+"""Mean absolute yaw in a session: what costs less is reported as negligible, and is no cause."""
+
 READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_slip", "encoder_quantization"})
 """Effects whose size is read off what they do: without them there is nothing to read, and nothing to say
 beforehand."""

@@ -1,5 +1,6 @@
 """The table of the set `bench` on answers made by hand."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -85,6 +86,30 @@ def test_a_pair_is_told_apart_where_either_could_not_be_seen(least_dps: float, *
     tried = [case("pair", said, LAG | LIMIT, row="pair", without=without)]
     assert counts(share(tried, "pairs: both named, nothing else")) == (1, 1)
     assert counts(share(tried, "pairs, neither")) == (is_seen, is_seen)
+
+
+@pytest.mark.parametrize(
+    ("cost_deg", "said", "costly", "told", "told_or_none"),
+    [
+        (0.29, "none", (0, 0), (0, 1), (1, 1)),
+        (0.29, "unknown", (0, 0), (1, 1), (1, 1)),
+        (0.31, "none", (0, 1), (0, 0), (0, 0)),
+        (0.31, "unknown", (1, 1), (0, 0), (0, 0)),
+        (None, "none", (0, 1), (0, 0), (0, 0)),
+    ],
+)
+def test_what_costs_nothing_may_be_none(
+    cost_deg: float | None, said: str, costly: tuple[int, int], told: tuple[int, int], told_or_none: tuple[int, int]
+) -> None:
+    """Outside the catalogue. In the row of all of them it is missed; and what nobody worked out is no small cost."""
+    tried = [replace(case("outside", gap(said), row="outside"), yaw_cost_deg=cost_deg)]
+    rows = {
+        "costs 0.3": costly,
+        "costs less: at the right stage": told,
+        "costs less: at the right stage, or": told_or_none,
+    }
+    assert {what: counts(share(tried, f"outside the catalogue, {what}")) for what in rows} == rows
+    assert counts(share(tried, "outside the catalogue: unknown or partly, at the right")) == (said == "unknown", 1)
 
 
 def test_a_failed_look_beforehand_excuses_nothing() -> None:

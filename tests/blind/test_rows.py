@@ -11,6 +11,7 @@ from blind import estimators as by
 from blind.catalogue import EFFECTS
 from blind.folder import SetFolder
 from blind.generator.bench import Columns
+from blind.generator.cost import yaw_cost_deg
 from blind.generator.dice import plan_dice
 from blind.generator.kinds import Fault
 from blind.generator.rig_text import rig_text
@@ -196,3 +197,21 @@ def test_the_low_pass_of_a_device_has_one_pole() -> None:
     centred = rate_dps - rate_dps.mean()
     pole = np.mean(centred[1:] * centred[:-1]) / np.var(rate_dps)
     assert pole == pytest.approx(np.exp(-2.0 * np.pi * 20.0 / 200.0), abs=0.05)
+
+
+def test_what_a_fault_costs_is_what_the_integrated_rate_is_off_for_it() -> None:
+    """A swing of 0.2 deg/s and 20 s moves yaw by 0.64 deg to and fro, 0.41 in the mean; a doubled row does nothing."""
+    stand = Stand(plan_dice(("cost",)), sessions=2)
+    swing = Fault("slow_cycle", {"amplitude_dps": 0.2, "period_s": 20.0})
+    costs = [
+        yaw_cost_deg(stand.batch(faults, ("cost",)))
+        for faults in ((swing,), (Fault("doubled_rows", {"share_percent": 1.0}),), ())
+    ]
+    assert costs[0] == pytest.approx(0.2 * 20.0 / np.pi**2, rel=0.2)
+    assert costs[1:] == [pytest.approx(0.0, abs=0.01), 0.0]
+
+
+def test_what_is_outside_the_catalogue_says_what_it_costs() -> None:
+    """In its label, and no other case does."""
+    assert draw_case(9, "outside", 0).label()["yaw_cost_deg"] > 0.0
+    assert "yaw_cost_deg" not in draw_case(9, "single", 0).label()

@@ -23,6 +23,8 @@ class Tried:
         By run; one that was never made is a failure.
     row, number
         Of a set that has rows, else empty.
+    yaw_cost_deg
+        Mean absolute yaw that what is in it costs; None where that was not asked for.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Tried:
     row: str = ""
     seed: int = 0
     number: int = 0
+    yaw_cost_deg: float | None = None
 
     @property
     def id(self) -> str:
@@ -79,6 +82,7 @@ def tried_of(label: dict[str, Any], outcomes: dict[str, Outcome]) -> Tried:
         row=label.get("row", ""),
         seed=label.get("seed", 0),
         number=label.get("number", 0),
+        yaw_cost_deg=label.get("yaw_cost_deg"),
     )
 
 

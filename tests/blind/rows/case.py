@@ -1,6 +1,6 @@
 """A case of a row: what is sealed of it, and the folders that it is written to."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from hashlib import blake2b
 from pathlib import Path
@@ -37,6 +37,8 @@ class Draft:
         Folder of a second run: `without`, `again`, or none.
     facts
         For the label: whatever the case depends on.
+    yaw_cost_deg
+        For the label, too, where it is asked for: what the faults cost. All sessions are made for it, twice.
     """
 
     kind: str
@@ -49,6 +51,7 @@ class Draft:
     withhold: str = ""
     then: str = ""
     facts: Mapping[str, Any] = field(default_factory=dict)
+    yaw_cost_deg: Callable[[], float] | None = None
 
 
 def path_of(seed: int, row: str, number: int) -> DicePath:
@@ -84,6 +87,7 @@ class RowCase:
     def label(self) -> dict[str, Any]:
         """All that is sealed."""
         draft = self.draft
+        costs = {} if draft.yaw_cost_deg is None else {"yaw_cost_deg": draft.yaw_cost_deg()}
         return {
             "case": self.name,
             "set": "bench",
@@ -99,6 +103,7 @@ class RowCase:
             "then": draft.then,
             "rig": draft.rig,
             **draft.facts,
+            **costs,
         }
 
     def write(self, folder: Path) -> None:

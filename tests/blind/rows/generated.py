@@ -1,9 +1,10 @@
 """Cases from the generator, over devices as people own them: three sessions of one and a half to three minutes."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from blind.catalogue import EFFECTS, STAGE
+from blind.generator.cost import yaw_cost_deg
 from blind.generator.device import Device, RigFile
 from blind.generator.dice import Path as DicePath
 from blind.generator.dice import Rng
@@ -93,16 +94,10 @@ def outside(rng: Rng, number: int, path: DicePath) -> Draft:
     """What no catalogue has."""
     stand, names = Stand(rng), list(OUTSIDE)
     name, size = names[number % len(names)], OUTSIDE_SIZES[number // len(names) % len(OUTSIDE_SIZES)]
-    draft = OUTSIDE[name]
-    return _draft(
-        "outside",
-        stand,
-        (draw_outside(rng, name, size, "bench"),),
-        path,
-        size=size,
-        stages=draft.stages,
-        about=draft.about,
-    )
+    what = OUTSIDE[name]
+    faults = (draw_outside(rng, name, size, "bench"),)
+    draft = _draft("outside", stand, faults, path, size=size, stages=what.stages, about=what.about)
+    return replace(draft, yaw_cost_deg=lambda: yaw_cost_deg(stand.batch(faults, path)))
 
 
 def pair(rng: Rng, number: int, path: DicePath) -> Draft:
