@@ -7,6 +7,9 @@ from gyrodrift.arrays import Floats, Mask
 SIDE = 3
 """Samples on either side that are looked at."""
 
+HELD_SIGMAS = 7.0
+"""In standard deviations of a sample, five of what a cubic through four of them leaves."""
+
 ALONE_SHARE = 1.25
 """By a cubic, what is beside an outlier is off by two thirds of it, and both sides of an edge are off alike."""
 
@@ -34,3 +37,14 @@ def stands_alone(off: Floats) -> Mask:
     size = np.pad(np.abs(off), 1)
     alone: Mask = size[1:-1] > ALONE_SHARE * np.maximum(size[:-2], size[2:])
     return alone
+
+
+def held_on_a_slope(rate_dps: Floats, sigma_dps: float) -> Mask:
+    """Which samples repeat the one before them while the rate changes, shape (n,): a link or a sensor held it.
+
+    sigma_dps
+        White noise of a sample.
+    """
+    is_off = np.abs(off_cubic(rate_dps)) > HELD_SIGMAS * sigma_dps
+    held: Mask = is_off & (np.diff(rate_dps, prepend=np.nan) == 0.0)
+    return held
