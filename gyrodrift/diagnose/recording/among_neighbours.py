@@ -10,6 +10,9 @@ SIDE = 3
 HELD_SIGMAS = 7.0
 """In standard deviations of a sample, five of what a cubic through four of them leaves."""
 
+WENT_ON_SHARE = 0.5
+"""On a slope, a held sample is off by one step; the step before it is one as well, and the one after it two."""
+
 ALONE_SHARE = 1.25
 """By a cubic, what is beside an outlier is off by two thirds of it, and both sides of an edge are off alike."""
 
@@ -42,9 +45,14 @@ def stands_alone(off: Floats) -> Mask:
 def held_on_a_slope(rate_dps: Floats, sigma_dps: float) -> Mask:
     """Which samples repeat the one before them while the rate changes, shape (n,): a link or a sensor held it.
 
+    The rate went on before and after. Where it only goes on after, the last sample of a rest may repeat one by chance.
+
     sigma_dps
         White noise of a sample.
     """
-    is_off = np.abs(off_cubic(rate_dps)) > HELD_SIGMAS * sigma_dps
-    held: Mask = is_off & (np.diff(rate_dps, prepend=np.nan) == 0.0)
+    off_dps = np.abs(off_cubic(rate_dps))
+    steps_dps = np.diff(np.pad(rate_dps, (2, 1), mode="edge"))
+    before_dps, to_it_dps, after_dps = steps_dps[:-2], steps_dps[1:-1], steps_dps[2:]
+    went_on = np.minimum(np.abs(before_dps), np.abs(after_dps)) > WENT_ON_SHARE * off_dps
+    held: Mask = (to_it_dps == 0.0) & (off_dps > HELD_SIGMAS * sigma_dps) & went_on & (before_dps * after_dps > 0.0)
     return held
