@@ -88,9 +88,7 @@ def slip_deg(shown: Sequence[Shown]) -> float:
 
 def rate_step_dps(shown: Sequence[Shown]) -> float:
     """The step that rates come in; of a single one, itself."""
-    return _median(
-        [_even_step(one.slow_dps) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown]
-    )
+    return _median([_even_step_of(one) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
 
 
 def angle_step_deg(shown: Sequence[Shown]) -> float:
@@ -186,6 +184,28 @@ SOURCES = {
     "dps_per_lsb": HintSource(dps_per_lsb),
 }
 """One for each field of `Hints`; without a default there is always something to read off."""
+
+
+def _even_step_of(one: Shown) -> float:
+    """The step of rates near zero, within what the rig's finer steps leave possible; 0 where there is one level only."""
+    step_dps = _even_step(one.slow_dps)
+    if not step_dps:
+        return 0.0
+    least, most = _possible_steps(distinct(one.slow_dps, DECIMALS), step_dps, one.subject.rig.base.dps_per_lsb)
+    return step_dps if least > most else float(np.clip(step_dps, least, most))
+
+
+def _possible_steps(levels: Floats, step: float, finer: float) -> tuple[float, float]:
+    """The least and the most that the step of some levels may be, each of which was rounded to finer steps at last.
+
+    One within half of the finer step of a whole multiple leaves an interval, and they share one; where they share a
+    single step, ties were rounded both ways. The least is above the most where no step could give all the levels.
+    """
+    times = np.abs(np.rint(levels / step))
+    some = times > 0.0
+    nearest = finer * np.rint(np.abs(levels[some]) / finer)
+    least, most = ((nearest + part * finer) / times[some] for part in (-0.5, 0.5))
+    return round(float(least.max(initial=0.0)), DECIMALS), round(float(most.min(initial=np.inf)), DECIMALS)
 
 
 def _even_step(values: Floats) -> float:
