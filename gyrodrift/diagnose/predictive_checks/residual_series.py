@@ -91,4 +91,4 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
 
 def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
     effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
-    return with_noise_beneath(subject, [one.cause.candidate for one in causes], effects).replayed(effects, seed)
+    return with_noise_beneath(subject, effects).replayed(effects, seed)

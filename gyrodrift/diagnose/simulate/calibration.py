@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.arrays import Floats, Mask
@@ -45,6 +46,10 @@ FEW_BLOCKS = 10
 HIDDEN_STEPS = 0.45
 """Rates that scatter by less than this share of the step they come in do not show where between two steps they are."""
 
+TWO_LEVELS = 0.55
+"""The same where a rig says that steps are coarse: two levels in turn scatter by half a step, whatever noise there is
+beneath them, and noise of half a step by 0.58."""
+
 CALIBRATION_SEED = 7_000_003
 """Tells its random streams from those of the sessions that are compared."""
 
@@ -78,7 +83,7 @@ def calibrated(
     """
     period_s = seen.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
-    in_motion = any(map(hides_rest, rig.effects))
+    in_motion = is_hidden_at_rest(seen, design, rig)
     wanted = level_of(seen, design, step_dps, in_motion=in_motion)
     base = with_host(rig.base, seen.recording).model_copy(
         update={
@@ -104,6 +109,15 @@ def calibrated(
     return rig.model_copy(update={"base": base})
 
 
+def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
+    """Whether effects of a rig hide noise and bias at rest: a dead band does, and steps that are coarse beside both."""
+    if any(map(hides_rest, rig.effects)):
+        return True
+    rest_dps = seen.rate_dps[design.regimes.at_rest]
+    has_steps = any(isinstance(effect, Quantization) for effect in rig.effects)
+    return has_steps and (not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro_model_of(rig).count_dps)
+
+
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
     """Of a recording or of a simulation of it; in motion where something hides both at rest."""
     shows = _shows_bias(seen, design, step_dps, in_motion=in_motion)
@@ -118,7 +132,7 @@ def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Ef
     A rate in coarse steps shows it: added to what is there already, it would stand elsewhere between two steps.
     """
     more = with_replaced(rig, effects)
-    in_motion = any(map(hides_rest, more.effects))
+    in_motion = is_hidden_at_rest(seen, design, more)
     shows = _shows_bias(seen, design, gyro_model_of(rig).count_dps, in_motion=in_motion)
     residual_dps = block_residual_dps(seen, design)
     left_dps = [

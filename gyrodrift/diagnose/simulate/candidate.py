@@ -106,22 +106,16 @@ class Variant:
         Other parameters of the effect.
     phase_deg
         Of an effect once per turn; only those of 0 and 90 degrees are simulated.
-    noise_share
-        What share of the scatter that the recording shows was there before this effect changed it.
     """
 
     grid: SizeGrid
     fixed: Mapping[str, float] = field(default_factory=dict)
     phase_deg: float | None = None
-    noise_share: float = 1.0
 
     @property
     def label(self) -> str:
         """Tells it from the others of its kind."""
-        said = [f"{name} {value:.4g}" for name, value in self.fixed.items()]
-        if self.noise_share != 1.0:
-            said.append(f"noise times {self.noise_share:g}")
-        return ", ".join(said)
+        return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +138,7 @@ class Candidate:
         How many draws a size takes: one where chance plays no part.
     is_exact
         Whether a device can follow no other form.
-    phase_deg, noise_share
+    phase_deg
         As in `Variant`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
@@ -167,7 +161,6 @@ class Candidate:
     realisations: int = 1
     is_exact: bool = False
     phase_deg: float | None = None
-    noise_share: float = 1.0
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
@@ -279,7 +272,6 @@ class CandidateKind:
             realisations=self.realisations,
             is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
-            noise_share=variant.noise_share,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 

@@ -91,6 +91,6 @@ def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Va
     return lambda hints: [Variant(simulated_grid(*points), {parameter: hint(hints)})]
 
 
-def read_off(hint: Callable[[Hints], float], noise_shares: Sequence[float] = (1.0,)) -> Variants:
-    """The size itself is what the recordings show; tried with so much noise beneath it."""
-    return lambda hints: [Variant(read_grid(hint(hints)), noise_share=share) for share in noise_shares]
+def read_off(hint: Callable[[Hints], float]) -> Variants:
+    """The size itself is what the recordings show."""
+    return lambda hints: [Variant(read_grid(hint(hints)))]

@@ -187,7 +187,7 @@ SOURCES = {
 
 
 def _even_step_of(one: Shown) -> float:
-    """The step of rates near zero, within what the rig's finer steps leave possible; 0 where there is one level only."""
+    """The step of rates near zero, within what the rig's finer steps leave possible; 0 where there is one level."""
     step_dps = _even_step(one.slow_dps)
     if not step_dps:
         return 0.0

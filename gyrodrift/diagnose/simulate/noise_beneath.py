@@ -1,35 +1,41 @@
-"""The noise beneath candidates: how much there was before they took some of what a recording shows."""
-
-from collections.abc import Sequence
+"""The noise beneath effects that are tried: how much there was before they took some of what a recording shows."""
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.features.spectral_line import WHITE_BAND
-from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
 from gyrodrift.diagnose.simulate.twin import Subject
 
 BAND = np.linspace(*WHITE_BAND, 64)
 """Shares of the sample rate at which a low-pass is looked at."""
 
+OTHER_STEPS = 1.3
+"""Times those of the rig; what is read off the rates is not exact."""
+
 ZERO_SHARE = 0.02
 """Of the samples at rest that read zero; with fewer nothing is hidden."""
 
 
-def with_noise_beneath(subject: Subject, tried: Sequence[Candidate], effects: tuple[Effect, ...]) -> Subject:
-    """The rig of a session as it is to be simulated with candidates, whose effects those are.
+def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject:
+    """The rig of a session as it is to be simulated with effects that are tried.
 
-    Noise and bias of what hides them at rest are found beside it; else the bias is what others leave of it, and all
-    noise that is seen is behind a low-pass. So much of it is tried as a candidate says.
+    Noise and bias of what hides them at rest, or scatters by itself, are found beside it; else the bias is what others
+    leave of it, and all noise that is seen is behind a low-pass.
     """
-    share = float(np.prod([one.noise_share for one in tried]))
-    if any(map(hides_rest, effects)) and _reads_zero(subject):
-        subject = subject.recalibrated(effects)
-    else:
-        subject, share = subject.beside(effects), share * _before_low_pass(subject.rig, effects)
+    if any(_has_other_steps(subject.rig, one) or (hides_rest(one) and _reads_zero(subject)) for one in effects):
+        return subject.recalibrated(effects)
+    share = _before_low_pass(subject.rig, effects)
+    subject = subject.beside(effects)
     return subject if share == 1.0 else subject.with_noise(share)
+
+
+def _has_other_steps(rig: Rig, effect: Effect) -> bool:
+    """Whether an effect gives the rate in much coarser or finer steps than the rig does."""
+    apart = np.log(effect.step_dps / gyro_model_of(rig).count_dps) if isinstance(effect, Quantization) else 0.0
+    return bool(abs(apart) > np.log(OTHER_STEPS))
 
 
 def _before_low_pass(rig: Rig, effects: tuple[Effect, ...]) -> float:

@@ -93,10 +93,10 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
         case Touches.VALUES:
-            calibrated = with_noise_beneath(subject, [candidate], effects)
+            calibrated = with_noise_beneath(subject, effects)
             return _first(calibrated.value_features(calibrated.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
-            seen = with_noise_beneath(subject, [candidate], effects).replayed(effects, base.seed)
+            seen = with_noise_beneath(subject, effects).replayed(effects, base.seed)
             return measure(seen, design_beside(seen, base), subject.facts).values
 
 

@@ -55,7 +55,7 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:
     """(F,) of the set in session `number`; those that it does not touch are taken over from a run without it."""
     of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
-    calibrated = with_noise_beneath(subject, [one.candidate for one in effects], of_catalogue)
+    calibrated = with_noise_beneath(subject, of_catalogue)
     seen = calibrated.replayed(of_catalogue, seed)
     for one in effects:
         if one.candidate.shape is not None:

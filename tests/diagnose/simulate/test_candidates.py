@@ -56,15 +56,14 @@ def test_hints_become_second_parameters_and_sizes() -> None:
     hints = replace(HINTS, line_hz=33.0, spike_dps=7.0, rate_step_dps=0.125, angle_step_deg=1.0)
     assert of("vibration", hints)[0].make(1.0).model_dump()["frequency_hz"] == 33.0
     assert of("spikes", hints)[0].make(1.0).model_dump()["height_dps"] == 7.0
-    assert [one.sizes.tolist() for one in of("quantization", hints)] == [[0.125]] * 7
+    assert [one.sizes.tolist() for one in of("quantization", hints)] == [[0.125]]
     assert of("encoder_quantization", hints)[0].make(1.0).model_dump()["cpr"] == 360
 
 
-def test_steps_no_coarser_than_those_of_the_rig_take_no_noise_away() -> None:
+def test_steps_no_coarser_than_those_of_the_rig_are_the_rigs() -> None:
     """Of rates that come in no steps, the step seen is a rounding of the file."""
     for step_dps in (1e-6, 0.0076, 0.009):
         (fine,) = of("quantization", replace(HINTS, rate_step_dps=step_dps))
-        assert fine.noise_share == 1.0
         assert fine.sizes.tolist() == [max(step_dps, HINTS.dps_per_lsb)]
 
 
@@ -159,7 +158,7 @@ def test_an_amplitude_in_the_rig_goes_down_to_nothing(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "variants"),
-    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization:step_dps=0.3", 7), ("bandwidth", 2)],
+    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization:step_dps=0.3", 1), ("bandwidth", 2)],
 )
 def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: int) -> None:
     """The grid is that of one that the rig has not, but for sizes so near to its own that they are no others.

@@ -51,6 +51,19 @@ def test_steps_and_limits_are_read_off() -> None:
     assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("is_tie", [True, False])
+def test_steps_that_finer_ones_round_are_known_within_what_these_leave(seed: int, is_tie: bool) -> None:
+    """Of a whole number of them and a half, which goes up as often as down, the step is known exactly."""
+    rng = np.random.default_rng(seed)
+    lsb_dps = float(rng.choice([0.0076, 0.0153, 0.0305, 0.061]))
+    step_dps = lsb_dps * (rng.integers(2, 6) + 0.5 if is_tie else rng.uniform(2.0, 8.0))
+    base = BASE.model_copy(update={"dps_per_lsb": lsb_dps, "noise_dps_rthz": rng.uniform(0.002, 0.02)})
+    rig = Rig(base=base, effects=(parse_effect(f"quantization:step_dps={step_dps:.6f}"),))
+    one = subject_of(recording_of(Simulation(rig, MOTION, seed=seed, minutes=1.5).whole()), Rig(base=base))
+    assert hints_of([one]).rate_step_dps == pytest.approx(step_dps, rel=1e-6 if is_tie else 5e-3)
+
+
 @pytest.mark.parametrize("interval_ms", [24.0, 31.0, 53.0])
 def test_bunches_are_as_far_apart_as_they_come(interval_ms: float) -> None:
     """And where samples come one by one, or some never, there are none."""

@@ -122,7 +122,7 @@ def test_an_effect_on_values_leaves_times_alone(name: str) -> None:
     candidate = candidate_of(name)
     size = float(candidate.grid_points[len(candidate.grid_points) // 2])
     effects = (candidate.make(size),)
-    moved = with_noise_beneath(plain(), [candidate], effects).simulated(effects, 0).values - base_run(0).values
+    moved = with_noise_beneath(plain(), effects).simulated(effects, 0).values - base_run(0).values
     assert not moved[OF_TIMES].any()
     off = np.abs(response_at(candidate, size)[0, 0] - moved)
     cross_talk = np.where(np.arange(len(moved)) < STATIC, 0.04 * np.linalg.norm(moved[:STATIC]), 0.0)

@@ -1,18 +1,10 @@
 """Effects on values, delays and times, which are simulated size by size."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
 from gyrodrift.diagnose.simulate.grids import between, read_off, simulated, simulated_and_shown, simulated_within
 from gyrodrift.diagnose.simulate.kinds.groups import COARSE_VALUES, LAG, REVERSAL, TIMES
-
-NOISE_SHARES = (1.0, 0.75, 0.6, 0.47, 0.37, 0.28, 0.2)
-"""Coarse steps scatter by themselves: how much noise there is beneath them is tried out."""
-
-COARSER = 1.3
-"""Than the rig's steps, where steps as seen are other ones."""
 
 CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
 """Of low-passes."""
@@ -30,11 +22,9 @@ def _low_passes(_: Hints) -> list[Variant]:
     return [Variant(grid, {"order": order}) for order in ORDERS]
 
 
-def _coarser_steps(hints: Hints) -> Sequence[Variant]:
-    """Steps that are no coarser than the rig's take no noise's place."""
-    is_coarser = hints.rate_step_dps > COARSER * hints.dps_per_lsb
-    step_dps = max(hints.rate_step_dps, hints.dps_per_lsb)
-    return read_off(lambda _: step_dps, NOISE_SHARES if is_coarser else (1.0,))(hints)
+def _coarser_dps(hints: Hints) -> float:
+    """Steps that are no coarser than the rig's are the rig's."""
+    return max(hints.rate_step_dps, hints.dps_per_lsb)
 
 
 def _bunches_ms(hints: Hints) -> float:
@@ -55,7 +45,7 @@ CURVE_AND_TIMES = (
     CandidateKind(
         "quantization",
         "step_dps",
-        _coarser_steps,
+        read_off(_coarser_dps),
         "the rate comes in coarser steps than the rig says",
         COARSE_VALUES,
         (),
