@@ -13,8 +13,8 @@ from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
-from gyrodrift.diagnose.inference.surrogate import without
-from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, chance_of, noise_variance_of
+from gyrodrift.diagnose.inference.surrogate import Cause, without
+from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
@@ -129,6 +129,33 @@ def beside(
     return tuple(against(tables, [subject.design for subject in subjects], baseline))
 
 
+class _Recorded(NamedTuple):
+    """One of two sets of recordings, as a cause is looked for in it: values are RMS over a recording, (sessions, F)."""
+
+    subjects: Sequence[Subject]
+    tables: Sequence[ResponseTable]
+
+    @property
+    def as_rms(self) -> Floats:
+        """By which features are divided."""
+        return np.array([rms_scale(subject.design) for subject in self.subjects])
+
+    @property
+    def gaps(self) -> Floats:
+        """Differences of recordings and simulator, less what replaying leaves; as features, not divided yet."""
+        return np.array([table.difference - table.nulls.mean(axis=0) for table in self.tables])
+
+    def change(self, cause: Cause, phase_deg: float | None = None) -> Floats:
+        """What a cause does, at one phase in all recordings where it is free."""
+        phases_deg = None if phase_deg is None else np.full(len(self.subjects), phase_deg)
+        every = change_of([Sized(cause.candidate, cause.size, phases_deg)], self.subjects, self.tables)
+        return every.change / self.as_rms
+
+    def quadratures(self, cause: Cause) -> tuple[Floats, Floats]:
+        """What one with a free phase does at 0 and 90 degrees."""
+        return self.change(cause, 0.0), self.change(cause, 90.0)
+
+
 def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred) -> tuple[Verdict, list[str]]:
     """The verdict with those causes alone that recordings show more of than the baseline; and what is said of others.
 
@@ -136,31 +163,27 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferre
         The recordings as they are, with nothing of the baseline taken away.
     """
     found, surrogate, verdict = inferred.causes, inferred.surrogate, inferred.verdict
-    as_rms = np.array([rms_scale(subject.design) for subject in simulated.subjects])
-    was_as_rms = np.array([rms_scale(subject.design) for subject in before.subjects])
-    sigma = (surrogate.evidence.sigma / as_rms).mean(axis=0)
+    today, then = (_Recorded(one.subjects, one.tables) for one in (simulated, before))
+    sigma = (surrogate.evidence.sigma / today.as_rms).mean(axis=0)
     all_change = surrogate.prediction(found).change
     names, said = [], []
     for named in verdict.causes:
         cause = named.cause
-        if cause.response.phases_deg is not None:
-            continue  # fitted to each recording, so that all show it
         others = surrogate.prediction(without(found, cause)).change
-        change = (all_change - others) / as_rms
-        changed = change_of([Sized(cause.candidate, cause.size)], before.subjects, before.tables).change / was_as_rms
-        today = amounts_of((_gaps_of(simulated.tables) - others) / as_rms, change, sigma)
-        then = amounts_of(_gaps_of(before.tables) / was_as_rms, changed, sigma)
-        if chance_of(today, then, noise_variance_of(change, sigma)) > CHANCE:
+        left, was_left = (today.gaps - others) / today.as_rms, then.gaps / then.as_rms
+        if cause.response.phases_deg is None:
+            change = (all_change - others) / today.as_rms
+            shown, was_shown = amounts_of(left, change, sigma), amounts_of(was_left, then.change(cause), sigma)
+        else:
+            turns, was_turns = today.quadratures(cause), then.quadratures(cause)
+            change, _ = turns
+            shown, was_shown = amplitudes_of(left, turns, sigma), amplitudes_of(was_left, was_turns, sigma)
+        if chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE:
             names.append(named.effect.name)
             said.append(
                 f"baseline: recordings of this device differ by as much {named.effect.name} from one to the next"
             )
     return (less(verdict, names, surrogate.evidence), said) if names else (verdict, [])
-
-
-def _gaps_of(tables: Sequence[ResponseTable]) -> Floats:
-    """(sessions, F) differences of recordings and simulator, less what replaying leaves."""
-    return np.array([table.difference - table.nulls.mean(axis=0) for table in tables])
 
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:

@@ -36,6 +36,18 @@ def amounts_of(differences: Floats, changes: Floats, sigma: Floats) -> Floats:
     return found
 
 
+def amplitudes_of(differences: Floats, quadratures: tuple[Floats, Floats], sigma: Floats) -> Floats:
+    """(sessions,) the same of what has a phase of its own in each recording, whatever that is: never below zero.
+
+    quadratures
+        (sessions, F) each: what a cause changes the features by at phases of 0 and 90 degrees.
+    """
+    columns, wanted = np.stack(quadratures, axis=-1) / sigma[:, None], differences / sigma
+    parts = [np.linalg.lstsq(own, left)[0] for own, left in zip(columns, wanted, strict=True)]
+    found: Floats = np.hypot(*np.transpose(parts))
+    return found
+
+
 def noise_variance_of(changes: Floats, sigma: Floats) -> float:
     """Of an amount, where features scatter by sigma and independently."""
     return float(1.0 / max(np.square(changes / sigma).sum(axis=1).mean(), TINY))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.inference.two_sets import amounts_of, chance_of, noise_variance_of
+from gyrodrift.diagnose.inference.two_sets import amounts_of, amplitudes_of, chance_of, noise_variance_of
 
 FEATURES = 20
 SIGMA = np.linspace(0.5, 2.0, FEATURES)
@@ -28,6 +28,25 @@ def test_noise_scatters_amounts_by_the_variance_that_is_stated() -> None:
     changes = np.tile(rng.normal(size=FEATURES), (4000, 1))
     found = amounts_of(SIGMA * rng.normal(size=changes.shape), changes, SIGMA)
     assert float(found.var()) == pytest.approx(noise_variance_of(changes, SIGMA), rel=0.1)
+
+
+def test_an_amplitude_does_not_depend_on_phases() -> None:
+    """Each recording has its own, and two that differ in nothing else show as much."""
+    rng = np.random.default_rng(9)
+    at_0, at_90 = rng.normal(size=(2, 6, FEATURES))
+    phase = rng.uniform(0.0, 2.0 * np.pi, 6)[:, None]
+    shown = 0.4 * (np.cos(phase) * at_0 + np.sin(phase) * at_90)
+    assert amplitudes_of(shown, (at_0, at_90), SIGMA) == pytest.approx(np.full(6, 0.4))
+
+
+def test_what_is_fitted_to_noise_is_fitted_in_both_sets() -> None:
+    """Phases make an amplitude of any noise: of two sets of nothing else, one hardly ever shows more."""
+    rng, sets = np.random.default_rng(11), 1500
+    at_0, at_90 = rng.normal(size=(2, 3, FEATURES))
+    variance = noise_variance_of(at_0, SIGMA)
+    shown = [amplitudes_of(SIGMA * rng.normal(size=at_0.shape), (at_0, at_90), SIGMA) for _ in range(2 * sets)]
+    found = [chance_of(today, before, variance) for today, before in zip(shown[::2], shown[1::2], strict=True)]
+    assert np.mean(np.array(found) < 0.02) < 0.04
 
 
 @pytest.mark.parametrize(("today", "before"), [(3, 3), (2, 3), (6, 4), (3, 1)])

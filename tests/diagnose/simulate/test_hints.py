@@ -53,7 +53,7 @@ def test_steps_and_limits_are_read_off() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("is_tie", [True, False])
-def test_steps_that_finer_ones_round_are_known_within_what_these_leave(seed: int, is_tie: bool) -> None:
+def test_steps_that_finer_ones_round_are_known_within_what_these_leave(*, seed: int, is_tie: bool) -> None:
     """Of a whole number of them and a half, which goes up as often as down, the step is known exactly."""
     rng = np.random.default_rng(seed)
     lsb_dps = float(rng.choice([0.0076, 0.0153, 0.0305, 0.061]))
@@ -61,7 +61,7 @@ def test_steps_that_finer_ones_round_are_known_within_what_these_leave(seed: int
     base = BASE.model_copy(update={"dps_per_lsb": lsb_dps, "noise_dps_rthz": rng.uniform(0.002, 0.02)})
     rig = Rig(base=base, effects=(parse_effect(f"quantization:step_dps={step_dps:.6f}"),))
     one = subject_of(recording_of(Simulation(rig, MOTION, seed=seed, minutes=1.5).whole()), Rig(base=base))
-    assert hints_of([one]).rate_step_dps == pytest.approx(step_dps, rel=1e-6 if is_tie else 5e-3)
+    assert hints_of([one]).rate_step_dps == pytest.approx(step_dps, rel=1e-6 if is_tie else 1e-2)
 
 
 @pytest.mark.parametrize("interval_ms", [24.0, 31.0, 53.0])
