@@ -89,6 +89,11 @@ class NextRecording:
         """Whether it tells enough to be recorded."""
         return self.predicted.information > WORTH_IT * self.open_bits
 
+    @property
+    def is_better_than_again(self) -> bool:
+        """Whether it tells at least what one more session of what was recorded so far does."""
+        return self.again is None or self.predicted.information >= self.again.information
+
 
 class _Played(NamedTuple):
     """A motion that is simulated so many times, in a stage of the choice."""

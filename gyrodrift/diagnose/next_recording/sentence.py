@@ -14,10 +14,13 @@ MOST = 0.99
 def sentence(found: NextRecording, file: str) -> str:
     """The sentence for `next`; `file` is where the profile is written."""
     what = _told(found.names)
-    beside = f"a motion at random would with {_stated(found.at_random)}"
-    if found.again is not None:
-        beside += f", and more of the same with {_stated(found.again)}"
-    probability = _stated(found.predicted)
+    at_random, probability = f"a motion at random would with {_stated(found.at_random)}", _stated(found.predicted)
+    if found.again is not None and not found.is_better_than_again:
+        return (
+            f"Record {found.minutes:g} min more of the same: it tells {what} with probability {_stated(found.again)}; "
+            f"{file} would with {probability}, and {at_random}."
+        )
+    again = "" if found.again is None else f", and more of the same with {_stated(found.again)}"
     if not found.is_worth_it:
         return (
             f"No motion of {found.minutes:g} min tells {what}: the best, {file}, does so with probability "
@@ -26,7 +29,7 @@ def sentence(found: NextRecording, file: str) -> str:
     words = " and ".join(one.says(found.limits) for one in found.manoeuvres)
     return (
         f"Switch the device on and play {file} ({found.minutes:g} min: {words}){_warming(found)}: "
-        f"it tells {what} with probability {probability}; {beside}."
+        f"it tells {what} with probability {probability}; {at_random}{again}."
     )
 
 

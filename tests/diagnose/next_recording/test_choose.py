@@ -1,5 +1,7 @@
 """The motion that is chosen, and that what is predicted of it comes true."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,15 @@ def test_a_dead_band_is_looked_for_near_zero() -> None:
     assert found.predicted.probability > 0.9
     assert sentence(found, "next.yaml").startswith("Switch the device on and play next.yaml (2 min: ")
     assert "it tells whether there is deadband with probability" in sentence(found, "next.yaml")
+
+
+def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again() -> None:
+    """Of a choice whose own motion tells less."""
+    asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
+    found = next_recording_of(asked, 0.5, seed=4, recorded=PlannedMotion(load_profile("rest"), 0.5))
+    assert found.again is not None
+    better = replace(found, again=replace(found.again, information=found.predicted.information + 0.1))
+    assert sentence(better, "next.yaml").startswith("Record 0.5 min more of the same: it tells scale_factor from")
 
 
 def test_what_nothing_shows_is_said_to_be_so() -> None:
