@@ -60,10 +60,10 @@ def test_a_dead_band_is_looked_for_near_zero() -> None:
 def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again() -> None:
     """Of a choice whose own motion tells less."""
     asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
-    found = next_recording_of(asked, 0.5, seed=4, recorded=PlannedMotion(load_profile("rest"), 0.5))
+    found = next_recording_of(asked, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
     assert found.again is not None
     better = replace(found, again=replace(found.again, information=found.predicted.information + 0.1))
-    assert sentence(better, "next.yaml").startswith("Record 0.5 min more of the same: it tells scale_factor from")
+    assert sentence(better, "next.yaml").startswith("Record 1 min more of the same: it tells scale_factor from")
 
 
 def test_what_nothing_shows_is_said_to_be_so() -> None:
