@@ -1,5 +1,6 @@
 """Which features a baseline and recordings beside it can both speak of, and what is said of the others."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ from gyrodrift.diagnose.beside_baseline import (
     rig_shown_by,
 )
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
+from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.stages import DiagnosisRequest, inferred_of, recordings_of, simulated_of
 from gyrodrift.simulation.sessions import Simulation, write_simulation
@@ -122,6 +124,28 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
     assert verdict.causes[0].parameters[0].value == pytest.approx(3.0, rel=0.1)
 
 
+def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequence[str]) -> Verdict:
+    """Of recordings of a device with an effect, as a command line says it of each; empty where there is none."""
+    paths: dict[str, list[Path]] = {}
+    for stem, texts in (("before", before), ("today", today)):
+        paths[stem] = [tmp_path / f"{stem}-{number}.csv" for number in range(len(texts))]
+        for number, (path, text) in enumerate(zip(paths[stem], texts, strict=True)):
+            effects = (parse_effect(f"{name}:{text}"),) if text else ()
+            write_simulation(
+                path, Simulation(Rig(base=BASE, effects=effects), MOTION, 8, len(stem) + number, minutes=1.0)
+            )
+    withheld = frozenset(CATALOGUE) - {name}
+    asked = DiagnosisRequest(
+        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
+    )
+    kept, recordings, _ = recordings_of(asked.paths)
+    explained = explained_baseline(asked, recordings)
+    simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
+    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
+    verdict, _ = new_since(explained, simulated, inferred_of(simulated._replace(tables=tables), 1))
+    return verdict
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("before", "today", "named"),
@@ -135,23 +159,25 @@ def test_a_gain_is_new_where_it_varies_less_than_it_changed(
     tmp_path: Path, before: tuple[float, ...], today: tuple[float, ...], named: list[str]
 ) -> None:
     """One percent on average: of a device whose gain is another in every recording, and of one that is steady."""
-    paths: dict[str, list[Path]] = {}
-    for name, percents in (("before", before), ("today", today)):
-        paths[name] = [tmp_path / f"{name}-{number}.csv" for number in range(len(percents))]
-        for number, (path, percent) in enumerate(zip(paths[name], percents, strict=True)):
-            effects = (parse_effect(f"scale_factor:error_percent={percent}"),) if percent else ()
-            write_simulation(
-                path, Simulation(Rig(base=BASE, effects=effects), MOTION, 8, len(name) + number, minutes=1.0)
-            )
-    withheld = frozenset(CATALOGUE) - {"scale_factor"}
-    asked = DiagnosisRequest(
-        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
-    )
-    kept, recordings, _ = recordings_of(asked.paths)
-    explained = explained_baseline(asked, recordings)
-    simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
-    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
-    inferred = inferred_of(simulated._replace(tables=tables), 1)
-    verdict, _ = new_since(explained, simulated, inferred)
+    texts = [[f"error_percent={percent}" if percent else "" for percent in percents] for percents in (before, today)]
+    verdict = told_beside(tmp_path, "scale_factor", *texts)
     assert [cause.effect.name for cause in verdict.causes] == named
     assert verdict.kind == ("effect" if named else "none")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("before", "named"), [((0.0, 0.0, 0.0), ["g_sensitivity"]), ((0.1, 0.02, 0.06), [])], ids=["changed", "varies"]
+)
+def test_what_has_a_phase_of_its_own_in_each_recording_is_new_where_there_is_more_of_it(
+    tmp_path: Path, before: tuple[float, ...], named: list[str]
+) -> None:
+    """Phases alone fit any recording."""
+    phases_deg = np.random.default_rng(2).uniform(0.0, 360.0, 6)
+    amplitudes = [*before, 0.08, 0.09, 0.07]
+    texts = [
+        f"amplitude_dps={amplitude},phase_deg={phase:.1f}" if amplitude else ""
+        for amplitude, phase in zip(amplitudes, phases_deg, strict=True)
+    ]
+    verdict = told_beside(tmp_path, "g_sensitivity", texts[:3], texts[3:])
+    assert [cause.effect.name for cause in verdict.causes] == named
