@@ -24,7 +24,7 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.host_timing import with_host
-from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of, hides_rest
+from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
 
 ROUNDS = 3
@@ -111,11 +111,11 @@ def calibrated(
 
 def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     """Whether effects of a rig hide noise and bias at rest: a dead band does, and steps that are coarse beside both."""
-    if any(map(hides_rest, rig.effects)):
+    gyro, rest_dps = gyro_model_of(rig), seen.rate_dps[design.regimes.at_rest]
+    if gyro.hides_rest:
         return True
-    rest_dps = seen.rate_dps[design.regimes.at_rest]
     has_steps = any(isinstance(effect, Quantization) for effect in rig.effects)
-    return has_steps and (not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro_model_of(rig).count_dps)
+    return has_steps and (not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro.count_dps)
 
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:

@@ -9,7 +9,7 @@ import numpy as np
 from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
 from firmware_sim.effects.encoder import EncoderQuantization
-from firmware_sim.effects.sensor_curve import Quantization
+from firmware_sim.effects.sensor_curve import Deadband, Quantization
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
 from firmware_sim.measure import HALF_A_COUNT
 from firmware_sim.rig import Rig
@@ -53,12 +53,12 @@ def gyro_model_of(rig: Rig) -> GyroModel:
             count_dps = max(count_dps, effect.step_dps)
         if isinstance(effect, Latency):
             delay_s += effect.delay_ms * 1e-3
-    return GyroModel(count_dps, delay_s, any(map(hides_rest, rig.effects)), low_passes)
+    return GyroModel(count_dps, delay_s, any(hides_rest(effect, count_dps) for effect in rig.effects), low_passes)
 
 
-def hides_rest(effect: Effect) -> bool:
-    """Whether an effect of the rig hides noise and bias at rest."""
-    return effect.name == "deadband"
+def hides_rest(effect: Effect, count_dps: float) -> bool:
+    """Whether an effect hides noise and bias at rest; a dead band within a count leaves as much as rounding does."""
+    return isinstance(effect, Deadband) and effect.width_dps > count_dps
 
 
 class MotionSeen(NamedTuple):

@@ -3,7 +3,6 @@
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.features.spectral_line import WHITE_BAND
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
@@ -25,17 +24,15 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
     Noise and bias of what hides them at rest, or scatters by itself, are found beside it; else the bias is what others
     leave of it, and all noise that is seen is behind a low-pass.
     """
-    if any(_has_other_steps(subject.rig, one) or (hides_rest(one) and _reads_zero(subject)) for one in effects):
+    before_dps, count_dps = (
+        gyro_model_of(each).count_dps for each in (subject.rig, with_replaced(subject.rig, effects))
+    )
+    has_other_steps = abs(np.log(count_dps / before_dps)) > np.log(OTHER_STEPS)
+    if has_other_steps or (any(hides_rest(one, count_dps) for one in effects) and _reads_zero(subject)):
         return subject.recalibrated(effects)
     share = _before_low_pass(subject.rig, effects)
     subject = subject.beside(effects)
     return subject if share == 1.0 else subject.with_noise(share)
-
-
-def _has_other_steps(rig: Rig, effect: Effect) -> bool:
-    """Whether an effect gives the rate in much coarser or finer steps than the rig does."""
-    apart = np.log(effect.step_dps / gyro_model_of(rig).count_dps) if isinstance(effect, Quantization) else 0.0
-    return bool(abs(apart) > np.log(OTHER_STEPS))
 
 
 def _before_low_pass(rig: Rig, effects: tuple[Effect, ...]) -> float:

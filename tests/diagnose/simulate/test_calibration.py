@@ -143,6 +143,16 @@ def test_noise_beneath_coarse_steps_is_found_in_motion(seed: int) -> None:
         assert found.bias_dps == pytest.approx(bias_dps, abs=0.01)
 
 
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_a_dead_band_within_a_count_changes_no_calibration(share: float) -> None:
+    """It hides no more than rounding does; noise that were found in motion for its sake would be a cause by itself."""
+    base = BASE.model_copy(update={"noise_dps_rthz": 0.002, "bias_dps": 0.02, "dps_per_lsb": 0.0305})
+    session = Simulation(Rig(base=base), MOTION, 3, minutes=MOTION.seconds / 60.0).whole()
+    subject = subject_of(recording_of(session), Rig(base=base))
+    band = parse_effect(f"deadband:width_dps={share * 0.0305}")
+    assert with_noise_beneath(subject, (band,)).rig.base.noise_dps_rthz == subject.rig.base.noise_dps_rthz
+
+
 def test_a_short_rest_shows_that_there_is_no_more_noise_than_its_steps_hide() -> None:
     """Four seconds of one value before a motion that never turns steadily: what moves is not taken for noise."""
     turns = [{"kind": "ramp", "seconds": 0.3, "to_dps": to_dps} for to_dps in (38.0, 5.0, 30.0, 10.0)]
