@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from firmware_sim.effects.sensor_curve import Quantization
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.arrays import Floats, Mask
@@ -43,12 +42,9 @@ apart. No step follows a power below 1, lest it overshoot."""
 FEW_BLOCKS = 10
 """With less than one block in so many, the bias is that of all of them."""
 
-HIDDEN_STEPS = 0.45
-"""Rates that scatter by less than this share of the step they come in do not show where between two steps they are."""
-
 TWO_LEVELS = 0.55
-"""The same where a rig says that steps are coarse: two levels in turn scatter by half a step, whatever noise there is
-beneath them, and noise of half a step by 0.58."""
+"""Rates that scatter by less than this share of the step they come in show neither where between two steps they are,
+nor the noise beneath: two levels in turn scatter by half a step, and noise of half a step by 0.58."""
 
 CALIBRATION_SEED = 7_000_003
 """Tells its random streams from those of the sessions that are compared."""
@@ -110,17 +106,16 @@ def calibrated(
 
 
 def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
-    """Whether effects of a rig hide noise and bias at rest: a dead band does, and steps that are coarse beside both."""
+    """Whether noise and bias are hidden at rest: by a dead band, or by steps that are coarse beside both."""
     gyro, rest_dps = gyro_model_of(rig), seen.rate_dps[design.regimes.at_rest]
     if gyro.hides_rest:
         return True
-    has_steps = any(isinstance(effect, Quantization) for effect in rig.effects)
-    return has_steps and (not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro.count_dps)
+    return not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro.count_dps
 
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
     """Of a recording or of a simulation of it; in motion where something hides both at rest."""
-    shows = _shows_bias(seen, design, step_dps, in_motion=in_motion)
+    shows = _shows_bias(design, in_motion=in_motion)
     turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
     white = turning_dps or white_dps(seen, design, step_dps)
     return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
@@ -132,8 +127,7 @@ def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Ef
     A rate in coarse steps shows it: added to what is there already, it would stand elsewhere between two steps.
     """
     more = with_replaced(rig, effects)
-    in_motion = is_hidden_at_rest(seen, design, more)
-    shows = _shows_bias(seen, design, gyro_model_of(rig).count_dps, in_motion=in_motion)
+    shows = _shows_bias(design, in_motion=is_hidden_at_rest(seen, design, more))
     residual_dps = block_residual_dps(seen, design)
     left_dps = [
         float(np.median((residual_dps - block_means(error_dps(each, design.motion), design.block))[shows]))
@@ -142,12 +136,10 @@ def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Ef
     return rig.base.bias_dps + (left_dps[0] - left_dps[1])
 
 
-def _shows_bias(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> Mask:
-    """(blocks,) What an effect adds in motion is no bias; but steps without noise, or a dead band, hide it at rest."""
+def _shows_bias(design: DesignMatrix, *, in_motion: bool) -> Mask:
+    """(blocks,) Rest, since what an effect adds in motion is no bias; but motion where something hides it at rest."""
     at_rest = design.regimes.block_at_rest
-    noisy_dps = seen.rate_dps[design.regimes.at_rest]
-    is_hidden = in_motion or not len(noisy_dps) or float(np.std(noisy_dps)) < HIDDEN_STEPS * step_dps
-    shows: Mask = ~at_rest if is_hidden else at_rest
+    shows: Mask = ~at_rest if in_motion else at_rest
     return shows if shows.sum() > len(shows) // FEW_BLOCKS else np.ones(len(shows), dtype=np.bool_)
 
 

@@ -143,9 +143,22 @@ def test_noise_beneath_coarse_steps_is_found_in_motion(seed: int) -> None:
         assert found.bias_dps == pytest.approx(bias_dps, abs=0.01)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_noise_that_steps_of_the_rig_hide_at_rest_is_found_in_motion(seed: int) -> None:
+    """Most of the rest is one value, wherever the bias is; to half of the variance that rounding adds."""
+    rng = np.random.default_rng(seed)
+    noise, bias_dps = float(rng.uniform(0.0015, 0.003)), float(rng.uniform(-0.5, 0.5))
+    own = {"noise_dps_rthz": noise, "bias_dps": bias_dps, "dps_per_lsb": 0.061, "sample_rate_hz": 50.0}
+    rig = Rig(base=BASE.model_copy(update=own))
+    session = Simulation(rig, MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
+    found = subject_of(recording_of(session), rig).rig.base
+    assert abs(found.noise_dps_rthz**2 - noise**2) * found.sample_rate_hz < 0.5 * 0.061**2 / 12.0
+    assert found.bias_dps == pytest.approx(bias_dps, abs=0.01)
+
+
 @pytest.mark.parametrize("share", [0.5, 0.9])
 def test_a_dead_band_within_a_count_changes_no_calibration(share: float) -> None:
-    """It hides no more than rounding does; noise that were found in motion for its sake would be a cause by itself."""
+    """It hides no more than rounding does; noise that was found in motion for its sake would be a cause by itself."""
     base = BASE.model_copy(update={"noise_dps_rthz": 0.002, "bias_dps": 0.02, "dps_per_lsb": 0.0305})
     session = Simulation(Rig(base=base), MOTION, 3, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=base))
