@@ -43,8 +43,8 @@ FEW_BLOCKS = 10
 """With less than one block in so many, the bias is that of all of them."""
 
 TWO_LEVELS = 0.55
-"""Rates that scatter by less than this share of the step they come in show neither where between two steps they are,
-nor the noise beneath: two levels in turn scatter by half a step, and noise of half a step by 0.58."""
+"""Rates that scatter within a second by less than this share of the step they come in show neither where between two
+steps they are, nor the noise beneath: two levels in turn scatter by half a step, and noise of half a step by 0.58."""
 
 CALIBRATION_SEED = 7_000_003
 """Tells its random streams from those of the sessions that are compared."""
@@ -107,10 +107,13 @@ def calibrated(
 
 def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     """Whether noise and bias are hidden at rest: by a dead band, or by steps that are coarse beside both."""
-    gyro, rest_dps = gyro_model_of(rig), seen.rate_dps[design.regimes.at_rest]
-    if gyro.hides_rest:
+    gyro, at_rest = gyro_model_of(rig), design.regimes.block_at_rest
+    if gyro.hides_rest or not at_rest.any():
         return True
-    return not len(rest_dps) or float(np.std(rest_dps)) < TWO_LEVELS * gyro.count_dps
+    left_dps = seen.rate_dps - design.motion.rate_dps
+    squares, means_dps = (block_means(each, design.block) for each in (np.square(left_dps), left_dps))
+    variance = float((squares - np.square(means_dps))[at_rest].mean())
+    return variance < (TWO_LEVELS * gyro.count_dps) ** 2
 
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
