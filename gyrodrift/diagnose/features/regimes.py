@@ -11,7 +11,7 @@ from gyrodrift.diagnose.recording.smoothing import gaussian
 
 REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
 REST_EDGE_S = 0.6
-"""At rest is what is slower than REST_DPS for so long before and after, and does not shake faster than SLOW_DPS."""
+"""At rest is what is slower than REST_DPS for so long before and after, and shakes no faster."""
 
 QUICK_DPS, STEADY_DPS = 1.0, 0.05
 """From one sample to the next the rate changes by more than noise does, or by next to nothing."""
@@ -52,7 +52,7 @@ def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
     """The regimes of a motion, with blocks of so many samples."""
     speed_dps = gaussian(motion.rate_dps, MASK_SMOOTH_S / motion.period_s)
     absolute_dps = np.abs(speed_dps)
-    shakes = gaussian(np.square(motion.rate_dps), MASK_SMOOTH_S / motion.period_s) > SLOW_DPS**2
+    shakes = gaussian(np.square(motion.rate_dps - speed_dps), MASK_SMOOTH_S / motion.period_s) > REST_DPS**2
     at_rest = lasting((absolute_dps < REST_DPS) & ~shakes, 2 * round(REST_EDGE_S / motion.period_s) + 1)
     is_slow = lasting((absolute_dps > SLOW_DPS) & (absolute_dps < FAST_DPS), block)
     is_fast = lasting(absolute_dps > FAST_DPS, block)
@@ -65,7 +65,7 @@ def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
         is_fast=is_fast,
         is_turning=is_fast | is_slow,
         is_quick=change_dps > QUICK_DPS,
-        is_steady=~at_rest & (change_dps < STEADY_DPS),
+        is_steady=~at_rest & ~shakes & (change_dps < STEADY_DPS),
         block_rate_dps=block_rate_dps,
         block_at_rest=block_means(at_rest.astype(np.float64), block) > REST_SHARE,
         block_is_even=np.abs(np.gradient(block_rate_dps)) < EVEN_DPSS,

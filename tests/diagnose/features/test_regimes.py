@@ -16,13 +16,15 @@ def shaken(frequency_hz: float, amplitude_dps: float, rate_hz: float) -> Replaye
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_what_shakes_does_not_rest(seed: int) -> None:
+def test_what_shakes_does_not_rest_nor_turn_steadily(seed: int) -> None:
     """Of any frequency and rate; about it the device rests."""
     rng = np.random.default_rng(seed)
     rate_hz = float(rng.choice([50.0, 100.0, 200.0, 400.0]))
     motion = shaken(rng.uniform(0.5, 12.0), rng.uniform(10.0, 60.0), rate_hz)
-    at_rest = regimes_of(motion, round(rate_hz)).at_rest
+    regimes = regimes_of(motion, round(rate_hz))
+    at_rest = regimes.at_rest
     t_s = np.arange(len(at_rest)) / rate_hz
     assert not at_rest[(t_s > 10.0) & (t_s < 20.0)].any()
+    assert regimes.is_steady[(t_s > 10.5) & (t_s < 19.5)].mean() < 0.05
     assert at_rest[t_s < 8.5].all()
     assert at_rest[t_s > 21.5].all()
