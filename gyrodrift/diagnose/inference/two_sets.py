@@ -10,9 +10,10 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats
 
-CHANCE = 0.01
-"""Probability at which two sets of amounts differ by chance. What is asked was chosen among all effects, but explains
-the features of the later set by itself already."""
+CHANCE = 0.05
+"""Probability at which two sets of amounts differ by chance: as often as a diagnosis may raise a false alarm. What is
+asked was chosen among all effects, but explains the features of the later set by itself already. Of three recordings
+beside two that show none of it, 0.01 would ask for amounts that are alike to a quarter."""
 
 NOISE_DEGREES = 2.0
 """Degrees of freedom for which the variance counts that amounts have by the noise of features: it is an upper bound,

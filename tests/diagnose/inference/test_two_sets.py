@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.inference.two_sets import amounts_of, amplitudes_of, chance_of, noise_variance_of
+from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 
 FEATURES = 20
 SIGMA = np.linspace(0.5, 2.0, FEATURES)
@@ -64,3 +64,10 @@ def test_what_all_of_one_set_show_and_none_of_the_other_is_no_chance() -> None:
     assert chance_of(today, before, 1e-4) < 0.001
     assert chance_of(today + np.array([0.5, 0.0, -0.5]), before, 1e-4) > 0.01
     assert chance_of(today, before, 4.0) > 0.1
+
+
+def test_a_change_that_scatters_by_a_quarter_of_itself_is_told() -> None:
+    """Three recordings beside two that show nothing of it: nine times in ten."""
+    rng = np.random.default_rng(13)
+    found = np.array([chance_of(rng.normal(1.0, 0.25, 3), rng.normal(0.0, 0.05, 2), 1e-3) for _ in range(1000)])
+    assert np.mean(found < CHANCE) > 0.8
