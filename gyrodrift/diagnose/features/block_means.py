@@ -1,8 +1,9 @@
 """Means over whole blocks of samples, and what of a block counts as at least so much scatter."""
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.recording.order_statistics import median
 
@@ -49,8 +50,21 @@ def slopes(integral: Floats, period_s: float, block: int) -> Floats:
     with it.
     """
     found = np.empty(len(integral) // block)
-    _slopes_between(integral, period_s, block, max(1, round(EDGE_S / period_s)) // 2, found)
+    _slopes_between(integral, period_s, block, _beside(period_s), found)
     return found
+
+
+def touches(samples: Mask, period_s: float, block: int) -> Mask:
+    """Blocks whose slopes go by any of some samples, shape (blocks,)."""
+    near = maximum_filter1d(samples, 2 * _beside(period_s) + 1)
+    count = len(near) // block
+    touched: Mask = near[: count * block].reshape(count, block).any(axis=1)
+    return touched
+
+
+def _beside(period_s: float) -> int:
+    """Samples before and behind an edge that are averaged with it."""
+    return max(1, round(EDGE_S / period_s)) // 2
 
 
 @compiled_once()
@@ -63,7 +77,6 @@ def _integrate(values: Floats, period_s: float, integral: Floats) -> None:
 
 @compiled_once()
 def _slopes_between(integral: Floats, period_s: float, block: int, beside: int, found: Floats) -> None:
-    """`beside` is how many samples before and behind an edge are averaged with it."""
     count, mean_before, middle_before = len(integral), 0.0, 0.0
     for edge in range(len(found) + 1):
         place = min(edge * block, count - 1)

@@ -70,11 +70,11 @@ def unexplained_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
 
 
 def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
-    """Block residuals less their level at rest."""
+    """Block residuals less their level at rest; none where the gyro says nothing."""
     residual_dps = block_residual_dps(seen, design)
     at_rest = design.regimes.block_at_rest
     level = median(residual_dps[at_rest]) if at_rest.any() else 0.0
-    centred: Floats = residual_dps - level
+    centred: Floats = np.where(design.is_silent, 0.0, residual_dps - level)
     return centred
 
 
@@ -86,12 +86,12 @@ def _static(centred_dps: Floats, design: DesignMatrix) -> Floats:
 def _without_static(centred_dps: Floats, static: Floats, design: DesignMatrix) -> Floats:
     mean_dps = np.average(centred_dps, weights=np.square(design.root_weights))
     left: Floats = centred_dps - mean_dps - design.static.vectors @ static / design.root_weights
-    return left
+    return np.where(design.is_silent, 0.0, left)
 
 
 def _bias_dps(centred_dps: Floats, design: DesignMatrix) -> Floats:
     roots = design.root_weights
     slow_dps = centred_dps - design.fast_vectors @ (design.fast_vectors.T @ (roots * centred_dps)) / roots
-    place, even = np.arange(len(slow_dps)), design.regimes.block_is_even
+    place, even = np.arange(len(slow_dps)), design.regimes.block_is_even & ~design.is_silent
     bias_dps: Floats = np.interp(place, place[even], slow_dps[even]) if even.any() else slow_dps
     return bias_dps

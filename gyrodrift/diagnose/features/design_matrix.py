@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.block_means import integral_of, slopes
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.block_means import integral_of, slopes, touches
 from gyrodrift.diagnose.features.block_weights import root_weights_of
 from gyrodrift.diagnose.features.drift_columns import DRIFT_COLUMNS
 from gyrodrift.diagnose.features.history_columns import HISTORY_COLUMNS
@@ -27,6 +27,10 @@ from gyrodrift.diagnose.recording.outliers import Cleaned
 BLOCK_S = 1.0
 """Over a second an encoder of 0.01 degrees knows the mean rate to some 0.004 deg/s."""
 
+SILENT = 1e-3
+"""Root of the weight of a block in which the gyro is at its limit. How far the motion goes beyond is known from counts
+alone, and no finer than these: residuals there, the largest of all, would tell of nothing else."""
+
 COLUMNS = (*RATE_COLUMNS, *DRIFT_COLUMNS, *ANGLE_COLUMNS, *HISTORY_COLUMNS)
 """In the order in which they are made orthogonal: what two of them share counts for the first."""
 
@@ -40,6 +44,8 @@ class DesignMatrix:
 
     samples, period_s, block
         Length of the grid, distance in s, samples in a block.
+    is_silent
+        Shape (blocks,): where the gyro of the rig says no more than that it is at its limit.
     root_weights
         Shape (blocks,): square roots of how well the encoder knows the mean rate of each block, 1 for very well.
     static
@@ -61,6 +67,7 @@ class DesignMatrix:
     block: int
     regimes: Regimes
     spread_places: SpreadPlaces
+    is_silent: Mask
     root_weights: Floats
     static: Basis
     fast_vectors: Floats
@@ -75,15 +82,25 @@ class DesignMatrix:
         return column.compute(motion_terms_of(self.motion, self.regimes.speed_dps))
 
 
-def design_matrix_of(real: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0.0) -> DesignMatrix:
-    """The design matrix of a recording and the motion that was rebuilt from it; white noise of a sample of its gyro."""
+def design_matrix_of(
+    real: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0.0, at_limit: Mask | None = None
+) -> DesignMatrix:
+    """The design matrix of a recording and the motion that was rebuilt from it.
+
+    sigma_dps
+        White noise of a sample of its gyro.
+    at_limit
+        (n,) samples at which its gyro is at its limit by what the rig says; None for none.
+    """
     samples, period_s = len(motion.rate_dps), real.recording.period_s
     block = max(1, round(BLOCK_S / period_s))
     lag = lag_basis(real.encoder_deg, period_s)
     regimes = regimes_of(motion, block)
     terms = motion_terms_of(motion, regimes.speed_dps)
     means = [slopes(integral_of(column.compute(terms), period_s), period_s, block) for column in COLUMNS]
-    root_weights = root_weights_of(motion, real.step_deg, block, sigma_dps)
+    is_silent = np.zeros(samples // block, bool) if at_limit is None else touches(at_limit, period_s, block)
+    known = root_weights_of(motion, real.step_deg, block, sigma_dps)
+    root_weights = np.where(is_silent, SILENT, known)
     regressors = root_weights[:, None] * np.column_stack([np.ones(samples // block), *means])
     turn_basis, turn_rate_basis = turn_bases(terms, block)
     return DesignMatrix(
@@ -93,6 +110,7 @@ def design_matrix_of(real: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0
         block=block,
         regimes=regimes,
         spread_places=spread_places_of(regimes),
+        is_silent=is_silent,
         root_weights=root_weights,
         static=orthonormal(regressors, np.array([column.threshold for column in COLUMNS]), CONSTANT),
         fast_vectors=_fast_vectors(regressors),

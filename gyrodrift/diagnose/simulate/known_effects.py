@@ -9,18 +9,18 @@ import numpy as np
 from firmware_sim.effects.catalogue import in_acting_order
 from firmware_sim.effects.effect import Effect, Moments, Place
 from firmware_sim.effects.encoder import EncoderQuantization
-from firmware_sim.effects.sensor_curve import Deadband, Quantization
+from firmware_sim.effects.sensor_curve import Deadband, Quantization, Saturation
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
 from firmware_sim.measure import HALF_A_COUNT
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.orthogonal import orthonormal_vectors
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
@@ -59,6 +59,13 @@ def gyro_model_of(rig: Rig) -> GyroModel:
 def hides_rest(effect: Effect, count_dps: float) -> bool:
     """Whether an effect hides noise and bias at rest; a dead band within a count leaves as much as rounding does."""
     return isinstance(effect, Deadband) and effect.width_dps > count_dps
+
+
+def known_at_limit(rig: Rig, seen: Cleaned) -> Mask:
+    """Where a gyro is at a limit that its rig knows of, whichever that is; shape (n,)."""
+    if not any(isinstance(effect, Saturation) for effect in rig.effects):
+        return np.zeros(len(seen.rate_dps), bool)
+    return at_limit(seen.rate_dps, seen.encoder_deg, seen.recording.period_s)
 
 
 class MotionSeen(NamedTuple):

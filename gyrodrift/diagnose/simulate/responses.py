@@ -12,7 +12,7 @@ from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
-from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, design_beside, subject_of
+from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 
 BASE_RUNS = 4
 NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
@@ -97,7 +97,7 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             return _first(calibrated.value_features(calibrated.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
             seen = with_noise_beneath(subject, effects).replayed(effects, base.seed)
-            return measure(seen, design_beside(seen, base), subject.facts).values
+            return measure(seen, subject.design_beside(seen, base), subject.facts).values
 
 
 def _first(features: Floats, others: Floats) -> Floats:

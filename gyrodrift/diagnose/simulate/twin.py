@@ -18,6 +18,7 @@ from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import residuals, timing
+from gyrodrift.diagnose.features.block_means import touches
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.dither import hidden_dps, with_hidden
@@ -39,6 +40,7 @@ from gyrodrift.diagnose.simulate.known_effects import (
     angles_before,
     angles_read,
     gyro_model_of,
+    known_at_limit,
     moments_of,
     motion_seen_by,
     restored_dps,
@@ -185,9 +187,22 @@ class Subject:
         design = rebuilt(seen, self.rig).design
         return BaseRun(seed, seen, design, measure(seen, design, self.facts).values)
 
+    def design_beside(self, seen: Cleaned, base: BaseRun) -> DesignMatrix:
+        """The design of a run without an effect for what is seen with it: only what an encoder itself shows is new.
+
+        Rebuilding the motion takes ten times as long, and changes little; but where another limit keeps the gyro from
+        saying anything, other blocks tell.
+        """
+        at_limit = known_at_limit(self.rig, seen)
+        if not np.array_equal(touches(at_limit, base.design.period_s, base.design.block), base.design.is_silent):
+            return rebuilt(seen, self.rig).design
+        if np.array_equal(seen.encoder_deg, base.seen.encoder_deg):
+            return base.design
+        return replace(base.design, lag=lag_basis(seen.encoder_deg, base.design.period_s))
+
     def residual_features(self, seen: Cleaned, base: BaseRun) -> Floats:
         """The first features: those that a slow change of the rate moves."""
-        return residuals.measure(seen, design_beside(seen, base)).values
+        return residuals.measure(seen, self.design_beside(seen, base)).values
 
     def value_features(self, seen: Cleaned, base: BaseRun) -> Floats:
         """All features but those of times, which are the last."""
@@ -255,16 +270,6 @@ class Subject:
         return recording_of(session, self.design.samples)
 
 
-def design_beside(seen: Cleaned, base: BaseRun) -> DesignMatrix:
-    """The design of a run without an effect for what is seen with it: only what an encoder itself shows is new.
-
-    Rebuilding the motion takes ten times as long, and changes little.
-    """
-    if seen.encoder_deg is base.seen.encoder_deg or np.array_equal(seen.encoder_deg, base.seen.encoder_deg):
-        return base.design
-    return replace(base.design, lag=lag_basis(seen.encoder_deg, base.design.period_s))
-
-
 def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:
     """Rebuild the motion, and calibrate the rig, with no less noise than it is known to have."""
     seen = cleaned(recording)
@@ -290,13 +295,14 @@ class Rebuilt(NamedTuple):
 def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
     """What an encoder and a gyro of this rig say of how they were moved."""
     gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
-    posterior = motion_posterior_of(seen, gyro)
-    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps)
+    posterior, at_limit = motion_posterior_of(seen, gyro), known_at_limit(rig, seen)
+    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps, at_limit)
     known = with_phases(rig, seen, design)
     if not motion_seen_by(rig).is_bent:
         return Rebuilt(known, posterior, design, seen.encoder_deg)
     encoder_deg, posterior = corrected(seen, known, posterior)
-    return Rebuilt(known, posterior, design_matrix_of(seen, posterior.mean, posterior.sigma_dps), encoder_deg)
+    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps, at_limit)
+    return Rebuilt(known, posterior, design, encoder_deg)
 
 
 def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floats, MotionPosterior]:

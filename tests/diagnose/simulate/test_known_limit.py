@@ -1,0 +1,85 @@
+"""Where a rig knows that its gyro is at its limit, nothing is made of how far the motion goes beyond."""
+
+from random import Random
+
+import numpy as np
+import pytest
+
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.rig import Base, Rig, parse_effect
+from gyrodrift.diagnose.features.block_residuals import block_residuals_of
+from gyrodrift.diagnose.features.vector import NUMBER
+from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate.known_effects import known_at_limit
+from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.simulation.sessions import Simulation
+
+TOP_DPS, MINUTES = 180.0, 2.0
+"""Of the turntable; and long enough that it goes as fast as that in both directions, twice."""
+
+MISSES_DPS = 10.0
+"""Of a regressor, root of the sum of squares over blocks: the 55 deg/s that a limit takes make more of one block."""
+
+
+def rig_of(limit_dps: float, cpr: int = 1024) -> Rig:
+    """A gyro whose range ends at a limit."""
+    effect = parse_effect(f"saturation:limit_dps={limit_dps}")
+    return Rig(base=Base(sample_rate_hz=100.0, noise_dps_rthz=0.005, encoder_cpr=cpr), effects=(effect,))
+
+
+def seen_of(rig: Rig, seed: int, known: Rig) -> Subject:
+    """A session of a rig, by what is known of it."""
+    return subject_of(recording_of(Simulation(rig, load_profile("turntable"), seed, 0, MINUTES).whole()), known)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_blocks_at_a_limit_that_the_rig_knows_say_nothing(seed: int) -> None:
+    """Whatever counts and limit are: there no residual is left, and elsewhere none that the limit makes."""
+    dice = Random(seed)
+    limit_dps = dice.uniform(90.0, 150.0)
+    rig = rig_of(limit_dps, dice.choice([512, 1024, 4096]))
+    one = seen_of(rig, seed, rig)
+    left, silent = block_residuals_of(one.seen, one.design), one.design.is_silent
+    true_dps = load_profile("turntable").at(np.arange(one.design.samples, dtype=np.float64) * one.design.period_s)[1]
+    beyond = np.abs(true_dps) > limit_dps + 1.0
+    whole = len(silent) * one.design.block
+    assert silent[np.flatnonzero(beyond[:whole]) // one.design.block].all()
+    assert 0.05 < silent.mean() < 0.2
+    assert (left.unexplained_dps[silent] == 0.0).all()
+    assert np.abs(left.static).max() < MISSES_DPS / 100.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rig_that_has_a_limit_is_as_its_simulation(seed: int) -> None:
+    """What depends on the rate differs by less than matters: it was off by what counts know of the motion beyond."""
+    rig = rig_of(125.0)
+    one = seen_of(rig, seed, rig)
+    found, runs = one.measured(), np.array([one.base_run(run).values for run in range(4)])
+    for name in ("rate", "abs_rate", "rate_cubed", "rate_squared"):
+        at = NUMBER[name]
+        assert abs(found.values[at] - runs[:, at].mean()) < found.thresholds[at]
+
+
+def test_a_limit_that_the_rig_does_not_know_shows() -> None:
+    """There the blocks say how much is missing."""
+    one = seen_of(rig_of(125.0), 1, Rig(base=rig_of(125.0).base))
+    assert not one.design.is_silent.any()
+    assert not known_at_limit(one.rig, one.seen).any()
+    assert np.abs(block_residuals_of(one.seen, one.design).static).max() > MISSES_DPS
+
+
+def test_a_limit_at_another_rate_than_the_rig_says_is_one_too() -> None:
+    """How far the motion goes beyond is not known any better; where the limit is, the largest rate tells."""
+    one = seen_of(rig_of(100.0), 1, rig_of(150.0))
+    assert known_at_limit(one.rig, one.seen).mean() == pytest.approx(
+        np.mean(np.abs(one.seen.rate_dps) > 99.9), rel=0.05
+    )
+
+
+def test_where_another_limit_is_tried_other_blocks_say_nothing() -> None:
+    """Those of the recording, where it is the true one; not those of the rig as it stands."""
+    one = seen_of(rig_of(100.0), 1, rig_of(150.0))
+    base = one.base_run(1)
+    design = one.design_beside(one.replayed(rig_of(100.0).effects, 1), base)
+    assert design.is_silent.tolist() == one.design.is_silent.tolist()
+    assert base.design.is_silent.sum() < design.is_silent.sum()
