@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
@@ -23,6 +24,16 @@ NEAR_STEP = np.linspace(0.98, 1.02, 401)
 
 BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
+
+FEW_ARRIVALS, LONGEST_TICK_S = 200, 0.2
+"""Arrivals that show no comb; and ticks that are looked for."""
+
+TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
+"""Of a sample period, in which arrivals are counted; and how much finer frequencies are than these alone give."""
+
+ON_TICKS, OWN_PERIOD = 0.85, 1e-3
+"""Share of arrivals at one phase, of those that come at ticks; and how near a tick may be to the samples themselves,
+whose clock it is then."""
 
 LEVELS_ABOVE = 4
 """Of a rate, which come about equally often."""
@@ -151,16 +162,45 @@ def sample_period_s(shown: Sequence[Shown]) -> float:
 
 
 def bunch_s(shown: Sequence[Shown]) -> float:
-    """How far apart bunches of samples reach the host, over the sessions; 0 where they do not come in bunches."""
-    return _median([_bunch_s(one.subject.seen.recording) for one in shown])
+    """How far apart samples reach the host in bunches, over the sessions; 0 where they do not come in bunches."""
+    recordings = [one.subject.seen.recording for one in shown]
+    return _median([_tick_s(recording) or _bunch_s(recording) for recording in recordings])
 
 
 def _bunch_s(recording: Recording) -> float:
     """By the silence before a sample that another one follows at once: after one that was lost none does."""
-    arrived_s = np.zeros(0) if recording.host_s is None else recording.host_s[np.isfinite(recording.host_s)]
+    arrived_s = _arrived_s(recording)
     gaps = np.diff(arrived_s) / recording.period_s
     begins = np.flatnonzero((gaps[:-1] > BEGINS_AFTER) & (gaps[1:] < AT_ONCE))
     return float(np.median(np.diff(arrived_s[begins]))) if len(begins) > FEW_BUNCHES else 0.0
+
+
+def _tick_s(recording: Recording) -> float:
+    """By the comb that arrivals at ticks make: of all at one phase its lowest frequency.
+
+    Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
+    shorter ones stand behind the comb of the samples themselves; how short they are matters little.
+    """
+    arrived_s, period_s = _arrived_s(recording), recording.period_s
+    if len(arrived_s) < FEW_ARRIVALS:
+        return 0.0
+    places = np.floor((arrived_s - arrived_s[0]) / (TICK_BIN * period_s)).astype(np.int64)
+    bins = next_fast_len(TICK_FINER * int(places.max() + 1), real=True)
+    aligned = np.abs(np.fft.rfft(np.bincount(places), bins)) / len(arrived_s)
+    per_bin_hz = 1.0 / (bins * TICK_BIN * period_s)
+    first = int(1.0 / (LONGEST_TICK_S * per_bin_hz)) + 1
+    comb = np.flatnonzero(aligned[first:] > ON_TICKS)
+    if not len(comb):
+        return 0.0
+    peak = first + int(comb[0])
+    beside = peak + int(np.argmax(aligned[peak : peak + TICK_FINER]))
+    tick_s = 1.0 / (beside * per_bin_hz)
+    return 0.0 if abs(tick_s / period_s - 1.0) < OWN_PERIOD else tick_s
+
+
+def _arrived_s(recording: Recording) -> Floats:
+    """When samples reached the host; none where nobody knows."""
+    return np.zeros(0) if recording.host_s is None else recording.host_s[np.isfinite(recording.host_s)]
 
 
 def dps_per_lsb(shown: Sequence[Shown]) -> float:

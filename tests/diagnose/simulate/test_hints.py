@@ -71,6 +71,26 @@ def test_bunches_are_as_far_apart_as_they_come(interval_ms: float) -> None:
     assert hints_with("sample_drop:share_percent=1").bunch_s == hints_with("timestamp_jitter").bunch_s == 0.0
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_ticks_about_as_far_apart_as_samples_are_found(seed: int) -> None:
+    """Where there are no bunches, but now and then a tick without a sample, or two samples at one."""
+    rng = np.random.default_rng(seed)
+    rate_hz = float(rng.choice([50.0, 100.0, 200.0]) * rng.uniform(0.99, 1.01))
+    interval_ms = 1e3 / rate_hz * float(rng.choice([rng.uniform(0.5, 0.95), rng.uniform(1.05, 1.5)]))
+    base = BASE.model_copy(update={"sample_rate_hz": rate_hz, "host_jitter_s": float(rng.choice([0.0, 3e-4]))})
+    rig = Rig(base=base, effects=(parse_effect(f"usb_batching:interval_ms={interval_ms}"),))
+    one = subject_of(recording_of(Simulation(rig, MOTION, seed=seed, minutes=1.5).whole()), Rig(base=base))
+    assert hints_of([one]).bunch_s == pytest.approx(interval_ms * 1e-3, rel=1e-3)
+
+
+def test_samples_at_the_pace_of_their_own_clock_come_at_no_ticks() -> None:
+    """However evenly they do."""
+    for more in ({"host_jitter_s": 0.0}, {"host_jitter_s": 1e-4, "sample_rate_hz": 99.3}):
+        base = BASE.model_copy(update=more)
+        session = Simulation(Rig(base=base), MOTION, seed=1, minutes=1.5).whole()
+        assert hints_of([subject_of(recording_of(session), Rig(base=base))]).bunch_s == 0.0
+
+
 def test_what_is_shown_is_simulated_and_a_size() -> None:
     """Beside those that are always tried."""
     for bunch_s, is_own in ((0.053, True), (0.0, False), (0.2, False)):
