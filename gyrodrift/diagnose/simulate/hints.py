@@ -25,8 +25,11 @@ NEAR_STEP = np.linspace(0.98, 1.02, 401)
 BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
 
-FEW_ARRIVALS, LONGEST_TICK_S = 200, 0.2
-"""Arrivals that show no comb; and ticks that are looked for."""
+FEW_ARRIVALS, MANY_ARRIVALS, LONGEST_TICK_S = 200, 20_000, 0.2
+"""Arrivals that show no comb; as many as are looked at; and ticks that are looked for."""
+
+MOST_SILENT = 10.0
+"""Times as long as samples would take: a host whose clock was set anew, by which ticks have no phase."""
 
 TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
 """Of a sample period, in which arrivals are counted; and how much finer frequencies are than these alone give."""
@@ -181,10 +184,10 @@ def _tick_s(recording: Recording) -> float:
     Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
     shorter ones stand behind the comb of the samples themselves; how short they are matters little.
     """
-    arrived_s, period_s = _arrived_s(recording), recording.period_s
-    if len(arrived_s) < FEW_ARRIVALS:
+    arrived_s, period_s = _arrived_s(recording)[:MANY_ARRIVALS], recording.period_s
+    if len(arrived_s) < FEW_ARRIVALS or np.ptp(arrived_s) > MOST_SILENT * len(arrived_s) * period_s:
         return 0.0
-    places = np.floor((arrived_s - arrived_s[0]) / (TICK_BIN * period_s)).astype(np.int64)
+    places = np.floor((arrived_s - arrived_s.min()) / (TICK_BIN * period_s)).astype(np.int64)
     bins = next_fast_len(TICK_FINER * int(places.max() + 1), real=True)
     aligned = np.abs(np.fft.rfft(np.bincount(places), bins)) / len(arrived_s)
     per_bin_hz = 1.0 / (bins * TICK_BIN * period_s)

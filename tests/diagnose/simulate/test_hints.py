@@ -91,6 +91,18 @@ def test_samples_at_the_pace_of_their_own_clock_come_at_no_ticks() -> None:
         assert hints_of([subject_of(recording_of(session), Rig(base=base))]).bunch_s == 0.0
 
 
+@pytest.mark.parametrize("set_by_s", [-30.0, -1.0, 600.0])
+def test_a_host_whose_clock_is_set_is_survived(set_by_s: float) -> None:
+    """Back or ahead in the middle of a session: none are known, or ticks of which the true ones are a multiple."""
+    rig = Rig(base=BASE, effects=(parse_effect("usb_batching:interval_ms=13"),))
+    session = Simulation(rig, MOTION, seed=1, minutes=1.5).whole()
+    assert session.t_host_s is not None
+    moved_s = session.t_host_s + np.where(np.arange(len(session.t_host_s)) > len(session.t_host_s) // 2, set_by_s, 0.0)
+    found_s = hints_of([subject_from(replace(session, t_host_s=moved_s))]).bunch_s
+    times = 0.013 / found_s if found_s else 0.0
+    assert times == pytest.approx(round(times), abs=0.01)
+
+
 def test_what_is_shown_is_simulated_and_a_size() -> None:
     """Beside those that are always tried."""
     for bunch_s, is_own in ((0.053, True), (0.0, False), (0.2, False)):

@@ -14,8 +14,8 @@ from gyrodrift.diagnose.simulate.known_effects import known_at_limit
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
 
-TOP_DPS, MINUTES = 180.0, 2.0
-"""Of the turntable; and long enough that it goes as fast as that in both directions, twice."""
+MINUTES = 2.0
+"""So long that the turntable goes at 180 deg/s in both directions, twice."""
 
 MISSES_DPS = 10.0
 """Of a regressor, root of the sum of squares over blocks: the 55 deg/s that a limit takes make more of one block."""
