@@ -8,7 +8,7 @@ from effects_bench import REST, Record, once_per_turn, profile_of, put_in, recor
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_sim.measure import COUNTS_MOST, measure
+from firmware_sim.measure import COUNTS_MOST, HALF_A_COUNT, measure
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, parse_effect
 
@@ -148,7 +148,7 @@ def test_a_rate_out_of_range_is_clipped_and_says_so(sign: int) -> None:
 def test_a_count_of_the_encoder_is_never_more_than_half_a_count_off(to_dps: float, cpr: int) -> None:
     """Counts times 360 over the counts of a turn is the angle, to the resolution of the encoder."""
     turn = record(rig_of(base=Base(encoder_cpr=cpr)), spinning(to_dps), 10.0)
-    assert np.abs(turn.encoder_error_deg).max() <= 180.0 / cpr + 1e-9
+    assert np.abs(turn.encoder_error_deg).max() <= HALF_A_COUNT * 360.0 / cpr + 1e-9
 
 
 def test_every_count_of_the_encoder_is_as_wide_as_the_others() -> None:
