@@ -61,10 +61,10 @@ def hides_rest(effect: Effect, count_dps: float) -> bool:
     return isinstance(effect, Deadband) and effect.width_dps > count_dps
 
 
-def known_at_limit(rig: Rig, seen: Cleaned) -> Mask:
-    """Where a gyro is at a limit that its rig knows of, whichever that is; shape (n,)."""
+def known_at_limit(rig: Rig, seen: Cleaned) -> Mask | None:
+    """Where a gyro is at a limit that its rig knows of, whichever that is, (n,); None where it knows of none."""
     if not any(isinstance(effect, Saturation) for effect in rig.effects):
-        return np.zeros(len(seen.rate_dps), bool)
+        return None
     return at_limit(seen.rate_dps, seen.encoder_deg, seen.recording.period_s)
 
 

@@ -191,10 +191,12 @@ class Subject:
         """The design of a run without an effect for what is seen with it: only what an encoder itself shows is new.
 
         Rebuilding the motion takes ten times as long, and changes little; but where another limit keeps the gyro from
-        saying anything, other blocks tell.
+        saying anything, other blocks tell. What is but added to the rate leaves limits where they were.
         """
-        at_limit = known_at_limit(self.rig, seen)
-        if not np.array_equal(touches(at_limit, base.design.period_s, base.design.block), base.design.is_silent):
+        if seen.encoder_deg is base.seen.encoder_deg:
+            return base.design
+        at_limit, one = known_at_limit(self.rig, seen), base.design
+        if at_limit is not None and not np.array_equal(touches(at_limit, one.period_s, one.block), one.is_silent):
             return rebuilt(seen, self.rig).design
         if np.array_equal(seen.encoder_deg, base.seen.encoder_deg):
             return base.design

@@ -64,16 +64,16 @@ def test_a_limit_that_the_rig_does_not_know_shows() -> None:
     """There the blocks say how much is missing."""
     one = seen_of(rig_of(125.0), 1, Rig(base=rig_of(125.0).base))
     assert not one.design.is_silent.any()
-    assert not known_at_limit(one.rig, one.seen).any()
+    assert known_at_limit(one.rig, one.seen) is None
     assert np.abs(block_residuals_of(one.seen, one.design).static).max() > MISSES_DPS
 
 
 def test_a_limit_at_another_rate_than_the_rig_says_is_one_too() -> None:
     """How far the motion goes beyond is not known any better; where the limit is, the largest rate tells."""
     one = seen_of(rig_of(100.0), 1, rig_of(150.0))
-    assert known_at_limit(one.rig, one.seen).mean() == pytest.approx(
-        np.mean(np.abs(one.seen.rate_dps) > 99.9), rel=0.05
-    )
+    found = known_at_limit(one.rig, one.seen)
+    assert found is not None
+    assert found.mean() == pytest.approx(np.mean(np.abs(one.seen.rate_dps) > 99.9), rel=0.05)
 
 
 def test_where_another_limit_is_tried_other_blocks_say_nothing() -> None:
@@ -83,3 +83,12 @@ def test_where_another_limit_is_tried_other_blocks_say_nothing() -> None:
     design = one.design_beside(one.replayed(rig_of(100.0).effects, 1), base)
     assert design.is_silent.tolist() == one.design.is_silent.tolist()
     assert base.design.is_silent.sum() < design.is_silent.sum()
+
+
+def test_what_is_added_to_the_rate_leaves_the_limit_where_it_was() -> None:
+    """A gain makes rates at the limit unequal in a simulation that is not played again: blocks stay silent."""
+    rig = rig_of(125.0)
+    one = seen_of(rig, 1, rig)
+    base = one.base_run(1)
+    with_gain = one.with_rate((parse_effect("scale_factor:error_percent=1"),), base)
+    assert one.design_beside(with_gain, base) is base.design
