@@ -26,7 +26,8 @@ def _add_means(sine: Floats, cosine: Floats, rate: Floats, block: int, lowest: i
     for row in range(means.shape[1]):
         inside = slice(row * block, (row + 1) * block)
         x, y, weight = cosine[inside], sine[inside], rate[inside]
-        along[:], across[:] = x, y
+        for n in range(block):
+            along[n], across[n] = x[n], y[n]
         for order in range(2, lowest + means.shape[2] // 2):
             sums = (0.0, 0.0, 0.0, 0.0)
             for n in range(block):

@@ -31,6 +31,15 @@ was predicted for a sample follows from these; to keep it takes longer than to w
 
 
 @compiled_once(nogil=False, inline="always")
+def _copy(mean: Array, covariance: Array, to_mean: Array, to_covariance: Array) -> None:
+    """A state by its numbers: what numba makes of slices takes it seconds to compile."""
+    for i in range(4):
+        to_mean[i] = mean[i]
+        for j in range(4):
+            to_covariance[i, j] = covariance[i, j]
+
+
+@compiled_once(nogil=False, inline="always")
 def _measure(mean: Array, covariance: Array, weights: Array, value: float, variance: float, gain: Array) -> None:
     """Take a scalar measurement into a state, in place."""
     spread, away = variance, value
@@ -117,9 +126,9 @@ def filtered(
     """
     count = len(rest_variance)
     means, covariances = np.empty((count, 4)), np.empty((count, 4, 4))
-    mean, gain = np.zeros(4), np.zeros(4)
-    covariance = np.diag(np.array([1.0, 1e4, 1e6, 1.0]))
+    mean, gain, covariance = np.zeros(4), np.zeros(4), np.zeros((4, 4))
     mean[0] = angles[0][0]
+    covariance[0, 0], covariance[1, 1], covariance[2, 2], covariance[3, 3] = 1.0, 1e4, 1e6, 1.0
     of_angle, of_edge = np.array([1.0, 0.0, 0.0, 0.0]), np.array([1.0, -0.5 * period_s, 0.0, 0.0])
     of_gyro, of_rate = np.array([0.0, 1.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0, 0.0])
     for k in range(count):
@@ -133,7 +142,7 @@ def filtered(
             _measure(mean, covariance, of_gyro, rates[0][k], rates[1][k], gain)
         if rest_variance[k] > 0.0:
             _measure(mean, covariance, of_rate, 0.0, rest_variance[k], gain)
-        means[k], covariances[k] = mean, covariance
+        _copy(mean, covariance, means[k], covariances[k])
     return means, covariances, drives[0], drives[1]
 
 
@@ -154,7 +163,7 @@ def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
     path = np.empty((count, 2))
     for k in range(count - 1, -1, -1):
         if k < count - 1:
-            predicted_mean[:], predicted[:] = means[k], covariances[k]
+            _copy(means[k], covariances[k], predicted_mean, predicted)
             _predict(predicted_mean, predicted, t, jerk[k + 1], walk[k + 1])
             for i in range(4):
                 last[i] = state[i] - predicted_mean[i]

@@ -104,6 +104,19 @@ def running_median_9(values: Floats) -> Floats:
 
 
 @compiled_once()
+def _sorted_few(values: Floats) -> Floats:
+    """By insertion, for numbers that are few or equal: numpy's own sort takes seconds to compile."""
+    few = np.empty(len(values))
+    for n in range(len(values)):
+        slot = n
+        while slot > 0 and few[slot - 1] > values[n]:
+            few[slot] = few[slot - 1]
+            slot -= 1
+        few[slot] = values[n]
+    return few
+
+
+@compiled_once()
 def _neighbours_at(values: Floats, place: int) -> tuple[float, float]:
     """The values that would be before a place and at it, were all in order; -inf before the first.
 
@@ -134,8 +147,8 @@ def _neighbours_at(values: Floats, place: int) -> tuple[float, float]:
             inside[count] = kept[n]
             count += at[n] == chosen
         kept = inside[:count]
-    kept = np.sort(kept)
-    return kept[rank - 1] if rank > 0 else below, kept[rank]
+    few = _sorted_few(kept)
+    return few[rank - 1] if rank > 0 else below, few[rank]
 
 
 @compiled_once()
