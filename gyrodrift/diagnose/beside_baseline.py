@@ -92,17 +92,17 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     DataError
         Where no recording of the baseline can be used.
     """
-    paths, of_baseline, remarks = recordings_of(asked.baseline, asked.progress)
+    origins, of_baseline, remarks = recordings_of(asked.baseline, asked.progress)
     rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base))
     own = asked._replace(rig=rig)
-    simulated = simulated_of(own, paths, of_baseline)
+    simulated = simulated_of(own, origins, of_baseline)
     named = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
     causes = [one for one in named if one.probability >= _adopted_from(one)]
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
         subjects = [subject_of(recording, rig) for recording in of_baseline]
-        tables = tables_of(own._replace(rig=rig), paths, subjects, ())
+        tables = tables_of(own._replace(rig=rig), origins, subjects, ())
     remarks = [f"baseline: {remark}" for remark in remarks]
     if causes:
         names = ", ".join(cause.effect.name for cause in causes)

@@ -44,19 +44,19 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         Where no session can be used, with what is wrong with each.
     """
     begun_s = time.monotonic()
-    paths, recordings, remarks = recordings_of(asked.paths, asked.progress)
+    origins, recordings, remarks = recordings_of(asked.paths, asked.progress)
     against = contradictions(recordings, asked.rig.base)
     asked = asked._replace(rig=with_facts(asked.rig, against))
     if asked.baseline:
         explained = explained_baseline(asked, recordings)
         asked = asked._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
-        seen = simulated_of(asked, paths, recordings)
+        seen = simulated_of(asked, origins, recordings)
         simulated = seen._replace(tables=beside(seen.tables, seen.subjects, explained.baseline))
         inferred = inferred_of(simulated, asked.jobs, asked.progress)
         verdict, of_chance = new_since(explained, seen, inferred)
         remarks += [*explained.remarks, *of_chance]
     else:
-        simulated = simulated_of(asked, paths, recordings)
+        simulated = simulated_of(asked, origins, recordings)
         inferred = inferred_of(simulated, asked.jobs, asked.progress)
         verdict = inferred.verdict
     surrogate, subjects = inferred.surrogate, simulated.subjects

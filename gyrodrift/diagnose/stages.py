@@ -23,13 +23,14 @@ from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, verdict_of
+from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.checks import together_s
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.distribute import REPLAYED, SimulationPlan, checked_recording, response_tables
+from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
@@ -95,7 +96,7 @@ class Inferred(NamedTuple):
     surrogate: Surrogate
 
 
-def simulated_of(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Sequence[Recording]) -> Simulated:
+def simulated_of(asked: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
     """Calibrate the rig to each session, and work out the responses of all candidates in each."""
     subjects = []
     for done, recording in enumerate(recordings):
@@ -103,15 +104,15 @@ def simulated_of(asked: DiagnosisRequest, paths: Sequence[Path], recordings: Seq
         subjects.append(subject_of(recording, asked.rig, asked.least_noise_dps_rthz))
     hints = hints_of(subjects)
     tried, untestable = testable_among(candidates(hints, asked.rig), recordings, asked.withheld)
-    return Simulated(subjects, tables_of(asked, paths, subjects, tried), tried, untestable)
+    return Simulated(subjects, tables_of(asked, origins, subjects, tried), tried, untestable)
 
 
 def tables_of(
-    asked: DiagnosisRequest, paths: Sequence[Path], subjects: Sequence[Subject], tried: Sequence[Candidate]
+    asked: DiagnosisRequest, origins: Sequence[Origin], subjects: Sequence[Subject], tried: Sequence[Candidate]
 ) -> tuple[ResponseTable, ...]:
     """The tables of some sessions."""
     plan = SimulationPlan(
-        tuple(paths), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried), asked.least_noise_dps_rthz
+        tuple(origins), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried), asked.least_noise_dps_rthz
     )
     return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
 
@@ -154,24 +155,23 @@ def _heating_of(subject: Subject) -> Heating:
 
 def recordings_of(
     asked: Sequence[Path], progress: OnProgress = untold
-) -> tuple[list[Path], list[Recording], list[str]]:
-    """Those that passed the recording checks, with their paths, and what is to be said of all."""
-    paths: list[Path] = []
+) -> tuple[list[Origin], list[Recording], list[str]]:
+    """Those that passed the recording checks, with their origins, and what is to be said of all."""
+    origins: list[Origin] = []
     recordings: list[Recording] = []
     remarks: list[str] = []
     for done, path in enumerate(asked):
         progress(CHECKED, done, len(asked))
-        one = checked_recording(path)
+        one = checked_session(path)
         remarks += one.remarks
-        if one.recording is not None:
-            paths.append(path)
-            recordings.append(one.recording)
+        origins += [Origin(path, part) for part in range(len(one.recordings))]
+        recordings += one.recordings
     if not recordings:
         raise DataError("; ".join(remarks))
     together_s(recordings)
     if len(recordings) == 1:
         remarks.append("one session only: nothing could be held out from the fit, so that all of this is its own judge")
-    return paths, recordings, remarks
+    return origins, recordings, remarks
 
 
 def testable_among(

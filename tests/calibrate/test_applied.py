@@ -13,7 +13,7 @@ from gyrodrift.calibration import Calibration
 from gyrodrift.cli import main
 from gyrodrift.config.calibration import block_text, with_block
 from gyrodrift.config.model import load_config
-from gyrodrift.diagnose.simulate.distribute import checked_recording
+from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.errors import ConfigError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.session.calibrated import KEPT, calibrated, true_rates_dps, with_calibration
@@ -200,10 +200,9 @@ def gain_of(rate_dps: Floats, session: Session) -> float:
 
 def test_a_diagnosis_sees_the_calibrated_rate_and_says_so(scaled: Path) -> None:
     """A scale error that the calibration takes out is no gap; it is taken out once."""
-    session, checked = load_session(scaled), checked_recording(scaled)
-    assert checked.recording is not None
+    session, checked = load_session(scaled), checked_session(scaled)
     assert gain_of(session.rate_dps - 0.35, session) == near(GAIN_CCW, 0.002)
-    assert gain_of(checked.recording.rate_dps, session) == near(1.0, 0.002)
+    assert gain_of(checked.recordings[0].rate_dps, session) == near(1.0, 0.002)
     assert "is compared with its calibration of 2026-05-01T10:00:00+00:00 applied" in checked.remarks[0]
 
 

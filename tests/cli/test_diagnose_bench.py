@@ -1,9 +1,11 @@
 """The command on short sessions of any bench: wrong sizes, wrong facts, another day."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from firmware_sim.effects.catalogue import CATALOGUE
@@ -12,6 +14,7 @@ from firmware_sim.rig import Rig, load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
 from gyrodrift.diagnose import diagnosis
 from gyrodrift.diagnose.what_next import Next
+from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import rig_yaml, write_sessions
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
@@ -113,3 +116,16 @@ def test_beside_a_baseline_only_what_is_new_is_told(tmp_path: Path) -> None:
     (cause,) = changed["causes"]
     assert cause["effect"] == "scale_factor"
     assert cause["parameters"]["error_percent"]["value"] == pytest.approx(3.0, rel=0.15)
+
+
+def test_seconds_that_a_host_missed_are_no_cause(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two of them, in motion and without a counter; the gain that is off is named as if nothing were missing."""
+    folder = recorded(tmp_path / "torn", bench("scale_factor:error_percent=1.2"))
+    for number, path in enumerate(sorted(folder.glob("*.csv"))):
+        session = replace(load_session(path), seq=None)
+        begin, end = np.searchsorted(session.t_device_s, [22.0 + number, 24.0 + number]).tolist()
+        write_session(path, [session.part(0, begin), session.part(end, len(session.t_device_s))])
+    (cause,) = diagnosed(folder, bench(), tmp_path / "out")["causes"]
+    assert cause["effect"] == "scale_factor"
+    assert cause["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.2)
+    assert "session-02: rates or angles are missing for 2.0 s; the 2 parts of the rest" in capsys.readouterr().err

@@ -2,16 +2,14 @@
 
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.diagnose.recording.checks import CheckedRecording, check_recording
-from gyrodrift.diagnose.recording.numbering import backlog_of
-from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
@@ -19,15 +17,20 @@ from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.progress import OnProgress
-from gyrodrift.session.calibrated import calibration_of, with_calibration
-from gyrodrift.session.files import load_session
 
 REPLAYED = "sessions replayed"
 
 
+class Origin(NamedTuple):
+    """Where a recording comes from: a session, and which of its parts it is, from 0."""
+
+    path: Path
+    part: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulationPlan:
-    """What is to be simulated: sessions, loaded, checked and cleaned, with their paths in the same order.
+    """What is to be simulated: recordings, loaded, checked and cleaned, with their origins in the same order.
 
     tried
         Of the candidates that the hints give, those that are to be simulated.
@@ -35,7 +38,7 @@ class SimulationPlan:
         Less noise than that no recording of this device has.
     """
 
-    paths: tuple[Path, ...]
+    origins: tuple[Origin, ...]
     subjects: tuple[Subject, ...]
     rig: Rig
     hints: Hints
@@ -44,35 +47,14 @@ class SimulationPlan:
 
 
 class SessionTask(NamedTuple):
-    """One session's part for a worker of a cluster, which reads the session itself: its path has to hold there."""
+    """One recording's share for a worker of a cluster, which reads it itself: its path has to hold there."""
 
-    path: Path
+    origin: Origin
     rig: Rig
     hints: Hints
     names: frozenset[str]
     null_runs: int
     least_noise_dps_rthz: float
-
-
-def checked_recording(path: Path) -> CheckedRecording:
-    """A session as a recording that went through the checks, its rates put right by the calibration that it keeps.
-
-    Raises
-    ------
-    DataError
-        Where it cannot be read, or has no encoder.
-    """
-    session, remarks = load_session(path), []
-    calibration = calibration_of(session)
-    if calibration is not None:
-        session = with_calibration(session, calibration)
-        how = f"is compared with its calibration of {calibration.date} applied, as a filter takes it"
-        remarks.append(f"{session.name}: {how}")
-    if waited := backlog_of(session):
-        session = session.part(waited, len(session.t_device_s))
-        remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are left out")
-    checked = check_recording(recording_of(session))
-    return replace(checked, remarks=(*remarks, *checked.remarks))
 
 
 def response_tables(
@@ -115,10 +97,17 @@ def _held_table(number: int) -> ResponseTable:
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
     names = frozenset(candidate.name for candidate in plan.tried)
-    null_runs = null_runs_of(len(plan.paths))
+    null_runs = null_runs_of(len(plan.origins))
     tasks = [
-        SessionTask(path.resolve(), plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz)
-        for path in plan.paths
+        SessionTask(
+            origin._replace(path=origin.path.resolve()),
+            plan.rig,
+            plan.hints,
+            names,
+            null_runs,
+            plan.least_noise_dps_rthz,
+        )
+        for origin in plan.origins
     ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
@@ -138,11 +127,12 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     DataError
         Where it cannot be read, or does not go through the checks any more.
     """
-    recording = checked_recording(task.path).recording
-    if recording is None:
-        raise DataError(f"{task.path}: changed while it was being diagnosed")
+    path, part = task.origin
+    recordings = checked_session(path).recordings
+    if part >= len(recordings):
+        raise DataError(f"{path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
-    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
+    return response_table(subject_of(recordings[part], task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:

@@ -9,8 +9,8 @@ import pytest
 from support import Recordings
 
 from gyrodrift.arrays import Floats, Integers
+from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.numbering import backlog_of, numbered, numbers_by_clock
-from gyrodrift.diagnose.simulate.distribute import checked_recording
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
@@ -78,9 +78,8 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     arrival_s = np.concatenate([taken_s[200] - 0.001 * np.arange(200, 0, -1), taken_s[200:]])
     rows = np.column_stack([arrival_s, np.gradient(angle_deg, taken_s), angle_deg])
     np.savetxt(tmp_path / "radio.csv", rows, "%.6f", ",", header="t_device_s,rate_dps,encoder_deg", comments="")
-    checked = checked_recording(tmp_path / "radio.csv")
-    assert checked.recording is not None
-    assert checked.recording.period_s == pytest.approx(0.02, rel=1e-3)
+    checked = checked_session(tmp_path / "radio.csv")
+    assert checked.recordings[0].period_s == pytest.approx(0.02, rel=1e-3)
     told = [re.search(r"radio: its first (\d+) samples had waited and came at once", one) for one in checked.remarks]
     assert [int(one[1]) for one in told if one] == [pytest.approx(200, abs=5)]
 

@@ -8,9 +8,10 @@ import pytest
 from simulate_support import BASE, HINTS, candidate_of, plain, session_of
 
 from firmware_sim.rig import Rig
+from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.simulate import distribute, responses
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.distribute import SessionTask, SimulationPlan, response_tables
+from gyrodrift.diagnose.simulate.distribute import Origin, SessionTask, SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -46,10 +47,10 @@ def same(first: ResponseTable, second: ResponseTable) -> bool:
 
 
 def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
-    """No file is read: there is none at the paths. Tables come in the order of the sessions and are counted."""
+    """No file is read: there is none where they come from. Tables come in the order of the sessions and are counted."""
     subjects = (named("a"), named("b"))
-    paths = tuple(Path(f"/nowhere/{one.seen.recording.name}.mcap") for one in subjects)
-    plan = SimulationPlan(paths, subjects, Rig(base=BASE), HINTS, TRIED, 0.0)
+    origins = tuple(Origin(Path(f"/nowhere/{one.seen.recording.name}.mcap"), 0) for one in subjects)
+    plan = SimulationPlan(origins, subjects, Rig(base=BASE), HINTS, TRIED, 0.0)
     told: list[tuple[str, int, int]] = []
     here = response_tables(plan, 1, None, lambda *step: told.append(step))
     there = response_tables(plan, 2, None, lambda *_: None)
@@ -63,14 +64,27 @@ def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path)
     """By its path, with the names of what is to be tried."""
     path = tmp_path / "plain.csv"
     write_session(path, [session_of()])
-    recording = distribute.checked_recording(path).recording
-    assert recording is not None
+    (recording,) = checked_session(path).recordings
     subject = subject_of(recording, Rig(base=BASE))
     task = SessionTask(
-        path, Rig(base=BASE), HINTS, frozenset(["scale_factor", "popcorn"]), null_runs=1, least_noise_dps_rthz=0.0
+        Origin(path, 0),
+        Rig(base=BASE),
+        HINTS,
+        frozenset(["scale_factor", "popcorn"]),
+        null_runs=1,
+        least_noise_dps_rthz=0.0,
     )
     popcorns = [one for one in candidates(HINTS) if one.name in task.names]
     assert same(distribute.read_and_simulate(task), response_table(subject, popcorns, null_runs=1))
+
+
+def test_a_part_of_a_session_with_an_outage_is_read_as_that(tmp_path: Path) -> None:
+    """The second of two is simulated as the worker's own machine would."""
+    session, path = session_of(minutes=1.5), tmp_path / "torn.csv"
+    write_session(path, [session.part(0, 3500), session.part(4000, 9000)])
+    _, recording = checked_session(path).recordings
+    task = SessionTask(Origin(path, 1), Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
+    assert same(distribute.read_and_simulate(task), response_table(subject_of(recording, Rig(base=BASE)), [], 1))
 
 
 def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
@@ -79,5 +93,5 @@ def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
     write_session(path, [session_of(minutes=0.25)])
     with pytest.raises(DataError, match=r"cut\.csv: changed while"):
         distribute.read_and_simulate(
-            SessionTask(path, Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
+            SessionTask(Origin(path, 0), Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
         )
