@@ -10,6 +10,10 @@ from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, COUNTS_ABOVE_ONE, JUMPS
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
+LEAST_SHOWN = 40
+"""Samples that are one step from the one before, and different distances of those that are more: so many together are
+no chance, nor the arithmetic of an even ramp."""
+
 
 @dataclass(frozen=True, slots=True)
 class AngleValues:
@@ -21,7 +25,18 @@ class AngleValues:
 
 
 def _log2_step(angle: AngleValues) -> float:
-    return float(np.log2(max(angle.seen.step_deg / angle.count_deg, 1.0)))
+    times = angle.seen.step_deg / angle.count_deg
+    return float(np.log2(times)) if times > 1.0 and _is_shown(angle.seen) else 0.0
+
+
+def _is_shown(seen: Cleaned) -> bool:
+    """Whether a motion would have come by the counts between two steps, were there any.
+
+    At an even speed of a whole number of counts per sample it comes by the same ones again and again.
+    """
+    moved = np.abs(np.diff(seen.recording.encoder_deg)) / seen.step_deg
+    steps = np.rint(moved[np.isfinite(moved)])
+    return bool(np.count_nonzero(steps == 1.0) + len(np.unique(steps[steps > 1.0])) >= LEAST_SHOWN)
 
 
 def _log_scatter(angle: AngleValues) -> float:

@@ -68,6 +68,16 @@ def test_a_coarse_angle_is_seen() -> None:
     assert found["angle_step"] == pytest.approx(np.log2(10.0), abs=1e-6)
 
 
+@pytest.mark.parametrize("speed_dps", [20.0, 36.0, 90.0])
+@pytest.mark.parametrize("ramp", [1, 10, 25])
+def test_an_even_spin_that_comes_by_every_tenth_count_says_nothing_of_a_step(speed_dps: float, ramp: int) -> None:
+    """Of 0.01 deg, 20 to 90 at a time; the few samples of the ramp may all be even ones."""
+    rate_dps = np.minimum(np.maximum(np.arange(len(TRUE_DPS)) - 1000.0, 0.0) / ramp, 1.0) * speed_dps
+    angle_deg = np.round(0.01 * (np.cumsum(rate_dps) - 0.5 * rate_dps), 2)
+    found = observed_beside(rate_dps + NOISE, angle_deg, cpr=36_000)
+    assert found.values()["angle_step"] == pytest.approx(0.0, abs=0.15)
+
+
 def test_jumps_of_the_angle_are_counted_and_measured() -> None:
     """Four of 100 counts: the root of four, and ln2 of 101."""
     rate_dps, angle_deg = TRUE_DPS + white(0.02), np.cumsum(TRUE_DPS) * 0.01
