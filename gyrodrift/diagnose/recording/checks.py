@@ -62,12 +62,6 @@ class Smoothed:
     recording: Recording
     rates: SmoothedRates
 
-    @property
-    def gain(self) -> float:
-        """Of the gyro over the encoder, by least squares."""
-        gyro_dps, encoder_dps = self.rates
-        return float(gyro_dps @ encoder_dps / (encoder_dps @ encoder_dps))
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:
@@ -163,21 +157,26 @@ def _alignment(smoothed: Smoothed) -> Finding | None:
 
 
 def _sign(smoothed: Smoothed) -> Finding | None:
-    is_opposite = smoothed.gain < 0.0
+    is_opposite = smoothed.rates.gain < 0.0
     if not is_opposite:
         return None
-    turned = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
+    rates, turned = smoothed.rates, replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
     remark = "the rate has the sign opposite to the encoder's; it was turned round"
-    return Finding(remark, Smoothed(turned, smoothed.rates._replace(gyro_dps=-smoothed.rates.gyro_dps)))
+    return Finding(
+        remark, Smoothed(turned, rates._replace(gyro_dps=-rates.gyro_dps, gyro_mean_dps=-rates.gyro_mean_dps))
+    )
 
 
 def _unit(smoothed: Smoothed) -> Finding | None:
-    gain = smoothed.gain
+    gain = smoothed.rates.gain
     for unit, what in UNITS:
         if 1.0 / NEAR < gain * unit < NEAR:
             scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * unit)
             remark = f"the rate {what}; it was multiplied by {unit:.4g}"
-            return Finding(remark, Smoothed(scaled, smoothed.rates._replace(gyro_dps=smoothed.rates.gyro_dps * unit)))
+            rates = smoothed.rates._replace(
+                gyro_dps=smoothed.rates.gyro_dps * unit, gyro_mean_dps=smoothed.rates.gyro_mean_dps * unit
+            )
+            return Finding(remark, Smoothed(scaled, rates))
     return None
 
 

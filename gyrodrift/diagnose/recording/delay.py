@@ -15,12 +15,29 @@ encoder counts so often within it."""
 LAG_MOST_S = 5.0
 """Lags are looked for up to this."""
 
+EVEN = 0.03
+"""Of its mean: a rate that changes by less, in standard deviations, is an even spin, alike at any lag."""
+
 
 class SmoothedRates(NamedTuple):
-    """Rates of gyro and encoder through one Gaussian, about their means, deg/s, shape (n,) each."""
+    """Rates of gyro and encoder through one Gaussian, about their means, deg/s, shape (n,) each; and these."""
 
     gyro_dps: Floats
     encoder_dps: Floats
+    gyro_mean_dps: float
+    encoder_mean_dps: float
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the encoder shows an even spin."""
+        return float(np.std(self.encoder_dps)) < EVEN * abs(self.encoder_mean_dps)
+
+    @property
+    def gain(self) -> float:
+        """Of the gyro over the encoder, by least squares; of an even spin by the means, bias in them."""
+        if self.is_even:
+            return self.gyro_mean_dps / self.encoder_mean_dps
+        return float(self.gyro_dps @ self.encoder_dps / (self.encoder_dps @ self.encoder_dps))
 
 
 class Lag(NamedTuple):
@@ -37,16 +54,19 @@ def smoothed_rates(rate_dps: Floats, encoder_deg: Floats, count_deg: float, peri
     longest = COUNTS * count_deg / usual_dps if usual_dps > 0.0 else SMOOTH_S
     samples = float(np.clip(longest, SMOOTH_S, SMOOTH_MOST_S)) / period_s
     gyro_dps, encoder_dps = (gaussian(each, samples) for each in (rate_dps, np.gradient(encoder_deg, period_s)))
-    return SmoothedRates(gyro_dps - gyro_dps.mean(), encoder_dps - encoder_dps.mean())
+    means_dps = float(gyro_dps.mean()), float(encoder_dps.mean())
+    return SmoothedRates(gyro_dps - means_dps[0], encoder_dps - means_dps[1], *means_dps)
 
 
 def best_lag(rates: SmoothedRates, period_s: float) -> Lag:
-    """Where the rates are most alike, or most unlike; 0 where one of them never changes."""
-    gyro_dps, encoder_dps = rates
+    """Where the rates are most alike, or most unlike; 0 where one of them never changes, and in an even spin."""
+    gyro_dps, encoder_dps, *_ = rates
     most = min(round(LAG_MOST_S / period_s), len(gyro_dps) // 4)
     norm = float(np.linalg.norm(gyro_dps) * np.linalg.norm(encoder_dps))
     if norm == 0.0 or most < 1:
         return Lag(0, 0.0, 0.0)
+    if rates.is_even:
+        return Lag(0, 0.0, float(np.sign(rates.gain)))
     # What a transform of this size wraps round comes at lags that are not looked at.
     size = next_fast_len(len(gyro_dps) + most, real=True)
     product = np.fft.irfft(np.fft.rfft(gyro_dps, size) * np.conj(np.fft.rfft(encoder_dps, size)), size)

@@ -1,4 +1,4 @@
-"""Stretches of a session in which rates or angles are missing: what lies between them counts as sessions of their own.
+"""What interrupts a session: rates or angles that are missing, a device that began anew. The rest counts as sessions.
 
 A host that was busy for two seconds, a cable that came off, markers that a camera lost: how it moved meanwhile nobody
 knows, and a straight line across would be the largest error of all. Single samples that a link loses are no outage.
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Integers
+from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import LEAST_S
 from gyrodrift.diagnose.recording.numbering import numbered
 from gyrodrift.session.session import Session
@@ -18,6 +18,10 @@ from gyrodrift.session.session import Session
 OUTAGE_S, MANY_APART = 0.2, 10.0
 """An outage lasts longer than this, and than so many times the usual distance of what is known: a link that loses every
 tenth sample never loses ten in a row, and a reference may be slower than the gyro."""
+
+BREAK_S, AROUND = 1.0, 200
+"""Two clocks that go apart by more than this at once have been set, or the device was gone: among so many samples after
+it none came as early as one of those before. Behind a host that was only busy the next ones do."""
 
 ENOUGH = 0.5
 """Share of a session that its parts hold at least; where a link fails that often, that is what there is to be seen."""
@@ -30,60 +34,82 @@ class Parts(NamedTuple):
     remarks: tuple[str, ...] = ()
 
 
-class _Known(NamedTuple):
-    """Samples that have a rate and an angle, of as many as there should be.
+class _Piece(NamedTuple):
+    """Rows of a session, from one to before another, between which nothing is missing for long."""
 
-    number, place
-        Of each: its number among all, and its place in the session, shape (n,).
-    samples
-        How many there should be.
-    """
+    first: int
+    end: int
+    seconds: float
 
-    number: Integers
-    place: Integers
-    samples: int
-    period_s: float
 
-    def seconds(self, first: int, end: int) -> float:
-        """From one of them to before another."""
-        return float(self.number[end - 1] - self.number[first] + 1) * self.period_s
+class _Pieces(NamedTuple):
+    """Those of a stretch of one clock, with what is missing between them."""
+
+    pieces: list[_Piece]
+    outages: int
+    missing_s: float
 
 
 def between_outages(session: Session) -> Parts:
-    """The parts of a session of LEAST_S and more; the session as it is where it has no outage, or too many.
+    """The parts of a session of LEAST_S and more; the session as it is where nothing interrupts it, or too much.
 
     Raises
     ------
     DataError
         Where it has fewer than two samples.
     """
-    known = _known(session)
-    if known is None:
+    breaks = _breaks(session)
+    stretches = [_pieces_of(session, first, end) for first, end in pairwise([0, *breaks, len(session.rate_dps)])]
+    pieces = [piece for stretch in stretches for piece in stretch.pieces]
+    kept = [piece for piece in pieces if piece.seconds >= LEAST_S]
+    kept_s, pieces_s = sum(piece.seconds for piece in kept), sum(piece.seconds for piece in pieces)
+    outages, missing_s = sum(one.outages for one in stretches), sum(one.missing_s for one in stretches)
+    if not (breaks or outages) or kept_s < ENOUGH * (pieces_s + missing_s):
         return Parts((session,))
-    gaps = np.diff(known.number, prepend=-1, append=known.samples)
-    outages = np.flatnonzero(gaps > max(OUTAGE_S / known.period_s, MANY_APART * float(np.median(gaps))))
-    pieces = [(first, end) for first, end in pairwise([0, *outages.tolist(), len(known.number)]) if first < end]
-    kept = [piece for piece in pieces if known.seconds(*piece) >= LEAST_S]
-    kept_s = sum(known.seconds(*piece) for piece in kept)
-    if not len(outages) or kept_s < ENOUGH * known.samples * known.period_s:
-        return Parts((session,))
-    parts = [session.part(int(known.place[first]), int(known.place[end - 1]) + 1) for first, end in kept]
-    missing_s = float((gaps[outages] - 1).sum()) * known.period_s
-    too_short_s = sum(known.seconds(*piece) for piece in pieces) - kept_s
-    return Parts(_named(parts), (_remark(session.name, missing_s, len(outages), len(parts), too_short_s),))
+    said = [_missing(missing_s, outages)] if outages else []
+    said += ["the device began anew, or a clock was set" + _times(len(breaks))] if breaks else []
+    remark = f"{session.name}: {', and '.join(said)}; {_what_counts(len(kept), pieces_s - kept_s)}"
+    return Parts(_named([session.part(piece.first, piece.end) for piece in kept]), (remark,))
 
 
-def _known(session: Session) -> _Known | None:
-    """None where they are too few to have a distance."""
-    if session.encoder_deg is None:
-        return None
-    found = numbered(session)
-    number, place = found.number, found.place
-    is_known = np.isfinite(session.rate_dps[place]) & np.isfinite(session.encoder_deg[place])
-    spans_s = float(session.t_device_s[place[-1]] - session.t_device_s[place[0]])
+def _breaks(session: Session) -> list[int]:
+    """Rows with which a clock begins anew beside the other one, or beside the usual distance of two samples."""
+    t_s = session.t_device_s
+    if len(t_s) < 2:
+        return []
+    usual_s = float(np.median(np.diff(t_s)))
+    late_s = (usual_s * np.arange(len(t_s)) if session.t_host_s is None else session.t_host_s) - t_s
+    known = np.flatnonzero(np.isfinite(late_s))
+    late_s, apart_s = late_s[known], max(BREAK_S, MANY_APART * usual_s)
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(late_s)) > apart_s)
+    return [int(known[row]) for row in jumps.tolist() if abs(_step_s(late_s, row)) > apart_s]
+
+
+def _step_s(late_s: Floats, row: int) -> float:
+    """By how much what waits least is later from a row on than before it."""
+    return float(late_s[row : row + AROUND].min() - late_s[max(0, row - AROUND) : row].min())
+
+
+def _pieces_of(session: Session, first: int, end: int) -> _Pieces:
+    """Of the rows from one to before another."""
+    stretch = session.part(first, end)
+    if session.encoder_deg is None or end - first < 2:
+        return _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+    found = numbered(stretch)
+    spans_s = float(stretch.t_device_s[found.place[-1]] - stretch.t_device_s[found.place[0]])
+    is_known = np.isfinite(stretch.rate_dps[found.place]) & np.isfinite(session.encoder_deg[first:end][found.place])
     if np.count_nonzero(is_known) < 2 or not spans_s > 0.0:
-        return None
-    return _Known(number[is_known], place[is_known], int(number[-1]) + 1, spans_s / int(number[-1]))
+        return _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+    number, rows, samples = found.number[is_known], first + found.place[is_known], int(found.number[-1]) + 1
+    period_s = spans_s / (samples - 1)
+    gaps = np.diff(number, prepend=-1, append=samples)
+    outages = np.flatnonzero(gaps > max(OUTAGE_S / period_s, MANY_APART * float(np.median(gaps))))
+    pieces = [
+        _Piece(int(rows[one]), int(rows[after - 1]) + 1, float(number[after - 1] - number[one] + 1) * period_s)
+        for one, after in pairwise([0, *outages.tolist(), len(number)])
+        if one < after
+    ]
+    return _Pieces(pieces, len(outages), float((gaps[outages] - 1).sum()) * period_s)
 
 
 def _named(parts: list[Session]) -> tuple[Session, ...]:
@@ -93,8 +119,15 @@ def _named(parts: list[Session]) -> tuple[Session, ...]:
     return tuple(replace(part, name=f"{part.name}, part {number}") for number, part in enumerate(parts, 1))
 
 
-def _remark(name: str, missing_s: float, outages: int, parts: int, too_short_s: float) -> str:
-    pieces = "" if outages == 1 else f" in {outages} pieces"
+def _missing(missing_s: float, outages: int) -> str:
+    return f"rates or angles are missing for {missing_s:.1f} s" + ("" if outages == 1 else f" in {outages} pieces")
+
+
+def _times(count: int) -> str:
+    return "" if count == 1 else f" {count} times"
+
+
+def _what_counts(parts: int, too_short_s: float) -> str:
     what = "the rest is one session" if parts == 1 else f"the {parts} parts of the rest are taken as sessions"
     but = f", without {too_short_s:.1f} s in parts of less than {LEAST_S:.0f} s" if too_short_s > 0.0 else ""
-    return f"{name}: rates or angles are missing for {missing_s:.1f} s{pieces}; {what}{but}"
+    return what + but

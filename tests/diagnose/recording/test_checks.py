@@ -48,6 +48,17 @@ def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
     assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
 
 
+@pytest.mark.parametrize("factor", [1.0, -1.0, np.pi / 180.0, 180.0 / np.pi])
+@pytest.mark.parametrize("speed_dps", [20.0, -7.0, 200.0])
+def test_an_even_spin_is_alike_at_any_lag_and_has_a_sign_and_a_unit(speed_dps: float, factor: float) -> None:
+    """Noise alone changes, and tells of no other axis and no other time."""
+    whole = recording(np.full(len(T_S), speed_dps), np.round(speed_dps * T_S * 20.0) / 20.0)
+    passed = check_recording(replace(whole, rate_dps=whole.rate_dps * factor))
+    assert passed.recording is not None
+    assert len(passed.remarks) == (factor != 1.0)
+    assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
+
+
 @pytest.mark.parametrize("lag", [-80, 150])
 def test_an_encoder_of_another_time_is_shifted(lag: int) -> None:
     """And by how much is told."""

@@ -104,3 +104,53 @@ def test_a_link_that_fails_all_the_time_leaves_the_session_as_it_is() -> None:
     found = between_outages(session)
     assert found.sessions == (session,)
     assert not found.remarks
+
+
+@pytest.mark.parametrize("has_host", [True, False])
+@pytest.mark.parametrize("counter", [True, False])
+def test_a_device_that_began_anew_begins_another_session(*, counter: bool, has_host: bool) -> None:
+    """Its clock and its counter are at their first values again; the host's goes on."""
+    number, again = whole(), 2500
+    session = session_of(number)
+    session = replace(
+        session,
+        t_device_s=np.where(number < again, number, number - again) / HZ,
+        seq=np.where(number < again, number, number - again) if counter else None,
+        t_host_s=session.t_host_s if has_host else None,
+    )
+    found = between_outages(session)
+    assert [len(part.t_device_s) for part in found.sessions] == [again, len(number) - again]
+    assert [part.t_device_s[0] for part in found.sessions] == [0.0, 0.0]
+    assert found.remarks == (
+        "bench: the device began anew, or a clock was set; the 2 parts of the rest are taken as sessions",
+    )
+
+
+@pytest.mark.parametrize("later_s", [2.5, -3600.0])
+def test_a_device_that_was_gone_or_a_host_clock_that_was_set_parts_a_session(later_s: float) -> None:
+    """A recorder has the device's clock go on; only arrivals tell that it was gone, and turned on meanwhile."""
+    session = session_of(whole())
+    assert session.t_host_s is not None
+    later = np.where(whole() < 3000, 0.0, later_s)
+    found = between_outages(replace(session, t_host_s=session.t_host_s + later))
+    assert [len(part.t_device_s) for part in found.sessions] == [3000, len(whole()) - 3000]
+
+
+def test_a_host_that_was_busy_for_three_seconds_parts_nothing() -> None:
+    """What waited came at once, and what comes after it is as early as ever."""
+    session = session_of(whole())
+    assert session.t_host_s is not None
+    waits = (whole() >= 3000) & (whole() < 3150)
+    busy = replace(session, t_host_s=np.where(waits, session.t_host_s[3150], session.t_host_s))
+    assert between_outages(busy).sessions == (busy,)
+
+
+def test_an_outage_and_a_new_beginning_are_told_together() -> None:
+    """Of three pieces one is too short."""
+    number = without(30.0, 32.0)
+    session = session_of(number)
+    found = between_outages(replace(session, t_device_s=session.t_device_s - np.where(number < 5500, 0.0, 60.0)))
+    assert len(found.sessions) == 2
+    remark = found.remarks[0]
+    assert "missing for 2.0 s, and the device began anew, or a clock was set; the 2 parts" in remark
+    assert remark.endswith("without 10.0 s in parts of less than 20 s")
