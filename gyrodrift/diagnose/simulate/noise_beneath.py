@@ -5,6 +5,7 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.features.spectral_line import WHITE_BAND
+from gyrodrift.diagnose.simulate.calibration import is_hidden_at_rest
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -22,7 +23,8 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
     """The rig of a session as it is to be simulated with effects that are tried.
 
     Noise and bias of what hides them at rest, or scatters by itself, are found beside it; else the bias is what others
-    leave of it, and all noise that is seen is behind a low-pass.
+    leave of it, and all noise that is seen is behind a low-pass. Where the rig hides them at rest already, noise was
+    found by what scatters from sample to sample in motion, of which a low-pass takes more than of what is slow.
     """
     before_dps, count_dps = (
         gyro_model_of(each).count_dps for each in (subject.rig, with_replaced(subject.rig, effects))
@@ -31,8 +33,11 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
     if has_other_steps or (any(hides_rest(one, count_dps) for one in effects) and _reads_zero(subject)):
         return subject.recalibrated(effects)
     share = _before_low_pass(subject.rig, effects)
-    subject = subject.beside(effects)
-    return subject if share == 1.0 else subject.with_noise(share)
+    if share == 1.0:
+        return subject.beside(effects)
+    if is_hidden_at_rest(subject.seen, subject.design, subject.rig):
+        return subject.recalibrated(effects)
+    return subject.beside(effects).with_noise(share)
 
 
 def _before_low_pass(rig: Rig, effects: tuple[Effect, ...]) -> float:

@@ -9,6 +9,7 @@ from simulate_support import BASE, MOTION, session_of
 from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
+from gyrodrift.diagnose.simulate.calibration import is_hidden_at_rest
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.simulation.sessions import Simulation
@@ -187,3 +188,21 @@ def test_noise_that_a_low_pass_took_was_there_before(order: int, cutoff_hz: floa
     for subject in (alone, known):
         found = with_noise_beneath(subject, act).rig.base.noise_dps_rthz
         assert found == pytest.approx(NOISE_DPS_RTHZ, rel=0.12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("order", "cutoff_hz"), [(1, 20.0), (1, 30.0), (2, 25.0)])
+def test_noise_that_a_low_pass_took_and_steps_hide_at_rest_was_there_before(
+    order: int, cutoff_hz: float, seed: int
+) -> None:
+    """In motion it shows by what scatters from sample to sample: a low-pass takes more of that than of slow noise."""
+    dice = np.random.default_rng(seed)
+    behind = (parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}"),)
+    noise = float(0.4 * 0.061 / np.sqrt(2.0 * 1.2 * cutoff_hz))
+    base = BASE.model_copy(
+        update={"noise_dps_rthz": noise, "dps_per_lsb": 0.061, "bias_dps": float(dice.uniform(-1.0, 1.0))}
+    )
+    session = Simulation(Rig(base=base, effects=behind), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
+    subject = subject_of(recording_of(session), Rig(base=base))
+    assert is_hidden_at_rest(subject.seen, subject.design, subject.rig)
+    assert with_noise_beneath(subject, behind).rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.25)
