@@ -5,14 +5,16 @@ baseline still differs by is then taken from the recordings to be diagnosed.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW, rms_scale
+from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
+from gyrodrift.diagnose.inference.deviations import feature_of
 from gyrodrift.diagnose.inference.surrogate import Cause, without
 from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
@@ -157,33 +159,38 @@ class _Recorded(NamedTuple):
 
 
 def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred) -> tuple[Verdict, list[str]]:
-    """The verdict with those causes alone that recordings show more of than the baseline; and what is said of others.
+    """The verdict with what recordings show more of than the baseline alone, and what is said of all else.
+
+    Forms that no effect has are asked like causes: a device varies in these, too.
 
     simulated
         The recordings as they are, with nothing of the baseline taken away.
     """
-    found, surrogate, verdict = inferred.causes, inferred.surrogate, inferred.verdict
+    verdict, evidence = inferred.verdict, inferred.surrogate.evidence
+    is_chance = partial(_is_chance, before, simulated, inferred)
+    causes = [one.effect.name for one in verdict.causes if is_chance(one.cause)]
+    forms = [feature_of(one) for one in inferred.causes if one.is_out_of_catalogue and is_chance(one)]
+    said = [f"by as much {name} from one to the next" for name in causes]
+    said += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
+    told = [f"baseline: recordings of this device differ {how}" for how in said]
+    return (less(verdict, causes, forms, evidence), told) if told else (verdict, [])
+
+
+def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred, cause: Cause) -> bool:
+    """Whether two sets of recordings of one device differ in a cause by as much as they do among themselves."""
+    surrogate, found = inferred.surrogate, inferred.causes
     today, then = (_Recorded(one.subjects, one.tables) for one in (simulated, before))
     sigma = (surrogate.evidence.sigma / today.as_rms).mean(axis=0)
-    all_change = surrogate.prediction(found).change
-    names, said = [], []
-    for named in verdict.causes:
-        cause = named.cause
-        others = surrogate.prediction(without(found, cause)).change
-        left, was_left = (today.gaps - others) / today.as_rms, then.gaps / then.as_rms
-        if cause.response.phases_deg is None:
-            change = (all_change - others) / today.as_rms
-            shown, was_shown = amounts_of(left, change, sigma), amounts_of(was_left, then.change(cause), sigma)
-        else:
-            turns, was_turns = today.quadratures(cause), then.quadratures(cause)
-            change, _ = turns
-            shown, was_shown = amplitudes_of(left, turns, sigma), amplitudes_of(was_left, was_turns, sigma)
-        if chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE:
-            names.append(named.effect.name)
-            said.append(
-                f"baseline: recordings of this device differ by as much {named.effect.name} from one to the next"
-            )
-    return (less(verdict, names, surrogate.evidence), said) if names else (verdict, [])
+    others = surrogate.prediction(without(found, cause)).change
+    left, was_left = (today.gaps - others) / today.as_rms, then.gaps / then.as_rms
+    if cause.response.phases_deg is None:
+        change = (surrogate.prediction(found).change - others) / today.as_rms
+        shown, was_shown = amounts_of(left, change, sigma), amounts_of(was_left, then.change(cause), sigma)
+    else:
+        turns, was_turns = today.quadratures(cause), then.quadratures(cause)
+        change, _ = turns
+        shown, was_shown = amplitudes_of(left, turns, sigma), amplitudes_of(was_left, was_turns, sigma)
+    return chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE
 
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:

@@ -95,8 +95,13 @@ def own_z(surrogate: Surrogate, causes: Sequence[Cause], one: Cause) -> float:
     return float((pooled_z(left) / surrogate.evidence.caution)[_own_number(one)])
 
 
+def feature_of(strange: Cause) -> str:
+    """The name of the feature that an out-of-catalogue model stands for."""
+    return strange.name.removeprefix("?")
+
+
 def _own_number(strange: Cause) -> int:
-    return NUMBER[strange.name.removeprefix("?")]
+    return NUMBER[feature_of(strange)]
 
 
 def worst_first(every: Sequence[Deviation]) -> tuple[Deviation, ...]:

@@ -182,14 +182,23 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
     return replace(verdict, kind=kind, causes=kept, negligible=aside)
 
 
-def less(verdict: Verdict, names: Collection[str], evidence: Evidence) -> Verdict:
-    """The verdict without some of its causes, which are chance."""
-    kept = tuple(one for one in verdict.causes if one.effect.name not in names)
+def less(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
+    """The verdict without some of its causes, and without some forms that no effect has, by their features: chance.
+
+    A feature that stands out by itself still does.
+    """
+
+    def stays(one: Deviation) -> bool:
+        return one.feature not in forms or abs(one.z) > evidence.stands_out
+
+    where, unexplained = (shared([*filter(stays, each)]) for each in (verdict.where, verdict.unexplained))
+    kept = tuple(one for one in verdict.causes if one.effect.name not in causes)
     if kept:
-        return replace(verdict, causes=kept)
-    kind = Kind.UNKNOWN if verdict.where else Kind.NONE
-    gap = gap_of(evidence, evidence.z) if verdict.where else no_gap(evidence)
-    return replace(verdict, kind=kind, causes=(), unexplained=verdict.where, gap=gap, after_z=evidence.z)
+        kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind
+        return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)
+    kind = Kind.UNKNOWN if where else Kind.NONE
+    gap = gap_of(evidence, evidence.z) if where else no_gap(evidence)
+    return replace(verdict, kind=kind, causes=(), where=where, unexplained=where, gap=gap, after_z=evidence.z)
 
 
 def kind_of(explained: float, *, shows: bool, has_causes: bool, has_unexplained: bool) -> Kind:

@@ -19,6 +19,7 @@ from gyrodrift.diagnose.inference.verdict import (
     Verdict,
     is_small,
     kind_of,
+    less,
     set_aside,
     verdict_of,
 )
@@ -203,6 +204,33 @@ def test_what_no_effect_does_is_unknown_where_it_shows_in_no_feature() -> None:
     verdict = judged(one)
     assert verdict.kind is Kind.UNKNOWN
     assert [one.feature for one in verdict.where] == ["moving"]
+
+
+def test_a_form_that_is_chance_is_no_gap_where_it_shows_in_no_feature() -> None:
+    """As where recordings of one device differ as much among themselves; what stands out by itself still does."""
+    weak: Amounts = dict.fromkeys(("moving", "direction", "after_turn", "total_angle"), 1.5)
+    strange = Response(candidate("?moving"), response("scale_factor", weak).mean, RATE.spread)
+    for shown, kind, where in (
+        (weak, Kind.NONE, []),
+        ({**weak, "temperature": 10.0}, Kind.UNKNOWN, ["temperature"]),
+        (dict.fromkeys(weak, 10.0), Kind.UNKNOWN, [*weak]),
+    ):
+        one = evidence(shown, strange, DRIFT)
+        verdict = less(judged(one), (), ("moving",), one)
+        assert verdict.kind is kind
+        assert {deviation.feature for deviation in verdict.where} == set(where)
+        assert verdict.unexplained == verdict.where
+
+
+def test_beside_a_cause_a_form_that_is_chance_leaves_nothing_unexplained() -> None:
+    """The cause alone is the effect then, and without it there is nothing."""
+    weak: Amounts = dict.fromkeys(("moving", "direction", "after_turn", "total_angle"), 1.5)
+    strange = Response(candidate("?moving"), response("scale_factor", weak).mean, RATE.spread)
+    one = evidence({**weak, "rate": 10.0}, strange, RATE)
+    verdict = judged(one)
+    assert verdict.kind is Kind.PARTLY
+    assert less(verdict, (), ("moving",), one).kind is Kind.EFFECT
+    assert [left.feature for left in less(verdict, ("scale_factor",), ("moving",), one).where] == ["rate"]
 
 
 @pytest.mark.parametrize(("share", "is_sure"), [(0.0, True), (1.0, False)])
