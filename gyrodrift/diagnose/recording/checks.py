@@ -160,11 +160,9 @@ def _sign(smoothed: Smoothed) -> Finding | None:
     is_opposite = smoothed.rates.gain < 0.0
     if not is_opposite:
         return None
-    rates, turned = smoothed.rates, replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
+    turned = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
     remark = "the rate has the sign opposite to the encoder's; it was turned round"
-    return Finding(
-        remark, Smoothed(turned, rates._replace(gyro_dps=-rates.gyro_dps, gyro_mean_dps=-rates.gyro_mean_dps))
-    )
+    return Finding(remark, Smoothed(turned, smoothed.rates.with_gyro_times(-1.0)))
 
 
 def _unit(smoothed: Smoothed) -> Finding | None:
@@ -173,10 +171,7 @@ def _unit(smoothed: Smoothed) -> Finding | None:
         if 1.0 / NEAR < gain * unit < NEAR:
             scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * unit)
             remark = f"the rate {what}; it was multiplied by {unit:.4g}"
-            rates = smoothed.rates._replace(
-                gyro_dps=smoothed.rates.gyro_dps * unit, gyro_mean_dps=smoothed.rates.gyro_mean_dps * unit
-            )
-            return Finding(remark, Smoothed(scaled, rates))
+            return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(unit)))
     return None
 
 

@@ -32,6 +32,10 @@ class SmoothedRates(NamedTuple):
         """Whether the encoder shows an even spin."""
         return float(np.std(self.encoder_dps)) < EVEN * abs(self.encoder_mean_dps)
 
+    def with_gyro_times(self, factor: float) -> "SmoothedRates":
+        """The same with the rate of the gyro multiplied."""
+        return self._replace(gyro_dps=self.gyro_dps * factor, gyro_mean_dps=self.gyro_mean_dps * factor)
+
     @property
     def gain(self) -> float:
         """Of the gyro over the encoder, by least squares; of an even spin by the means, bias in them."""

@@ -64,7 +64,7 @@ def between_outages(session: Session) -> Parts:
     kept = [piece for piece in pieces if piece.seconds >= LEAST_S]
     kept_s, pieces_s = sum(piece.seconds for piece in kept), sum(piece.seconds for piece in pieces)
     outages, missing_s = sum(one.outages for one in stretches), sum(one.missing_s for one in stretches)
-    if not (breaks or outages) or kept_s < ENOUGH * (pieces_s + missing_s):
+    if not (breaks or outages) or not kept or kept_s < ENOUGH * (pieces_s + missing_s):
         return Parts((session,))
     said = [_missing(missing_s, outages)] if outages else []
     said += ["the device began anew, or a clock was set" + _times(len(breaks))] if breaks else []
@@ -91,15 +91,16 @@ def _step_s(late_s: Floats, row: int) -> float:
 
 
 def _pieces_of(session: Session, first: int, end: int) -> _Pieces:
-    """Of the rows from one to before another."""
+    """Of the rows from one to before another; one piece of no length where they are too few to have a distance."""
     stretch = session.part(first, end)
-    if session.encoder_deg is None or end - first < 2:
-        return _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+    whole = _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+    if stretch.encoder_deg is None or end - first < 2:
+        return whole
     found = numbered(stretch)
     spans_s = float(stretch.t_device_s[found.place[-1]] - stretch.t_device_s[found.place[0]])
-    is_known = np.isfinite(stretch.rate_dps[found.place]) & np.isfinite(session.encoder_deg[first:end][found.place])
+    is_known = (np.isfinite(stretch.rate_dps) & np.isfinite(stretch.encoder_deg))[found.place]
     if np.count_nonzero(is_known) < 2 or not spans_s > 0.0:
-        return _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+        return whole
     number, rows, samples = found.number[is_known], first + found.place[is_known], int(found.number[-1]) + 1
     period_s = spans_s / (samples - 1)
     gaps = np.diff(number, prepend=-1, append=samples)

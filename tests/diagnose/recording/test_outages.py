@@ -154,3 +154,15 @@ def test_an_outage_and_a_new_beginning_are_told_together() -> None:
     remark = found.remarks[0]
     assert "missing for 2.0 s, and the device began anew, or a clock was set; the 2 parts" in remark
     assert remark.endswith("without 10.0 s in parts of less than 20 s")
+
+
+def test_what_has_no_encoder_or_no_rest_to_speak_of_stays_as_it_is() -> None:
+    """What is wrong with it is told by those who look at it next."""
+    session = session_of(whole())
+    torn = replace(session, t_device_s=np.where(whole() < 3000, session.t_device_s, session.t_device_s - 60.0))
+    for one in (
+        replace(torn, encoder_deg=None),
+        replace(torn, encoder_deg=np.full(len(whole()), np.nan)),
+        torn.part(2500, 3500),
+    ):
+        assert between_outages(one).sessions == (one,)
