@@ -8,9 +8,13 @@ import argparse
 import os
 import subprocess
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gyrodrift.cli.options import AUTO_PORT
 from gyrodrift.errors import UsageError
+
+if TYPE_CHECKING:
+    from gyrodrift.outputs.options import OutputSpec
 
 EXAMPLES = """\
 gyrodrift install-service --port /dev/ttyUSB0 --dry-run
@@ -42,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.port == AUTO_PORT:
         raise UsageError("--port auto: a service needs one port for good; gyrodrift devices --listen shows which it is")
     for output in arguments.output:
-        output_of(output)
+        _check_is_public(output_of(output))
     if arguments.config is not None:
         from gyrodrift.config.model import load_config
 
@@ -66,6 +70,15 @@ def run(arguments: argparse.Namespace) -> int:
     for command in COMMANDS:
         _run(command)
     return 0
+
+
+def _check_is_public(spec: "OutputSpec") -> None:
+    """See that no secret would stand in the unit, which every user of the machine may read."""
+    from gyrodrift.outputs.options import secrets
+
+    for name in sorted(secrets(type(spec.options))):
+        if getattr(spec.options, name):
+            raise UsageError(f"--output {spec}: every user may read the unit: give {name} in a file, as {name}_file")
 
 
 def _run(command: tuple[str, ...]) -> None:

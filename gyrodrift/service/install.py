@@ -1,12 +1,13 @@
 """The service as systemd runs it: a unit, and a udev rule for an adapter that is plugged in."""
 
-import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from gyrodrift.errors import UsageError
 from gyrodrift.files import shipped_config
+from gyrodrift.service.unit_words import command_line, file_url, plain_text, serial_pattern, usb_number
 
 UNIT = Path("/etc/systemd/system/gyrodrift.service")
 RULES = Path("/etc/udev/rules.d/60-gyrodrift.rules")
@@ -14,6 +15,9 @@ CONTROL = "%t/gyrodrift/control"
 """In the runtime directory, which systemd makes for the service."""
 
 HOMES = ("/home", "/root")
+
+LONGEST_ATTRIBUTE = 4096
+"""Bytes of an attribute in /sys: the kernel writes no more than a page."""
 
 COMMANDS = (
     ("systemctl", "daemon-reload"),
@@ -39,18 +43,25 @@ def files(port: str, config: Path | None, outputs: Sequence[str], usb: UsbIdenti
     ----------
     port
         The port as a person named it; with a rule, the service reads the name that the rule gives.
+
+    Raises
+    ------
+    UsageError
+        Where something from outside cannot be written into a unit or a rule.
     """
     read = "/dev/gyro" if usb else port
     written = {UNIT: unit(read, config, outputs)}
     if usb:
-        serial = f', ATTRS{{serial}}=="{usb.serial}"' if usb.serial else ""
+        serial = f', ATTRS{{serial}}=="{serial_pattern(usb.serial)}"' if usb.serial else ""
         rule = shipped_config("systemd/60-gyrodrift.rules").read_text()
-        written[RULES] = rule.format(vendor=usb.vendor, product=usb.product, serial=serial)
+        written[RULES] = rule.format(vendor=usb_number(usb.vendor), product=usb_number(usb.product), serial=serial)
     return written
 
 
 def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
     """The unit that serves a port."""
+    if port.startswith("-"):
+        raise UsageError(f"--port {port}: a service needs a port of its own, such as /dev/ttyUSB0")
     python = (sys.executable, "-m", "gyrodrift")
     serve = [*python, "serve", "--port", port, "--timeout", "0", "--log-format", "text"]
     if config is not None:
@@ -62,10 +73,10 @@ def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
         shipped_config("systemd/gyrodrift.service")
         .read_text()
         .format(
-            port=port.replace("%", "%%"),
-            docs=Path(__file__).parents[2] / "docs" / "service.md",
-            serve=f"{_words(serve)} --control {CONTROL}",
-            reload=f"{_words([*python, 'ctl'])} {CONTROL} reload",
+            port=plain_text(port),
+            docs=file_url(str(Path(__file__).parents[2] / "docs" / "service.md")),
+            serve=f"{command_line(serve)} --control {CONTROL}",
+            reload=f"{command_line([*python, 'ctl'])} {CONTROL} reload",
             home="read-only" if any(place.startswith(HOMES) for place in places) else "yes",
         )
     )
@@ -78,15 +89,14 @@ def usb_identity(port: str, devices: Path = Path("/sys/class/tty")) -> UsbIdenti
         return None
     for folder in (device.resolve(), *device.resolve().parents):
         if (folder / "idVendor").is_file():
-            serial = folder / "serial"
-            return UsbIdentity(
-                (folder / "idVendor").read_text().strip(),
-                (folder / "idProduct").read_text().strip(),
-                serial.read_text().strip() if serial.is_file() else "",
-            )
+            names = ("idVendor", "idProduct", "serial")
+            return UsbIdentity(*(_attribute(folder / name) for name in names))
     return None
 
 
-def _words(words: Sequence[str]) -> str:
-    """As systemd reads a command line: quoted, with % and $ as themselves."""
-    return " ".join(shlex.quote(word).replace("%", "%%").replace("$", "$$") for word in words)
+def _attribute(path: Path) -> str:
+    """The text of a file in /sys, one character a byte; empty where there is none."""
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        return file.read(LONGEST_ATTRIBUTE).rstrip().decode("latin-1")

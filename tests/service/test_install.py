@@ -114,3 +114,11 @@ def test_without_systemd_nothing_is_said() -> None:
     environ = {"WATCHDOG_PID": "1", "WATCHDOG_USEC": "1000"}
     assert SystemdNotify(environ)._every_s == float("inf")
     assert environ == {}
+
+
+def test_a_password_does_not_go_into_the_unit() -> None:
+    """Every user of the machine may read it; the message does not show it either."""
+    status, out, log = dry_run("--port", "/dev/ttyUSB0", "--output", "mqtt:user=ann,password=marker")
+    assert (status, out) == (2, "")
+    assert log.endswith("every user may read the unit: give password in a file, as password_file\n")
+    assert "marker" not in log
