@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 from gyrodrift import __version__
 from gyrodrift.outputs.json_line import known
+from gyrodrift.outputs.net.json_input import parse_json_at
 from gyrodrift.outputs.net.lines import LineClient, LineServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
@@ -204,7 +205,7 @@ def requests(line: str) -> Iterator[tuple[str, dict[str, Any] | None]]:
 def _object_at(text: str, start: int) -> tuple[dict[str, Any], int]:
     """The JSON object that begins there, and where it ends."""
     try:
-        found, end = json.JSONDecoder().raw_decode(text, start)
+        found, end = parse_json_at(text, start)
     except ValueError:
         found, end = None, start
     if not isinstance(found, dict):

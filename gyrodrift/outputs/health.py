@@ -154,6 +154,8 @@ def _of_outputs(status: ServiceStatus) -> Iterator[Health]:
     for output in status.outputs:
         if output.problem:
             yield Health(HealthLevel.BAD, f"The output {output.output} is not open: {output.problem}.")
+        elif output.warning:
+            yield Health(HealthLevel.BAD, f"The output {output.output}: {output.warning}.")
         elif output.dropped:
             yield Health(HealthLevel.NOTE, f"Clients of {output.output} were too slow for {output.dropped} messages.")
     if status.dropped:

@@ -14,6 +14,7 @@ from typing import Any
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
+from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
@@ -61,8 +62,14 @@ class RunningOutput:
         """How it is."""
         if self._open is None:
             return OutputStatus(str(self.spec), problem=self.problem)
-        clients, counts = self._open.clients(), self._open.counts()
-        return OutputStatus(str(self.spec), self._open.address, "", tuple(clients), len(clients), *counts)
+        try:
+            clients, counts = self._open.clients(), self._open.counts()
+        except Exception as error:  # noqa: BLE001 - whatever is wrong with one output is not for the others
+            self._fail(f"{type(error).__name__}: {error}")
+            return OutputStatus(str(self.spec), problem=self.problem)
+        return OutputStatus(
+            str(self.spec), self._open.address, "", tuple(clients), len(clients), *counts, self._open.warning
+        )
 
     async def close(self) -> None:
         """Not wanted any more."""
@@ -129,6 +136,7 @@ class Hub:
         self._settling = asyncio.Lock()
         self._changes: set[asyncio.Task[None]] = set()
         self._is_over = asyncio.Event()
+        self._broke = BoundedEvent(log.error, "output_broke", "outputs_broke")
 
     async def run(self) -> None:
         """Until the service closes its end."""
@@ -144,6 +152,7 @@ class Hub:
             await reports.close()
             self._wanted = []
             await self._settle()
+            self._broke.close()
 
     def _read(self) -> None:
         for _ in range(MOST_MESSAGES):
@@ -210,7 +219,7 @@ class Hub:
 
     def _say(self, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """What asyncio would write as a traceback."""
-        self._log.error("output_broke", reason=f"{context.get('exception')!r}: {context['message']}")
+        self._broke.happened(reason=f"{context.get('exception')!r}: {context['message']}")
 
 
 def _spec_of(given: dict[str, Any]) -> OutputSpec:

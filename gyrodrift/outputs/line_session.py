@@ -7,6 +7,7 @@ from typing import Any
 from gyrodrift import __version__
 from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.json_line import FIELDS, chosen_line, json_line
+from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
@@ -53,11 +54,9 @@ class JsonSession:
         if not text.strip():
             return
         try:
-            asked = json.loads(text)
-            self._watch(asked)
-        except (ValueError, RecursionError) as error:
-            why = "no JSON" if isinstance(error, (json.JSONDecodeError, RecursionError, UnicodeDecodeError)) else error
-            self.client.send(_line({"class": "ERROR", "message": f"{_shown(text)}: {why}"}))
+            self._watch(parse_json(text))
+        except ValueError as error:
+            self.client.send(_line({"class": "ERROR", "message": f"{_shown(text)}: {error}"}))
 
     def dropped(self, messages: int) -> bytes:
         """How many lines this client was too slow for."""

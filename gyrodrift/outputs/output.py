@@ -41,6 +41,8 @@ class Output(Generic[O]):
         The frozen dataclass of its options.
     address
         Where it listens or sends to, for a person; set by `open`.
+    warning
+        What is wrong although it is open, for a person; empty where nothing is.
     """
 
     options_type: ClassVar[type[Any]]
@@ -49,6 +51,7 @@ class Output(Generic[O]):
         self.options = options
         self.host = host
         self.address = ""
+        self.warning = ""
 
     async def open(self) -> None:
         """Begin to listen, or connect.

@@ -1,6 +1,6 @@
 """A page of counters and gauges for Prometheus to scrape: the link, the filter, the config and the outputs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
@@ -56,17 +56,25 @@ class PrometheusOutput(Output[PrometheusOptions]):
         await self._server.close()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response":
-        from prometheus_client.exposition import choose_encoder
-
         if request.path.partition("?")[0] != PATH:
             return connection.respond(HTTPStatus.NOT_FOUND, f"metrics are at {PATH}\n")
         assert self._registry is not None  # noqa: S101 - made before the server listens
-        encode, content_type = choose_encoder(", ".join(request.headers.get_all("Accept")))
+        encode, content_type = _encoder_for(", ".join(request.headers.get_all("Accept")))
         response = connection.respond(HTTPStatus.OK, encode(self._registry).decode())
         del response.headers["Content-Type"]
         response.headers["Content-Type"] = content_type
         self._scrapes += 1
         return response
+
+
+def _encoder_for(accept: str) -> "tuple[Callable[[CollectorRegistry], bytes], str]":
+    """How to write the page, and its content type; plain text where the library cannot read the header."""
+    from prometheus_client.exposition import choose_encoder
+
+    try:
+        return choose_encoder(accept.replace('"', ""))  # it takes a quoted parameter for a part of the version
+    except (TypeError, ValueError):
+        return choose_encoder("")
 
 
 class _StatusCollector:

@@ -133,7 +133,7 @@ SHIPPED = (
         "networktables",
         "NetworkTables 4, for robots of FRC",
         "gyrodrift.outputs.networktables:NetworkTablesOutput",
-        ("ntcore",),
+        ("msgpack", "ntcore", "websockets"),
         "networktables",
     ),
     OutputKind(

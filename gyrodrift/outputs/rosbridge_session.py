@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.rosbridge_services import RosServices, same_type, with_slash
 from gyrodrift.outputs.thinning import SAME_TIME_S
@@ -66,10 +67,8 @@ class RosbridgeSession:
         """Take an operation; what cannot be done is answered with a status, and the connection stays."""
         operation: Any = None
         try:
-            operation = json.loads(content)
+            operation = parse_json(content)
             self._take(operation)
-        except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
-            self._say("error", "this is no JSON")
         except ValueError as error:
             self._say("error", str(error), operation)
 

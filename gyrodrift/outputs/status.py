@@ -140,6 +140,8 @@ class OutputStatus:
         Who listens, the first MOST_CLIENTS of them; `client_count` is all of them.
     sent, dropped
         Messages to all clients since the start of the output, those that are gone too.
+    warning
+        What is wrong although it is open; empty where nothing is.
     """
 
     output: str
@@ -149,6 +151,7 @@ class OutputStatus:
     client_count: int = 0
     sent: int = 0
     dropped: int = 0
+    warning: str = ""
 
 
 MOST_CLIENTS = 32

@@ -4,6 +4,7 @@ import json
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -16,6 +17,9 @@ from support import PATIENCE_S
 
 from gyrodrift import __version__
 from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.line_session import JsonSession
+from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.udp import UdpOutput
 
 Address = tuple[str, int]
 
@@ -71,9 +75,12 @@ def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Addres
 @pytest.mark.parametrize(
     ("said", "answer"),
     [
-        (b"garbage", "'garbage': no JSON"),
+        (b"garbage", "'garbage': this is no JSON"),
         (b"\xff\xfe\x00", "no JSON"),
         (b"[" * 5000, "no JSON"),
+        (b'{"class":' + b"[" * 20 + b"]" * 20 + b"}", "nested more than 16 deep"),
+        (b'{"rate_hz":' + b"1" * 5000 + b"}", "no JSON"),
+        (b'{"class":"WATCH","rate_hz":Infinity}', "no JSON"),
         (b"[1]", 'expected {"class":"WATCH","rate_hz":10,"fields":["t_s","yaw_deg"]}'),
         (b'{"class":"WATCH","rate_hz":-1}', "rate_hz: expected a number above 0"),
         (b'{"class":"WATCH","rate_hz":true}', "rate_hz: expected a number above 0"),
@@ -116,6 +123,33 @@ def test_who_sends_too_much_is_told_to_go(outputs: HubThread, tcp: Address) -> N
         client.connection.sendall(b"\n" * 1000)
         assert client.until("ERROR")["message"] == "more than 200 lines a second"
         assert client.line() == b""
+
+
+def test_a_mistake_of_ours_ends_the_connection_that_found_it_alone(
+    outputs: HubThread, tcp: Address, logged: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The log says so, once a second however often it happens."""
+    taken = JsonSession.line
+
+    def line(session: JsonSession, text: bytes) -> None:
+        if text == b"trap":
+            raise RecursionError("trapped")
+        taken(session, text)
+
+    monkeypatch.setattr(JsonSession, "line", line)
+    with connected(tcp) as other:
+        other.until("HELLO")
+        for _ in range(50):
+            with connected(tcp) as client:
+                client.until("HELLO")
+                client.connection.sendall(b"trap\n")
+                assert "RecursionError: trapped" in client.until("ERROR")["message"]
+                assert client.line() == b""
+        outputs.samples([corrected(1)])
+        assert other.until("SAMPLE")["seq"] == 1
+    told = [each for each in logged if each["event"].startswith(("client", "output_broke"))]
+    assert "RecursionError" in told[0]["reason"]
+    assert len(told) < 50
 
 
 def test_a_crowd_leaves_room_for_who_was_there(outputs: HubThread, tcp: Address, logged: list[Any]) -> None:
@@ -226,6 +260,25 @@ def test_events_reach_clients(outputs: HubThread, tcp: Address) -> None:
         client.until("HELLO")
         outputs.event("gap", missing=3)
         assert client.json() == {"class": "EVENT", "event": "gap", "missing": 3}
+
+
+def test_a_status_that_fails_is_a_problem_of_its_output_alone(
+    outputs: HubThread, tcp: Address, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The others are told of as before."""
+    outputs.want("tcp:port=0", "udp:port=9")
+    outputs.opened(2)
+
+    def clients(_: UdpOutput) -> list[ClientStatus]:
+        raise UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte")
+
+    monkeypatch.setattr(UdpOutput, "clients", clients)
+    until_s = time.monotonic() + PATIENCE_S
+    while "UnicodeDecodeError" not in (statuses := outputs.statuses())[1].problem:
+        assert time.monotonic() < until_s, statuses
+    assert statuses[0].address
+    with connected(tcp) as client:
+        client.until("HELLO")
 
 
 def test_datagrams_are_what_plotjuggler_takes(outputs: HubThread) -> None:

@@ -6,35 +6,46 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import address_of, csv_at_100_hz, hub, path_of, serving
+from outputs_support import HubThread, address_of, csv_at_100_hz, events, hub, path_of, serving
 from support import PATIENCE_S, near, never
+from websockets.exceptions import ConnectionClosed, InvalidMessage
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
 
-from gyrodrift.outputs.networktables import MeasuredTime
+from gyrodrift.outputs.measured_time import MeasuredTime
+from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("ntcore", reason="the extra networktables is not installed")
 
 CLIENT = """
-import json, sys, time, ntcore
+import json, math, sys, time, ntcore
 role, port = sys.argv[1], int(sys.argv[2])
 tables = ntcore.NetworkTableInstance.create()
-if role == "client":
+if role in {"client", "forger"}:
     tables.setServer("127.0.0.1", port)
-    tables.startClient4("robot")
+    tables.startClient4(role)
 else:
     tables.startServer("", "127.0.0.1", 0, port)
 table = tables.getTable("gyrodrift")
 fast = ntcore.PubSubOptions(periodic=0.01)
 names = ("yaw_deg", "corrected_dps", "time_s")
 doubles = {name: table.getDoubleTopic(name).subscribe(float("nan"), fast) for name in names}
+every = table.getDoubleTopic("yaw_deg").subscribe(0.0, ntcore.PubSubOptions(periodic=0.01, sendAll=True))
+highest, forged = 0.0, table.getDoubleTopic("yaw_deg").publish(fast) if role.startswith("forg") else None
 connected = table.getBooleanTopic("connected").subscribe(False, fast)
 while True:
+    if forged:
+        forged.set(time.monotonic() + 1e6)
+    else:
+        highest = max([highest, *(each.value for each in every.readQueue())])
     seen = {name: each.getAtomic() for name, each in doubles.items()}
     said = {name: each.value for name, each in seen.items()}
+    said |= {"highest": highest}
     said |= {"stamp_s": seen["time_s"].serverTime / 1e6, "connected": connected.get(), "joined": tables.isConnected()}
     print(json.dumps(said), flush=True)
     time.sleep(0.05)
@@ -102,6 +113,136 @@ def test_the_robot_is_published_to_as_soon_as_it_is_there(port: Path, tmp_path: 
         for _ in range(2):
             with other_end("robot", number, tmp_path) as seen:
                 until(seen, yaw_deg=last["yaw_deg"], joined=True)
+
+
+def test_no_client_can_forge_a_value(port: Path, tmp_path: Path) -> None:
+    """A reader that takes every value sees those of the gyro alone, and the log names who tried."""
+    with serving(port, "--output", "networktables:port=0") as (serve, device):
+        _, number = address_of(serve, "networktables")
+        with other_end("client", number, tmp_path) as seen, other_end("forger", number, tmp_path) as forging:
+            until(seen, joined=True)
+            until(forging, joined=True)
+            serve.until(lambda it: bool(events(it, "forgery_refused")), "refusal")
+            assert events(serve, "forgery_refused")[0]["topic"] == "/gyrodrift/yaw_deg"
+            assert "forger 127.0.0.1:" in events(serve, "forgery_refused")[0]["client"]
+            for _ in range(10):
+                next(forging)
+            device.send_all(csv_at_100_hz(100), never)
+            last = serve.take_lines(100)[-1]
+            assert until(seen, yaw_deg=last["yaw_deg"])["highest"] <= last["yaw_deg"] < 1e6
+
+
+def test_who_forges_values_on_the_robots_server_is_told(port: Path, tmp_path: Path) -> None:
+    """The server of ntcore lets it happen, which the log says at the start."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        number = free.getsockname()[1]
+    options = ["--output", f"networktables:robot=127.0.0.1,port={number}", "--control", str(tmp_path / "control")]
+    with serving(port, *options) as (serve, _):
+        serve.until(lambda it: bool(events(it, "topics_are_open")), "warning")
+        with (
+            ControlClient(tmp_path / "control", PATIENCE_S) as service,
+            other_end("robot", number, tmp_path) as robot,
+            other_end("forger", number, tmp_path) as forging,
+        ):
+            until(robot, joined=True)
+            until(forging, joined=True)
+            serve.until(lambda it: bool(events(it, "topic_forged")), "who it is")
+            assert events(serve, "topic_forged")[0]["clients"][0].partition("@")[0] == "forger"
+            until_s = time.monotonic() + PATIENCE_S
+            while not (told := service.ask("status")["outputs"][0]["warning"]):
+                assert time.monotonic() < until_s
+                time.sleep(0.05)
+            assert told.startswith("values are forged on the robot's server, by forger")
+        serve.until(lambda it: bool(events(it, "topic_ours_again")), "that it is over")
+
+
+def names_in_use(outputs: HubThread, count: int) -> list[str]:
+    """What clients are called in the status, once there are so many."""
+    until_s = time.monotonic() + PATIENCE_S
+    while len(clients := outputs.statuses()[0].clients) != count:
+        assert time.monotonic() < until_s, clients
+    return [each.peer.rpartition(" ")[0] for each in clients]
+
+
+def test_any_name_of_a_client_is_shown_as_text() -> None:
+    """Bytes that are no text, control characters and long names; the status of all outputs goes on."""
+    with hub() as outputs:
+        outputs.want("networktables:port=0")
+        address = outputs.opened()[0].address
+        with (
+            connected_as(address, "%ff"),
+            connected_as(address, "%0a%1b[2J"),
+            connected_as(address, "x" * 200),
+            connected_as(address, ""),
+        ):
+            names = names_in_use(outputs, 4)
+    assert sorted(names) == ["", "\\n\\x1b[2J", "\\xff", "x" * 40 + "…"]
+
+
+def connected_as(address: str, name: str) -> ClientConnection:
+    return connect(f"ws://{address}/nt/{name}", subprotocols=[Subprotocol("v4.1.networktables.first.wpi.edu")])
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        "[" * 1000,
+        "{}",
+        json.dumps([{"method": "subscribe", "params": {"subuid": i, "topics": []}} for i in range(300)]),
+        json.dumps([[]] * 2000),
+        b"\xc1",
+        b"\x91" * 2000,
+        b"\xdd\xff\xff\xff\xff",
+        b"\x94\xff\x00\x02\x01" * 300,
+    ],
+)
+def test_what_no_client_sends_closes_its_connection(sent: str | bytes) -> None:
+    """And the reason is told."""
+    with hub() as outputs:
+        outputs.want("networktables:port=0")
+        with connected_as(outputs.opened()[0].address, "x") as client:
+            client.send(sent)
+            with pytest.raises(ConnectionClosed):
+                client.recv(PATIENCE_S)
+            assert client.close_code == 1008
+            assert client.close_reason
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        [],
+        [1, None, {}, {"method": 1, "params": {}}, {"method": "subscribe", "params": []}],
+        [{"method": "subscribe", "params": {"subuid": "x", "topics": 1}}],
+        [{"method": "subscribe", "params": {"subuid": 1, "topics": [1, None], "options": 7}}],
+        [{"method": "unsubscribe", "params": {"subuid": 99}}, {"method": "publish", "params": {}}],
+        [{"method": "setproperties", "params": {"name": "/gyrodrift/yaw_deg", "update": {"persistent": True}}}],
+        [{"method": "publish", "params": {"name": "/gyrodrift/yaw_deg", "pubuid": [], "type": {}}}],
+    ],
+)
+def test_what_is_not_understood_is_ignored(sent: object) -> None:
+    """As the specification has it; the clock is answered as before."""
+    with hub() as outputs:
+        outputs.want("networktables:port=0")
+        with connected_as(outputs.opened()[0].address, "x") as client:
+            client.send(json.dumps(sent))
+            client.send(b"\x94\xff\x00\x02\x07")
+            answer = client.recv(PATIENCE_S)
+            assert isinstance(answer, bytes)
+            assert answer[:2] == b"\x94\xff"
+            assert answer[-1:] == b"\x07"
+
+
+def test_a_crowd_is_turned_away() -> None:
+    """As by every other output."""
+    with hub() as outputs, ExitStack() as many:
+        outputs.want("networktables:port=0")
+        address = outputs.opened()[0].address
+        for index in range(64):
+            many.enter_context(connected_as(address, str(index)))
+        with pytest.raises((ConnectionClosed, OSError, InvalidMessage)), connected_as(address, "one more"):
+            pass
 
 
 def test_a_port_that_is_taken_is_told() -> None:

@@ -120,3 +120,27 @@ def asked(web: str, query: str) -> Any:
         if found:
             return found[0]
         time.sleep(0.1)
+
+
+@pytest.mark.parametrize(
+    "accept",
+    [
+        'application/openmetrics-text; version="1.0.0"',
+        "application/openmetrics-text;version=1.x",
+        "text/plain;version=1.0.0.0.0.0",
+        "text/plain;version=\xb2",
+        'a;b="c;d,e";;=,,',
+        ";" * 8000,
+        "",
+    ],
+)
+def test_no_accept_header_is_an_error(page: str, accept: str) -> None:
+    """What cannot be read of it is answered with plain text."""
+    request = urllib.request.Request(page, headers={"Accept": accept})
+    with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+        assert answer.status == 200
+        assert b"gyrodrift_link_samples_total 1234.0" in answer.read()
+
+
+def test_a_quoted_version_is_understood(page: str) -> None:
+    assert fetched(page, 'application/openmetrics-text; version="1.0.0"').endswith("# EOF\n")

@@ -15,7 +15,7 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
-from gyrodrift.outputs.net.refusals import Refusals
+from gyrodrift.outputs.net.refusals import Refusals, own_mistake
 from gyrodrift.outputs.net.unix_socket import bind_unix
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
@@ -90,12 +90,10 @@ class LineClient(asyncio.Protocol):
         self._transport = cast("asyncio.Transport", transport)
         self._transport.set_write_buffer_limits(high=KERNEL_BYTES)
         self.peer = _peer_of(self._transport)
-        self.session = self._server.open_session(self)
-        if len(self._server.clients) >= self._server.limits.clients:
-            self.close(f"there are {self._server.limits.clients} clients already")
-            return
-        self._server.clients[self] = None
-        self._server.greet(self)
+        try:
+            self._take_in()
+        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+            self.close(own_mistake(error))
 
     def data_received(self, data: bytes) -> None:
         """Cut what came into lines."""
@@ -135,6 +133,14 @@ class LineClient(asyncio.Protocol):
             self.session.closed()
             self.session = None
 
+    def _take_in(self) -> None:
+        self.session = self._server.open_session(self)
+        if len(self._server.clients) >= self._server.limits.clients:
+            self.close(f"there are {self._server.limits.clients} clients already")
+            return
+        self._server.clients[self] = None
+        self._server.greet(self)
+
     def _hear(self, line: bytes) -> bool:
         """Whether the client may go on."""
         if self.session is None or self._transport is None or self._transport.is_closing():
@@ -146,6 +152,9 @@ class LineClient(asyncio.Protocol):
             self.session.line(line)
         except ValueError as error:
             self.close(str(error))
+            return False
+        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+            self.close(own_mistake(error))
             return False
         return not self._transport.is_closing()
 

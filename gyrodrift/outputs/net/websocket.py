@@ -8,6 +8,7 @@ import socket
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Protocol
 
 from gyrodrift.logger import FilteringBoundLogger
@@ -15,7 +16,7 @@ from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.lines import KERNEL_BYTES
-from gyrodrift.outputs.net.refusals import Refusals
+from gyrodrift.outputs.net.refusals import Refusals, own_mistake
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 GOING_AWAY = 1001
 POLICY_VIOLATION = 1008
+INTERNAL_ERROR = 1011
 """Close codes of RFC 6455, section 7.4.1."""
 
 MOST_URGENT = 256
@@ -134,10 +136,9 @@ class WebSocketServer:
         """
         from gyrodrift.outputs.net.websocket_connection import listen
 
+        answer = self._checked_answer if self._answer is not None else None
         try:
-            self._server = await listen(
-                self.serve, self.limits, host, port, process_request=self._answer, **self._options
-            )
+            self._server = await listen(self.serve, self.limits, host, port, process_request=answer, **self._options)
         except OSError as error:
             raise cannot_listen(error, host, port) from error
         for each in self._server.sockets:
@@ -148,14 +149,18 @@ class WebSocketServer:
     async def serve(self, connection: "ServerConnection") -> None:
         """One client, from its handshake to its end."""
         client = WebSocketClient(connection, self.limits)
-        session = self._sessions(client)
+        try:
+            session = self._sessions(client)
+        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+            await self._refuse(client, INTERNAL_ERROR, own_mistake(error))
+            return
         self.clients[client] = None
         writing = asyncio.create_task(client.write(session.dropped))
         try:
             await self._hear(connection, client, session)
         finally:
             writing.cancel()
-            await asyncio.wait([writing])
+            await asyncio.gather(writing, return_exceptions=True)
             del self.clients[client]
             self._gone_sent += client.sent
             self._gone_dropped += client.dropped
@@ -184,12 +189,29 @@ class WebSocketServer:
         allowance = Allowance(self.limits.messages_per_s)
         with suppress(ConnectionClosed):
             async for message in connection:
-                why = f"more than {self.limits.messages_per_s:g} messages a second" if not allowance.take() else ""
+                if not allowance.take():
+                    why = f"more than {self.limits.messages_per_s:g} messages a second"
+                    await self._refuse(client, POLICY_VIOLATION, why)
+                    return
                 try:
                     session.message(message)
                 except ValueError as error:
-                    why = str(error)
-                if why:
-                    self._refusals.say(client.peer, why)
-                    await connection.close(POLICY_VIOLATION, why[:LONGEST_REASON])
+                    await self._refuse(client, POLICY_VIOLATION, str(error))
                     return
+                except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+                    await self._refuse(client, INTERNAL_ERROR, own_mistake(error))
+                    return
+
+    async def _refuse(self, client: WebSocketClient, code: int, why: str) -> None:
+        """Log why a client is closed, and close it; a reason is bytes, and may hold what the client said."""
+        self._refusals.say(client.peer, why)
+        await client.connection.close(code, why.encode("ascii", "backslashreplace")[:LONGEST_REASON].decode())
+
+    def _checked_answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
+        """The answer of the output; a mistake of this program, which headers may lead to, costs this request alone."""
+        assert self._answer is not None  # noqa: S101 - else the server has no use for this
+        try:
+            return self._answer(connection, request)
+        except Exception as error:  # noqa: BLE001 - likewise
+            self._refusals.say(shown(*connection.remote_address[:2]), own_mistake(error))
+            return connection.respond(HTTPStatus.BAD_REQUEST, "This request cannot be answered.\n")

@@ -1,0 +1,107 @@
+"""A server of NetworkTables 4.1 that only reads: its topics are the service's, and no client can publish to them.
+
+The server of ntcore takes values for any topic from any client, has no limit on clients, and has no access control.
+This one is on the WebSocket server of the other outputs, with its limits and its queue.
+
+Source: "Network Tables Protocol Specification, Version 4.1", ntcore/doc/networktables4.adoc of WPILib.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+from urllib.parse import unquote_to_bytes
+
+from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.outputs.net.names import shown_name
+from gyrodrift.outputs.net.refusals import BoundedEvent
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.networktables_session import TableSession, value_message
+from gyrodrift.outputs.status import ClientStatus
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+SUBPROTOCOLS = ("v4.1.networktables.first.wpi.edu", "rtt.networktables.first.wpi.edu")
+"""The second one is for connections that only measure the round trip."""
+
+PATH = "/nt/"
+
+
+class ServedTables:
+    """Topics on a server of this process.
+
+    Parameters
+    ----------
+    topics
+        Type of each topic, by its full name.
+    """
+
+    def __init__(self, host: str, port: int, topics: Mapping[str, str], log: FilteringBoundLogger) -> None:
+        self._where = host, port
+        self._topics = dict(topics)
+        self._ids = {name: index for index, name in enumerate(topics)}
+        self._last: dict[int, bytes] = {}
+        self._sessions: dict[TableSession, None] = {}
+        self._server = WebSocketServer(self._session, log, _answer, subprotocols=SUBPROTOCOLS)
+        self._refused = BoundedEvent(log.warning, "forgery_refused", "forgeries_refused")
+        self._begun_s = time.time() - time.monotonic()
+
+    async def open(self) -> str:
+        """Begin to listen."""
+        return await self._server.listen(*self._where)
+
+    def now_s(self) -> float:
+        """Unix time that never jumps, s."""
+        return self._begun_s + time.monotonic()
+
+    def server_offset_s(self) -> float:
+        """Nothing: this is the server."""
+        return 0.0
+
+    def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
+        """Send values to who subscribed, and keep them for who does later."""
+        stamp_us = round(self.now_s() * 1e6) if stamp_us is None else stamp_us
+        messages = {self._ids[name]: value_message(self._ids[name], stamp_us, value) for name, value in values.items()}
+        self._last |= messages
+        for session in self._sessions:
+            session.publish(messages)
+
+    def check(self) -> str:
+        """Nothing: topics cannot be forged."""
+        return ""
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Who is connected."""
+        return self._server.statuses()
+
+    def dropped(self) -> int:
+        """Messages that clients were too slow for."""
+        return self._server.counts()[1]
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._server.close()
+        self._refused.close()
+
+    def _session(self, client: WebSocketClient) -> TableSession:
+        request = client.connection.request
+        name = shown_name(unquote_to_bytes(request.path.removeprefix(PATH))) if request else ""
+        client.peer = f"{name} {client.peer}"
+        session = TableSession(client, self._topics, self._last, self.now_s, self._forget, self._refuse)
+        self._sessions[session] = None
+        return session
+
+    def _forget(self, session: TableSession) -> None:
+        self._sessions.pop(session, None)
+
+    def _refuse(self, client: WebSocketClient, topic: str) -> None:
+        self._refused.happened(client=client.peer, topic=shown_name(topic), hint="clients cannot publish to it")
+
+
+def _answer(connection: "ServerConnection", request: "Request") -> "Response | None":
+    """None where a handshake may go on."""
+    if request.path.startswith(PATH):
+        return None
+    return connection.respond(HTTPStatus.NOT_FOUND, f"NetworkTables 4.1 is at {PATH}NAME, with a WebSocket.\n")
