@@ -22,6 +22,7 @@ WARNINGS = frozenset(
         "clock_unit_differs",
         "not_understood",
         "columns_kept",
+        "decoder_failed",
     }
 )
 OFTEN = frozenset({"gap", "device", "device_reset"})

@@ -17,10 +17,12 @@ from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
+from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
+from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.registry import AUTO, candidates
 from gyrodrift.link.silence import why_silent
 from gyrodrift.link.units.check import UnitCheck
@@ -100,7 +102,9 @@ class Link:
         self._calendar = Calendar(monotonic)
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
         self._columns = options.columns
-        self._detector = Detector(list(self._protocols.values()))
+        self._guard = Guard(on_event)
+        self._late = LateArrivals()
+        self._detector = Detector(list(self._protocols.values()), self._guard)
         if len(self._protocols) == 1 and options.baud is not None:
             self.decoder = next(iter(self._protocols.values())).decoder()
         self._bauds = cycle(USUAL_BAUDS)
@@ -151,8 +155,9 @@ class Link:
             self._heard.add(chunk, arrival_s)
         readings = self._decode(chunk)
         samples: list[Sample] = []
-        if readings and self.decoder is not None:
-            samples = self._stamp(self.decoder, readings, arrival_s)
+        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
+        if arrived and self.decoder is not None:
+            samples = self._stamp(self.decoder, arrived)
             self._heard_s = arrival_s
             self._spoke = True
             if self._check is not None:
@@ -224,7 +229,7 @@ class Link:
 
     def _decode(self, chunk: bytes) -> list[Reading]:
         if self.decoder is not None:
-            readings = self.decoder.push(chunk)
+            self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:
             found = self._detector.push(chunk)
             if found is None:
@@ -246,10 +251,10 @@ class Link:
             )
         self.device = device
 
-    def _stamp(self, decoder: Decoder, readings: list[Reading], arrival_s: float) -> list[Sample]:
+    def _stamp(self, decoder: Decoder, arrived: list[Arrived]) -> list[Sample]:
         if self.clock is None:
             protocol = self._protocols[decoder.name]
-            has_clock = protocol.has_clock and readings[0].t_us is not None
+            has_clock = protocol.has_clock and arrived[0][1][0].t_us is not None
             if not protocol.has_unit:
                 self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
             if has_clock:
@@ -257,7 +262,9 @@ class Link:
             else:
                 self.clock = ArrivalClock(self._calendar.epoch_s)
                 self._on_event("no_device_clock", timing="regression of arrival times")
-        samples = self.clock.stamp(readings, arrival_s)
+        samples: list[Sample] = []
+        for arrival_s, readings in arrived:
+            samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
         return samples
@@ -305,15 +312,11 @@ class Link:
         gone_s = now_s - self._heard_s
         self.counters.reconnects += 1
         self.counters.gone_s += gone_s
-        if self.decoder is not None:  # half a frame, and perhaps the scale, went with the old connection
-            self._carry_over(self.decoder)
+        if self.decoder is not None:
+            self.decoder = renewed(self._protocols[self.decoder.name], self.decoder)
         if self.clock is not None:
             self.clock.reconnected()
         self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
-
-    def _carry_over(self, old: Decoder) -> None:
-        self.decoder = self._protocols[old.name].decoder()
-        self.decoder.counters = old.counters
 
     def _give_up_waiting(self) -> None:
         if self._spoke:
@@ -343,7 +346,7 @@ class Link:
         """Listen afresh at the next of the usual rates."""
         self.baud = next(self._bauds)
         self._trial_s = None
-        self._detector = Detector(list(self._protocols.values()))
+        self._detector = Detector(list(self._protocols.values()), self._guard)
         self._heard = Heard()
         try:
             if self.port is not None:

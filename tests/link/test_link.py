@@ -4,7 +4,7 @@ import struct
 import termios
 from binascii import crc_hqx
 from collections.abc import Iterator
-from itertools import islice, repeat
+from itertools import islice, pairwise, repeat
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -175,6 +175,49 @@ def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> Non
     assert host.link.counters.gone_s == pytest.approx(gone_s, abs=1e-3)
     assert after[0].t_device_s - before[-1].t_device_s == pytest.approx(0.01)
     assert len(after) == 49
+    host.link.close()
+
+
+@pytest.mark.parametrize("is_detected", [True, False])
+def test_samples_that_waited_for_a_hello_have_their_own_times(port: Path, is_detected: bool) -> None:  # noqa: FBT001 - a case
+    """As if it had come first: sequence, clock of the device and of the host, and rate."""
+    frames = list(islice(spoken("native"), 250))
+    samples = [frame for frame in frames if len(frame) == 20]
+    hello = next(frame for frame in frames if len(frame) != 20)
+    options = {} if is_detected else {"baud": 115200, "protocol": "native"}
+    heard = []
+    for order in ([*samples[:3], hello, *samples[3:]], [*samples[:120], hello, *samples[120:]]):
+        with speaking_on(port) as device:
+            host = Host(port, **options)
+            host.hear(device, iter(()), 0)
+            heard.append(host.hear(device, iter(order), len(order)))
+            assert host.link.counted()["before_hello"] == 0
+            host.link.close()
+    early, late = heard
+    assert [x[:2] for x in early] == [x[:2] for x in late]
+    assert [x.rate_dps for x in early] == [x.rate_dps for x in late]
+    offsets_s = [b.t_host_s - a.t_host_s for a, b in zip(early, late, strict=True)]
+    assert max(offsets_s) - min(offsets_s) < 0.0101
+    steps_s = [b.t_host_s - a.t_host_s for a, b in pairwise(late)][3 if is_detected else 0 :]
+    assert min(steps_s) > 0.0099
+
+
+def test_after_a_reconnect_samples_wait_for_the_hello_of_their_device(port: Path) -> None:
+    """Its HELLO was lost with the first bytes: nothing is missing when the next one comes."""
+    frames = list(islice(spoken("native"), 500))
+    with speaking_on(port) as device:
+        host = Host(port)
+        before = host.hear(device, iter(frames), 200)
+    host.link.read()
+    samples = [frame for frame in frames[300:] if len(frame) == 20]
+    with speaking_on(port) as device:
+        host.now_s += host.link.wake_s() + 0.001
+        host.link.read()
+        assert host.hear(device, iter(samples), 60) == []
+        after = host.hear(device, iter(frames), 1) + host.hear(device, iter(samples[60:]), 20)
+    assert len(after) == 80
+    assert after[0].t_device_s > before[-1].t_device_s
+    assert host.events().count("device") == 1
     host.link.close()
 
 

@@ -1,6 +1,6 @@
-"""Each fault at three strengths, all at work from `FROM_S` to `TO_S` at most, and pairs of them drawn at random."""
+"""Each fault at three strengths, all at work from `FROM_S` to `TO_S` at most, and pairs of them."""
 
-from collections.abc import Iterator
+from itertools import combinations
 from random import Random
 
 from firmware_sim.faults.catalogue import parse_fault
@@ -41,9 +41,17 @@ def single(name: str, strength: int) -> Fault:
     return parse_fault(f"{name}:{STRENGTHS[name][strength - 1]}")
 
 
-def pairs(count: int, seed: int) -> Iterator[tuple[tuple[str, int], tuple[str, int]]]:
-    """So many pairs of two different faults, each with its strength."""
-    dice = Random(seed)
-    for _ in range(count):
-        first, second = dice.sample(list(STRENGTHS), 2)
-        yield (first, dice.randint(1, 3)), (second, dice.randint(1, 3))
+Pair = tuple[tuple[str, int], tuple[str, int]]
+"""Two different faults, each with its strength."""
+
+
+def all_pairs() -> list[Pair]:
+    """Every two faults at every strength of both."""
+    return [
+        ((first, a), (second, b)) for first, second in combinations(STRENGTHS, 2) for a in (1, 2, 3) for b in (1, 2, 3)
+    ]
+
+
+def pairs(count: int, seed: int) -> list[Pair]:
+    """So many of them at random."""
+    return Random(seed).sample(all_pairs(), count)

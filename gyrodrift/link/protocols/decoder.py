@@ -1,13 +1,19 @@
 """What every decoder is: bytes are pushed in, readings come out, and what was damaged is counted.
 
 A decoder never reads, waits or raises. It gives the same readings for any split of the stream, and keeps less
-than a kilobyte between two pushes.
+than a kilobyte between two pushes, beside samples whose scale is not known yet.
 """
 
 from dataclasses import dataclass
 from typing import Protocol
 
 from gyrodrift.sample import Reading
+
+MOST_HELD = 65_536
+"""Samples that may wait for their scale; then the oldest goes for each that comes.
+
+One turn of the 16-bit sample counter: more than a minute at 1 kHz, 6 s at 10 kHz, and at most 5 MB.
+"""
 
 
 @dataclass(slots=True)
@@ -19,7 +25,9 @@ class DecoderCounters:
     damaged
         Frames or lines that failed their checksum, length or form.
     before_hello
-        Good samples dropped because their scale was not known yet.
+        Good samples whose scale is not known: those that wait for it, and those that were dropped for the lack of it.
+    late
+        Good samples that waited for their scale and were handed on when it came.
     clipped
         Samples that the device marked as out of its range.
     other
@@ -29,6 +37,7 @@ class DecoderCounters:
     frames: int = 0
     damaged: int = 0
     before_hello: int = 0
+    late: int = 0
     clipped: int = 0
     other: int = 0
 

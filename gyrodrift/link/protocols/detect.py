@@ -1,29 +1,44 @@
 """Which protocol is this? All decoders listen to the same bytes, and the first one that is sure wins."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from gyrodrift.link.protocols.decoder import Decoder
+from gyrodrift.link.protocols.guard import Guard
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
+
+
+@dataclass(slots=True)
+class _Candidate:
+    protocol: WireProtocol
+    decoder: Decoder
+    readings: list[Reading] = field(default_factory=list)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether enough good frames came, or the device has said who it is."""
+        decoder = self.decoder
+        return decoder.counters.frames >= self.protocol.sure_frames or decoder.device.device_id is not None
 
 
 class Detector:
     """Listens with every decoder that comes into question until one is sure; the readings of that one are kept."""
 
-    def __init__(self, protocols: Sequence[WireProtocol]) -> None:
-        self._listening: list[tuple[Decoder, int, list[Reading]]] = [
-            (each.decoder(), each.sure_frames, []) for each in protocols
-        ]
+    def __init__(self, protocols: Sequence[WireProtocol], guard: Guard | None = None) -> None:
+        self._candidates = [_Candidate(protocol, protocol.decoder()) for protocol in protocols]
+        self._guard = guard or Guard()
 
     @property
     def is_warm(self) -> bool:
         """Whether some decoder has understood something."""
-        return any(decoder.counters.frames for decoder, _, _ in self._listening)
+        return any(candidate.decoder.counters.frames for candidate in self._candidates)
 
     def push(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
         """Take the next bytes; the decoder that is sure, with all it has read so far, or None."""
-        for decoder, sure_frames, readings in self._listening:
-            readings.extend(decoder.push(chunk))
-            if decoder.counters.frames >= sure_frames or decoder.device.device_id is not None:
-                return decoder, readings
+        for candidate in self._candidates:
+            candidate.decoder, readings = self._guard.push(candidate.protocol, candidate.decoder, chunk)
+            candidate.readings += readings
+            if candidate.is_sure:
+                return candidate.decoder, candidate.readings
         return None

@@ -1,12 +1,17 @@
-"""The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement."""
+"""The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement.
+
+Only HELLO says what a count is. Samples before it are held back with their counts, and scaled when it comes.
+"""
 
 from binascii import crc_hqx
+from collections import deque
 from math import nan
 from struct import Struct
 
 from cobs import cobs
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.decoder import MOST_HELD, DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
 
@@ -44,6 +49,8 @@ class NativeDecoder:
         self._overlong = False
         self._dps_per_lsb = 0.0
         self._deg_per_count = 0.0
+        self._held: deque[bytes] = deque(maxlen=MOST_HELD)
+        self._is_known_device = False
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Split at the delimiters and decode each whole frame."""
@@ -90,33 +97,61 @@ class NativeDecoder:
             self.counters.damaged += 1
             return
         self.counters.frames += 1
-        self._dps_per_lsb = dps_per_lsb
-        self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
-        self.device = DeviceDescription(
+        device = DeviceDescription(
             device_id=_printable(device_id.rstrip(b"\0")),
             sample_rate_hz=float(sample_rate_hz) or None,
             dps_per_lsb=dps_per_lsb,
             encoder_cpr=encoder_cpr or None,
         )
+        if not self._dps_per_lsb:
+            self._is_known_device = device == self.device
+        self.device = device
+        self._dps_per_lsb = dps_per_lsb
+        self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
 
     def _sample(self, payload: bytes, readings: list[Reading]) -> None:
         if not self._dps_per_lsb:
             self.counters.before_hello += 1
+            self._held.append(payload)
             return
+        if self._held:
+            self._release(payload, readings)
+        readings.append(self._reading(payload))
+
+    def _release(self, payload: bytes, readings: list[Reading]) -> None:
+        """Scale what was held back, now that the first sample after HELLO has come.
+
+        All of it is of the device that said HELLO where that device was known before, since nobody exchanges a device
+        twice between two frames. Otherwise only what leads up to this sample without a break is. The rest stays counted
+        as `before_hello`.
+        """
+        held = list(self._held)
+        self._held.clear()
+        first = 0 if self._is_known_device else _last_break([*held, payload], self.device.sample_rate_hz)
+        late = held[first:]
+        readings += map(self._reading, late)
+        self.counters.before_hello -= len(late)
+        self.counters.late += len(late)
+
+    def _reading(self, payload: bytes) -> Reading:
         _, flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts = SAMPLE.unpack(payload)
         if flags & RATE_CLIPPED:
             self.counters.clipped += 1
         has_encoder = flags & ENCODER_VALID and self._deg_per_count
-        readings.append(
-            Reading(
-                t_us,
-                seq,
-                rate_raw * self._dps_per_lsb,
-                encoder_counts * self._deg_per_count if has_encoder else nan,
-                temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
-                (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
-            )
+        return Reading(
+            t_us,
+            seq,
+            rate_raw * self._dps_per_lsb,
+            encoder_counts * self._deg_per_count if has_encoder else nan,
+            temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
+            (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
         )
+
+
+def _last_break(payloads: list[bytes], rate_hz: float | None) -> int:
+    """Index of the sample that does not go on from the one before it, 0 where all do; of several the last."""
+    steps = [SAMPLE.unpack(payload)[2:4] for payload in payloads]
+    return max((at for at in range(1, len(steps)) if not goes_on(steps[at - 1], steps[at], rate_hz)), default=0)
 
 
 def _printable(name: bytes) -> str:

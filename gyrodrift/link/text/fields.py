@@ -4,22 +4,24 @@ Sketches print what a serial plotter or a person likes to read, so the same thre
 behind a value, such as its unit, belongs to nobody and is passed over.
 """
 
-import ast
-import json
 import re
 from enum import StrEnum
 from functools import reduce
 from operator import xor
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+"
-WHOLE = re.compile(r"[-+]?\d++")
+from gyrodrift.link.text.objects import leaves_of
+
+NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
+"""In the digits that a device prints; Python takes those of other scripts for numbers too."""
+
+WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
 LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
 LABELLED = re.compile(rf"{LABEL}(?:[:=]\s*+\[?|\[)\s*+({NUMBER}|nan)", re.IGNORECASE)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
-    rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.\d])\s*+[\])]?"
+    rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
 )
 """`Gyr (DPS) [ 1, 2, 3 ]`, `Gyro: 1 2 3`, `gyro=(1, 2, 3)`: three numbers of one label are those of three axes."""
 
@@ -49,10 +51,8 @@ SENTENCE = re.compile(r"[$!]([^*]*+)\*([0-9A-Fa-f]{2})")
 SEPARATORS = (";", "\t", "|", ",")
 """Asked in this order: with a semicolon or a tab, a comma may be the decimal point of a language."""
 
-DECIMAL_COMMA = re.compile(r"[-+]?\d++,\d++")
+DECIMAL_COMMA = re.compile(r"[-+]?[0-9]++,[0-9]++")
 BRACKETS = {"(": ")", "[": "]"}
-DEEPEST = 4
-"""Objects within objects that are looked into."""
 
 
 class Form(StrEnum):
@@ -79,9 +79,9 @@ class Fields(NamedTuple):
 
 
 def fields_of(line: str) -> Fields | None:
-    """The fields of a line; None where it is damaged: JSON cut short, or a checksum that is wrong."""
+    """The fields of a line; None where it is damaged: an object cut short, or a checksum that is wrong."""
     if line.startswith("{"):
-        return _json(line)
+        return _object(line)
     if line[:1] in {"$", "!"} and "*" in line:
         return _sentence(line)
     if line.startswith("["):
@@ -118,25 +118,12 @@ def is_whole(text: str) -> bool:
     return WHOLE.fullmatch(text) is not None
 
 
-def _json(line: str) -> Fields | None:
-    try:
-        content = json.loads(line) if '"' in line else ast.literal_eval(line)  # MicroPython prints its own dictionaries
-    except (ValueError, SyntaxError, RecursionError, MemoryError):
+def _object(line: str) -> Fields | None:
+    leaves = leaves_of(line)
+    if leaves is None:
         return None
-    found = list(_leaves(content, "", DEEPEST))
+    found = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
     return Fields(Form.JSON, tuple(label for label, _ in found), tuple(value for _, value in found))
-
-
-def _leaves(content: Any, label: str, deepest: int) -> list[tuple[str, str]]:
-    """Numbers of an object by the way to them: `gyro.z`, `gyro.2`."""
-    if isinstance(content, dict | list) and deepest:
-        pairs = content.items() if isinstance(content, dict) else enumerate(content)
-        named = ((as_label(str(key)), value) for key, value in pairs)
-        inside = (_leaves(value, f"{label}.{key}" if label else key, deepest - 1) for key, value in named)
-        return [leaf for leaves in inside for leaf in leaves]
-    if isinstance(content, int | float) and not isinstance(content, bool):
-        return [(label, repr(content))]
-    return [(label, content)] if isinstance(content, str) and is_number(content) else []
 
 
 def _sentence(line: str) -> Fields | None:

@@ -73,8 +73,16 @@ class TextGuess:
 def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess | None:
     """What the columns of a text probably are; None where nothing in it repeats that has numbers.
 
-    `lines_per_s` is the pace at which the lines came, where it is known: it tells the unit of a clock.
+    `lines_per_s` is the pace at which the lines came, where it is known: it tells the unit of a clock. An error inside
+    of it is no guess: lines come from a device that can print anything, and a guess must not end what it explains.
     """
+    try:
+        return _guess(lines, lines_per_s)
+    except (ArithmeticError, LookupError, TypeError, ValueError):  # StatisticsError is a ValueError
+        return None
+
+
+def _guess(lines: Iterable[str], lines_per_s: float | None) -> TextGuess | None:
     heard = [line for line in (line.strip() for line in lines) if line and not line.startswith("#")][-MOST_LINES:]
     parsed = [(line, fields) for line in heard if (fields := fields_of(line)) is not None]
     layout = _usual_layout([fields for _, fields in parsed])

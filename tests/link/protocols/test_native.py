@@ -9,8 +9,11 @@ from golden_frames import NativeSample
 from support import near
 
 from firmware_sim.wire.native import native_frame, sample_frame
-from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.link.protocols.decoder import MOST_HELD, DeviceDescription
+from gyrodrift.link.protocols.guard import renewed
 from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.link.protocols.registry import PROTOCOLS
+from gyrodrift.sample import Reading
 
 LSB = 0.007629999890923500
 """0.00763 as the nearest 32-bit float."""
@@ -39,13 +42,87 @@ def test_a_golden_sample_is_read_field_by_field(sample: NativeSample) -> None:
         assert isnan(reading.temp_c)
 
 
-def test_samples_before_hello_are_dropped_and_counted() -> None:
+def run(count: int, seq: int = 0, t_us: int = 0, step_us: int = 10_000) -> bytes:
+    """Samples one behind the other; their rates are their places."""
+    return b"".join(
+        sample_frame(0, (seq + i) % 65536, (t_us + i * step_us) % 2**32, i % 1000, 0, 0) for i in range(count)
+    )
+
+
+def seqs(readings: list[Reading]) -> list[int | None]:
+    return [reading.seq for reading in readings]
+
+
+def test_samples_before_hello_wait_for_their_scale() -> None:
+    """They come in order with the first sample behind it, and are counted until then."""
+    decoder = NativeDecoder()
+    assert decoder.push(run(50)) == []
+    assert (decoder.counters.before_hello, decoder.counters.late) == (50, 0)
+    readings = decoder.push(golden.HELLO + run(2, seq=50, t_us=500_000))
+    assert seqs(readings) == list(range(52))
+    assert [reading.rate_dps for reading in readings[:50]] == [i * LSB for i in range(50)]
+    assert (decoder.counters.before_hello, decoder.counters.late) == (0, 50)
+
+
+def test_samples_without_hello_are_counted_and_never_guessed() -> None:
     """Their scale would be a guess."""
     decoder = NativeDecoder()
-    frames = b"".join(golden.SAMPLES.values())
-    assert decoder.push(frames) == []
-    assert decoder.counters.before_hello == len(golden.SAMPLES)
-    assert len(decoder.push(golden.HELLO + frames)) == len(golden.SAMPLES)
+    assert decoder.push(run(500)) == []
+    assert decoder.counters.before_hello == 500
+
+
+@pytest.mark.parametrize(
+    ("seq", "t_us"),
+    [(0, 0), (51, 500_000_000), (50, 2**32 - 1), (9000, 500_000), (4000, 700_000)],
+    ids=["booted", "clock far ahead", "clock behind", "counter far ahead", "another clock and counter"],
+)
+def test_samples_of_another_device_are_not_scaled_with_this_one(seq: int, t_us: int) -> None:
+    """Who was exchanged while nobody knew him: counter or clock do not go on. What he sent stays counted as dropped."""
+    decoder = NativeDecoder()
+    decoder.push(run(50))
+    readings = decoder.push(golden.HELLO + run(3, seq=seq, t_us=t_us))
+    assert seqs(readings) == [(seq + i) % 65536 for i in range(3)]
+    assert (decoder.counters.before_hello, decoder.counters.late) == (50, 0)
+
+
+def test_of_samples_that_wait_only_those_behind_the_last_break_are_scaled() -> None:
+    """The device was exchanged, or booted, while it waited."""
+    decoder = NativeDecoder()
+    readings = decoder.push(run(30, seq=700, t_us=9_000_000) + run(20) + golden.HELLO + run(1, seq=20, t_us=200_000))
+    assert seqs(readings) == list(range(21))
+    assert (decoder.counters.before_hello, decoder.counters.late) == (30, 20)
+
+
+def test_a_hole_is_no_break_where_counter_and_clock_tell_the_same_of_it() -> None:
+    """Also over a wrap of both."""
+    decoder = NativeDecoder()
+    held = run(10, seq=65_500, t_us=2**32 - 600_000)
+    readings = decoder.push(held + golden.HELLO + run(1, seq=464, t_us=4_400_000))
+    assert len(readings) == 11
+
+
+def test_a_device_that_is_known_gets_all_its_samples_scaled_though_it_booted_meanwhile() -> None:
+    """After a reconnect the same name, rate, scale and counts: nobody exchanges it twice between two frames."""
+    old = NativeDecoder()
+    old.push(golden.HELLO)
+    known, other = renewed(PROTOCOLS["native"], old), renewed(PROTOCOLS["native"], old)
+    held = run(30, seq=700, t_us=9_000_000) + run(20)
+    assert known.push(held) == other.push(held) == []
+    assert len(known.push(golden.HELLO + run(1, seq=5000, t_us=123))) == 51
+    assert len(other.push(hello(LSB, b"stranger") + run(1, seq=5000, t_us=123))) == 1
+
+
+def test_samples_that_wait_are_bounded_and_the_oldest_go_first() -> None:
+    """Those that went stay counted."""
+    decoder = NativeDecoder()
+    for start in range(0, MOST_HELD + 1000, 1000):
+        decoder.push(run(1000, seq=start, t_us=start * 10_000))
+    total = MOST_HELD // 1000 * 1000 + 1000 + (0 if MOST_HELD % 1000 == 0 else 1000)
+    assert decoder.counters.before_hello == total
+    readings = decoder.push(golden.HELLO + run(1, seq=total, t_us=total * 10_000))
+    assert (len(readings), decoder.counters.late) == (MOST_HELD + 1, MOST_HELD)
+    assert decoder.counters.before_hello == total - MOST_HELD
+    assert readings[0].seq == (total - MOST_HELD) % 65536
 
 
 @pytest.mark.parametrize(
