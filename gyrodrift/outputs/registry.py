@@ -112,7 +112,7 @@ SHIPPED = (
         "foxglove",
         "samples, state and link statistics for the Foxglove app",
         "gyrodrift.outputs.foxglove:FoxgloveOutput",
-        packages=("foxglove", "websockets"),
+        packages=("websockets",),
         extra="foxglove",
     ),
     OutputKind(

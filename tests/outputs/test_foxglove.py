@@ -1,22 +1,25 @@
-"""The server of the Foxglove SDK, with a client of Foxglove's own package."""
+"""The server for the Foxglove app, with a client of Foxglove's own package and with hostile ones."""
 
 import json
+import os
 import socket
 import time
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from clients_support import fed, node_client
-from outputs_support import address_of, csv_at_100_hz, events, serving
+from outputs_support import address_of, corrected, csv_at_100_hz, events, hub, serving
 from support import PATIENCE_S, never
+from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from gyrodrift.outputs.status import ConfigStatus, ServiceStatus
 from gyrodrift.service.control_client import ControlClient
 
-pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: pip install 'gyrodrift[foxglove]'")
-
+PROTOCOL = Subprotocol("foxglove.sdk.v1")
 HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 
 
@@ -40,8 +43,105 @@ def test_ws_protocol_is_a_client(port: Path) -> None:
     assert {"filter", "config"} < {each["name"] for each in before}
 
 
+def listening() -> int:
+    """Sockets of this process that somebody can connect to."""
+    count = 0
+    for link in list(Path("/proc/self/fd").iterdir()):
+        with suppress(FileNotFoundError):  # that of the listing itself
+            if str(link.readlink()).startswith("socket:"):
+                with socket.socket(fileno=os.dup(int(link.name))) as each:
+                    count += each.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN)
+    return count
+
+
+def test_there_is_one_port_and_it_takes_so_many_clients() -> None:
+    """Those beyond the limit are cut off, and who was there goes on."""
+    before = listening()
+    with hub() as outputs, ExitStack() as many:
+        outputs.want("foxglove:port=0")
+        address = outputs.opened()[0].address
+        assert listening() == before + 1
+        clients = [many.enter_context(connect(f"ws://{address}", subprotocols=[PROTOCOL])) for _ in range(64)]
+        for _ in range(100):
+            with pytest.raises((ConnectionClosed, OSError, InvalidMessage)), connect(f"ws://{address}"):
+                pass
+        subscribed(clients[0], number=7)
+        wait_for_answer(clients[0])
+        outputs.samples([corrected(1)])
+        message = clients[0].recv(PATIENCE_S)
+        assert isinstance(message, bytes)
+        assert message[:5] == b"\x01\x07\x00\x00\x00"
+        assert int.from_bytes(message[5:13], "little") == pytest.approx(corrected(1).sample.t_host_s * 1e9)
+        assert json.loads(message[13:])["seq"] == 1
+
+
+def subscribed(client: ClientConnection, number: int) -> None:
+    """To samples, once the greeting was read."""
+    assert json.loads(client.recv(PATIENCE_S))["op"] == "serverInfo"
+    assert json.loads(client.recv(PATIENCE_S))["op"] == "advertise"
+    client.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": number, "channelId": 1}]}))
+
+
+def wait_for_answer(client: ClientConnection) -> None:
+    """Until what was sent before has been taken."""
+    client.send('{"op":"getParameters","parameterNames":[],"id":"wait"}')
+    assert json.loads(client.recv(PATIENCE_S))["id"] == "wait"
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        "[" * 10_000,
+        "}",
+        "[]",
+        b"\x01abc",
+        b"",
+        '{"op":"what"}',
+        '{"op":"advertise","channels":[]}',
+        '{"op":"subscribe"}',
+        '{"op":"subscribe","subscriptions":[1]}',
+        '{"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]}',
+        '{"op":"subscribe","subscriptions":[{"id":1,"channelId":[]}]}',
+        '{"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]}',
+        '{"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]}',
+        '{"op":"subscribe","subscriptions":[{"id":1,"channelId":1},{"id":2,"channelId":1}]}',
+        '{"op":"getParameters","parameterNames":[[]]}',
+        '{"op":"unsubscribe","subscriptionIds":"all"}',
+    ],
+)
+def test_a_mistake_is_told_and_the_connection_stays(sent: str | bytes) -> None:
+    with hub() as outputs:
+        outputs.want("foxglove:port=0")
+        with connect(f"ws://{outputs.opened()[0].address}", subprotocols=[PROTOCOL]) as client:
+            client.recv(PATIENCE_S)
+            client.recv(PATIENCE_S)
+            client.send(sent)
+            told = json.loads(client.recv(PATIENCE_S))
+            assert told["op"] == "status"
+            assert told["level"] in {1, 2}
+            wait_for_answer(client)
+
+
+def test_parameters_are_told_when_they_change_to_who_follows_them() -> None:
+    with hub() as outputs:
+        outputs.want("foxglove:port=0")
+        with connect(f"ws://{outputs.opened()[0].address}", subprotocols=[PROTOCOL]) as client:
+            client.recv(PATIENCE_S)
+            client.recv(PATIENCE_S)
+            outputs.status(ServiceStatus(config=ConfigStatus(filter="hdr", params={"tau_s": 0.5})))
+            client.send('{"op":"getParameters","parameterNames":["hdr.tau_s"],"id":"a"}')
+            while not (values := json.loads(client.recv(PATIENCE_S))["parameters"]):
+                client.send('{"op":"getParameters","parameterNames":["hdr.tau_s"],"id":"a"}')
+            assert values == [{"name": "hdr.tau_s", "value": 0.5, "type": "float64"}]
+            client.send('{"op":"subscribeParameterUpdates","parameterNames":["hdr.tau_s"]}')
+            wait_for_answer(client)
+            outputs.status(ServiceStatus(config=ConfigStatus(file="c", filter="hdr", params={"tau_s": 0.7})))
+            told = json.loads(client.recv(PATIENCE_S))
+            assert told["parameters"] == [{"name": "hdr.tau_s", "value": 0.7, "type": "float64"}]
+
+
 def test_a_port_that_is_taken_is_told(port: Path) -> None:
-    """In a process of its own, since the SDK's threads stay."""
+    """With who has it."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -61,9 +161,7 @@ def test_who_does_not_read_is_told_how_many_it_lost(port: Path, tmp_path: Path) 
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         host, number = address_of(serve, "foxglove")
         connection.connect((host, number))
-        with connect(
-            f"ws://{host}:{number}", sock=connection, subprotocols=[Subprotocol("foxglove.sdk.v1")], max_queue=1
-        ) as client:
+        with connect(f"ws://{host}:{number}", sock=connection, subprotocols=[PROTOCOL], max_queue=1) as client:
             while (told := json.loads(client.recv(PATIENCE_S)))["op"] != "advertise":
                 pass
             topics = {each["topic"]: each["id"] for each in told["channels"]}
