@@ -730,6 +730,12 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
     return [replace(h, weight=h.weight / total) for h in left]
 
 
+def widened(h: ReferenceHypothesis) -> Floats:
+    """Covariance of yaw and bias; before the first rest with 16 times the variance of the turn-on bias."""
+    carried = h.cov[:, 1]
+    return h.cov if h.knows_bias else h.cov + 15.0 * np.outer(carried, carried) / h.cov[1, 1]
+
+
 def collapsed(hypotheses: list[ReferenceHypothesis]) -> tuple[float, float, float, float]:
     """Yaw and bias as means by cubed weight; their variances about that by weight."""
     weights = np.array([h.weight for h in hypotheses])
@@ -737,5 +743,5 @@ def collapsed(hypotheses: list[ReferenceHypothesis]) -> tuple[float, float, floa
     mean = weights**3 @ means / (weights**3).sum()
     kept = np.maximum(weights - 0.045, 0.0)
     kept /= kept.sum()
-    cov = sum(w * (h.cov + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(kept, hypotheses, strict=True))
+    cov = sum(w * (widened(h) + np.outer(h.mean - mean, h.mean - mean)) for w, h in zip(kept, hypotheses, strict=True))
     return float(mean[0]), float(mean[1]), float(cov[0, 0]), float(np.sqrt(cov[1, 1]))

@@ -388,7 +388,19 @@ def test_one_that_does_not_know_says_so() -> None:
     yaw_deg, sigma_deg, bias_dps = estimates(t_s, rate_dps, RestlevelParams(scale_percent=0.0))
     assert bias_dps[-1] == 0.0
     assert abs(yaw_deg[-1] - true_deg[-1]) == pytest.approx(24.0, abs=0.5)
-    assert sigma_deg[-1] == pytest.approx(0.73 * 0.5 * 60.0, rel=0.05)  # a part in two has taken its own bias out
+    # A part in two has taken its own bias out (0.73); of the others, those far out have four times the spread.
+    assert sigma_deg[-1] == pytest.approx(4.0 * 0.73 * 0.5 * 60.0, rel=0.05)
+
+
+@pytest.mark.parametrize("bias_dps", [3.0, -3.0, 2.0])
+def test_sigma_holds_the_bias_of_a_raw_part_before_its_first_rest(bias_dps: float) -> None:
+    """Parts such as the MPU-6050 have several deg/s of zero-rate offset; in motion nothing shows it."""
+    t_s = np.arange(110_00) / RATE_HZ
+    t_s, rate_dps, true_deg = measured(60.0 * np.sin(0.7 * t_s), bias_dps)
+    yaw_deg, sigma_deg, _ = estimates(t_s, rate_dps, RestlevelParams())
+    off_deg = np.abs(yaw_deg - true_deg)
+    assert off_deg[-1] > 150.0
+    assert np.all(off_deg <= 2.5 * sigma_deg + 1.0)
 
 
 def test_its_certainty_is_right() -> None:

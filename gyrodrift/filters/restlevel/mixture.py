@@ -7,6 +7,7 @@ Merging keeps the mean and the covariance of the two; pruning forgets what is le
 from math import sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.kalman import WIDE_FACTOR
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelState
 
 MIN_WEIGHT = 1e-9
@@ -94,7 +95,8 @@ def collapse(s: RestlevelState) -> None:
     """Take the hypotheses together: means by the cube of probability, so that improbable ones pull little.
 
     The covariance about that mean is by probability, without a tail of each: what is improbable by itself says nothing
-    of how far yaw is off in nineteen cases of twenty.
+    of how far yaw is off in nineteen cases of twenty. A hypothesis that knows no bias counts with the covariance of a
+    part whose turn-on bias is far out: the prior of that bias has such a tail.
     """
     total = yaw_deg = bias_dps = rest_weight = most = 0.0
     for h in s.hypotheses:
@@ -120,6 +122,11 @@ def collapse(s: RestlevelState) -> None:
         yaw_var += weight * (h.yaw_var + apart_deg * apart_deg)
         covariance += weight * (h.covariance + apart_deg * apart_dps)
         bias_var += weight * (h.bias_var + apart_dps * apart_dps)
+        if not h.knows_bias:
+            wider = weight * (WIDE_FACTOR - 1.0)
+            yaw_var += wider * h.covariance * h.covariance / h.bias_var
+            covariance += wider * h.covariance
+            bias_var += wider * h.bias_var
     yaw_var /= total
     covariance /= total
     bias_var /= total

@@ -53,8 +53,8 @@ def test_variances_leave_out_what_is_improbable() -> None:
     """A spin of 1 % does not widen yaw, one of a third does."""
     for weight, sigma_dps in ((0.01, 1.0), (1.0 / 3.0, 3.0)):
         s = RestlevelState()
-        s.hypotheses[0] = Hypothesis(weight=1.0 - weight, bias_var=1.0)
-        s.hypotheses[1] = Hypothesis(weight=weight, bias_var=1.0, bias_dps=6.0)
+        s.hypotheses[0] = Hypothesis(knows_bias=True, weight=1.0 - weight, bias_var=1.0)
+        s.hypotheses[1] = Hypothesis(knows_bias=True, weight=weight, bias_var=1.0, bias_dps=6.0)
         collapse(s)
         assert s.bias_sigma_dps == pytest.approx(sigma_dps, rel=0.1)
 
@@ -80,8 +80,8 @@ def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
 def test_collapsed_means_are_by_cubed_probability() -> None:
     """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.512/0.52, the variance is by probability less a tail."""
     s = RestlevelState()
-    s.hypotheses[2] = Hypothesis(weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
-    s.hypotheses[5] = Hypothesis(weight=0.2, bias_var=0.5)
+    s.hypotheses[2] = Hypothesis(knows_bias=True, weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
+    s.hypotheses[5] = Hypothesis(knows_bias=True, weight=0.2, bias_var=0.5)
     collapse(s)
     assert s.bias_dps == pytest.approx(64.0 / 65.0)
     assert s.moments.yaw_deg == pytest.approx(-128.0 / 65.0)
@@ -90,3 +90,12 @@ def test_collapsed_means_are_by_cubed_probability() -> None:
     assert s.bias_sigma_dps**2 == pytest.approx(0.5 + spread)
     assert s.moments.covariance == pytest.approx(-2.0 * spread)
     assert s.moments.yaw_var == pytest.approx(4.0 * spread)
+
+
+def test_sigma_before_the_first_rest_is_that_of_a_part_far_out() -> None:
+    """Sixteen times the variance of the turn-on bias, of what that has added to yaw too; of the angle walk once."""
+    s = RestlevelState()
+    s.hypotheses[0] = Hypothesis(weight=1.0, bias_var=0.25, covariance=-15.0, yaw_var=900.0 + 4.0)
+    collapse(s)
+    assert s.bias_sigma_dps == 4.0 * 0.5
+    assert (s.moments.covariance, s.moments.yaw_var) == (-240.0, 16.0 * 900.0 + 4.0)
