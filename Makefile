@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench blind faults soak overload crash fuzz audit pictures clean
+.PHONY: demo test types tests bench evaluate faults soak overload crash fuzz audit pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -26,12 +26,10 @@ tests: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
 
-# The whole blind check of diagnose: hours; what is interrupted goes on. BLIND_SEED draws other cases.
-blind: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.blind run --set final --out .blind/final $(if $(BLIND_SEED),--seed $(BLIND_SEED))
-	$(BIN)/python -m tests.blind score .blind/final
-	$(BIN)/python -m tests.blind run --set bench --out .blind/bench $(if $(BLIND_SEED),--seed $(BLIND_SEED))
-	$(BIN)/python -m tests.blind score .blind/bench
+# How good the results are over many random cases, beside the figures committed last; fails where one became worse.
+# EVALUATE="diagnose --count 50" chooses; hours for all rows of the blind check. What is interrupted goes on.
+evaluate: $(VENV)/ready-to-test
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.evaluate $(EVALUATE)
 
 # What it survives, counted: every fault of the simulated device; HOURS of device time at 1 kHz, with PACE=1 in real
 # time; too much of everything.

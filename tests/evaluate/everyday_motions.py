@@ -1,4 +1,4 @@
-"""Motions of everyday things, from a generator that shares nothing with the simulator: who keeps yaw where.
+"""Motions of everyday things, from a generator that shares nothing with the simulator.
 
 Each session is drawn anew: 5 to 200 Hz, a bias of exactly 0 to 3 deg/s, steps of 0.004 to 0.1 deg/s, noise with and
 without what lies beyond half the sample rate, one to ten minutes.
@@ -8,27 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pytest
-from bench_support import show
 from scipy.signal import lfilter
 
-pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.arrays import Floats
-from gyrodrift.compare.methods.registry import by_key
-from gyrodrift.evaluation.kernels.compiled import array_of
-from gyrodrift.evaluation.kernels.restlevel import _follow
-from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, learned
-from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.step import coefficients, step
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
-
-SESSIONS = 15
 RATES_HZ = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
-HARM, HARMLESS_DEG = 1.5, 0.5
-
-BY_KEY = by_key()
-METHODS = ("euler", "start", "kalman", "hdr", "restlevel", "xio", "vqf")
 
 Dice = np.random.Generator
 Piece = tuple[float, float, float, float]
@@ -203,7 +187,7 @@ def bias_of(dice: Dice, samples: int, rate_hz: float) -> Floats:
     return np.asarray(first_dps + warm_dps * warming + unrest(dice, samples, rate_hz, 100.0, 0.01))
 
 
-def session(motion: str, number: int, *, is_still: bool, seed: int = 3) -> Session:
+def session(motion: str, number: int, *, is_still: bool, seed: int) -> Session:
     """One of a motion; the same number has the same sensor and motion, still for 3 to 20 s before it or not."""
     dice = np.random.default_rng([seed, list(MOTIONS).index(motion), number])
     rate_hz, still_s = float(dice.choice(RATES_HZ)), dice.uniform(3.0, 20.0)
@@ -222,65 +206,3 @@ def session(motion: str, number: int, *, is_still: bool, seed: int = 3) -> Sessi
     yaw_deg = np.cumsum(0.5 * (true_dps + np.r_[true_dps[0], true_dps[:-1]])) / rate_hz
     t_s = np.arange(samples) / rate_hz
     return Session(t_s, measured_dps, yaw_deg - yaw_deg[0], float(bias_dps[0]))
-
-
-def error_of(method: str, one: Session) -> float:
-    """Mean |yaw error| in deg at its defaults."""
-    found = BY_KEY[method].run(one.t_s, one.rate_dps, BY_KEY[method].defaults)
-    return float(np.abs(found - one.yaw_deg).mean())
-
-
-def test_everyday_motions() -> None:
-    """Mean |yaw error| in deg, everything at its defaults; harm is E above 1.5 times the better of the plain two."""
-    chosen = [key for key in METHODS if BY_KEY[key].is_installed]
-    rows, harmed = [], {True: 0, False: 0}
-    for motion in MOTIONS:
-        for is_still in (True, False):
-            sessions = [session(motion, number, is_still=is_still) for number in range(SESSIONS)]
-            e_deg = {key: np.array([error_of(key, one) for one in sessions]) for key in chosen}
-            plain_deg = np.maximum(HARMLESS_DEG, np.minimum(e_deg["euler"], e_deg["start"]))
-            harmed[is_still] += int((e_deg["restlevel"] > HARM * plain_deg).sum())
-            told = ", ".join(f"{BY_KEY[key].title} {e_deg[key].mean():.3g}" for key in chosen)
-            rows.append((f"{motion}, {'still' if is_still else 'moving'}", told))
-    total = len(MOTIONS) * SESSIONS
-    rows.append(("restlevel does harm", f"still {harmed[True] / total:.3f}, moving {harmed[False] / total:.3f}"))
-    show(f"Everyday motions, mean E in deg of {SESSIONS} sessions", rows)
-
-
-def memory_of(one: Session, other_dps: float, dice: Dice) -> RestlevelMemory | None:
-    """After 20 s at rest, at a bias that was another by so much; None where that was no sure rest."""
-    rate_hz, before = 1.0 / one.t_s[1], RestlevelState()
-    c, samples = coefficients(RestlevelParams()), round(20.0 * rate_hz)
-    noise_dps = max(0.02, 0.02 * np.sqrt(rate_hz / 2.0)) * dice.standard_normal(samples)
-    for n, dps in enumerate((one.bias_dps + other_dps * dice.standard_normal() + noise_dps).tolist()):
-        step(c, before, n / rate_hz, dps)
-    return learned(before, None, 0.0)
-
-
-def error_with(memory: RestlevelMemory, one: Session, age_s: float) -> float:
-    """E of restlevel that begins with a memory of this age."""
-    params, found, nothing = RestlevelParams(), np.zeros((3, len(one.t_s))), np.empty(0)
-    state = array_of(begun(params, memory, age_s, None))
-    _follow(array_of(coefficients(params)), state, np.diff(one.t_s, prepend=0.0), one.rate_dps, nothing, nothing, found)
-    return float(np.abs(found[0] - one.yaw_deg).mean())
-
-
-def test_a_start_in_motion_with_memory() -> None:
-    """Against a start at rest of the same sensor and motion; 20 Hz and more, so that 20 s can be a sure rest."""
-    found, without = [], 0
-    for motion in MOTIONS:
-        for number in range(SESSIONS):
-            one, dice = session(motion, number, is_still=False), np.random.default_rng([5, number])
-            if one.t_s[1] > 0.06:
-                continue
-            now, hour = memory_of(one, 0.0, dice), memory_of(one, 0.05, dice)
-            if now is None or hour is None:  # a bias so far out is not sure after 20 s
-                without += 1
-                continue
-            at_rest = error_of("restlevel", session(motion, number, is_still=True))
-            moving = error_of("restlevel", one)
-            found.append((at_rest, moving, error_with(now, one, 5.0), error_with(hour, one, 3600.0)))
-    names = ("at rest", "moving", "moving, memory of 5 s", "moving, of an hour and another start")
-    told = [f"median {np.median(e):.3g}, mean {np.mean(e):.3g}" for e in np.array(found).T]
-    rows = [*zip(names, told, strict=True), ("nothing to remember", str(without))]
-    show(f"Restlevel with memory, E in deg of {len(found)} sessions", rows)

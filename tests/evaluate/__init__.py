@@ -1,0 +1,16 @@
+"""How good the results are over many random cases, beside the figures that were committed last: `make evaluate`.
+
+    python -m tests.evaluate                          every part, as many cases as the committed figures have
+    python -m tests.evaluate diagnose --count 20      one part, with more cases
+    python -m tests.evaluate --update                 write the figures into last.json, to be committed
+
+Every figure has a 95 % interval: Wilson's for a share, a bootstrap for a mean. Cases are drawn from a fixed seed. The
+same code gives the same figures, so a difference from last.json comes from the code (or from rounding in libraries).
+
+    figures.py            a share and a mean, with their intervals
+    last.py               last.json; which figures became worse by more than the margin
+    parts.py              the parts by name
+    diagnose_part.py      `gyrodrift diagnose` on cases of tests/blind
+    hard_cases_part.py    restlevel on the hard cases of the simulator
+    everyday_part.py      restlevel beside other filters on everyday motions (everyday_motions.py)
+"""

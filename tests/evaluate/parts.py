@@ -1,0 +1,27 @@
+"""The parts of an evaluation by name, and how many cases each has where nobody asks for another number."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from evaluate import diagnose_part, everyday_part, hard_cases_part
+from evaluate.figures import Figure
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """`measure(seed, count, folder, say)`; `count` is of cases of each kind, `folder` keeps results of this code."""
+
+    about: str
+    seed: int
+    count: int
+    measure: Callable[[int, int, Path, Say], list[Figure]]
+
+
+PARTS = {
+    "diagnose": Part("gyrodrift diagnose on blind cases of each row", 4711, 10, diagnose_part.measure),
+    "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),
+    "hard-cases": Part("restlevel on the hard cases, seeds of each", 101, 5, hard_cases_part.measure),
+}
