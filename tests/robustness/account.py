@@ -100,9 +100,9 @@ def _arrived(story: Story) -> set[int]:
     stream = b"".join(story.came)
     if story.protocol == "witmotion":
         return _arrived_without_marks(story, stream)
-    mark = b"\0" if story.protocol == "native" else b"\n"
-    pieces = Counter(piece.strip(b"\r") for piece in stream.split(mark)[:-1])
-    return {number for number, frame in _rows(story) if pieces[frame.content.removesuffix(mark).strip(b"\r")]}
+    mark, end = (b"\0", b"\0") if story.protocol == "native" else (b"\n", b"\r\n")  # in a frame, 0x0d is content
+    pieces = Counter(piece.strip(end) for piece in stream.split(mark)[:-1])
+    return {number for number, frame in _rows(story) if pieces[frame.content.strip(end)]}
 
 
 def _arrived_without_marks(story: Story, stream: bytes) -> set[int]:

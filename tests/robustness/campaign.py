@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from robustness.account import Tally, tally
 from robustness.scaled import Story, play
-from robustness.strengths import LIES, RUN_S, STRENGTHS, TO_S, pairs, single
+from robustness.strengths import LIES, RUN_S, STRENGTHS, TO_S, all_pairs, pairs, single
 
 PROTOCOLS = ("native", "csv", "witmotion")
 CHECKED = "native"
@@ -59,6 +59,11 @@ def run(protocol: str, faults: Faults, seed: int = 1) -> FaultRow:
     return FaultRow(protocol, faults, found, off_deg, story.damaged, story.refused, told)
 
 
+def run_of(case: tuple[str, Faults], seed: int) -> FaultRow:
+    """The same of a protocol and its faults, for a process that is handed them."""
+    return run(*case, seed)
+
+
 def single_runs() -> Iterator[tuple[str, Faults]]:
     """All faults, alone."""
     for protocol in PROTOCOLS:
@@ -68,9 +73,10 @@ def single_runs() -> Iterator[tuple[str, Faults]]:
 
 
 def paired_runs(count: int, seed: int) -> Iterator[tuple[str, Faults]]:
-    """Pairs at random, by each protocol in turn."""
-    for number, both in enumerate(pairs(count, seed)):
-        yield PROTOCOLS[number % len(PROTOCOLS)], both
+    """All pairs by the checked protocol, and so many at random by each of the others."""
+    for protocol in PROTOCOLS:
+        for both in all_pairs() if protocol == CHECKED else pairs(count, seed):
+            yield protocol, both
 
 
 def table(rows: Sequence[FaultRow]) -> str:

@@ -1,7 +1,9 @@
 """The command line of the campaigns."""
 
 import argparse
+import multiprocessing
 import sys
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
@@ -11,8 +13,9 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.robustness", description=__doc__)
     commands = parser.add_subparsers(required=True)
     faults = commands.add_parser("faults", help="every fault of the simulated device, alone and in pairs")
-    faults.add_argument("--pairs", type=int, default=150, help="how many pairs are drawn (default 150)")
+    faults.add_argument("--pairs", type=int, default=50, help="drawn for csv and witmotion each (default 50)")
     faults.add_argument("--seed", type=int, default=1, help="of pairs, noise and damage (default 1)")
+    faults.add_argument("--jobs", type=int, help="at once (default: as many as there are processors)")
     faults.add_argument("--out", type=Path, help="write the whole table there, in Markdown")
     faults.set_defaults(act=_faults)
     soak = commands.add_parser("soak", help="hours of device time at 1 kHz, with reloads, reconnects and clients")
@@ -32,14 +35,15 @@ def _faults(arguments: argparse.Namespace) -> int:
 
     rows = []
     broken = 0
-    for protocol, faults in chain(campaign.single_runs(), campaign.paired_runs(arguments.pairs, arguments.seed)):
-        row = campaign.run(protocol, faults, arguments.seed)
-        rows.append(row)
-        for each in row.broken_promises():
-            broken += 1
-            print(f"broken: {protocol} {row.name}: {each}")
-        if sys.stderr.isatty():
-            print(f"\r{len(rows)} runs, {broken} promises broken", end="", file=sys.stderr)
+    runs = chain(campaign.single_runs(), campaign.paired_runs(arguments.pairs, arguments.seed))
+    with multiprocessing.get_context("spawn").Pool(arguments.jobs) as pool:
+        for row in pool.imap(partial(campaign.run_of, seed=arguments.seed), runs, chunksize=8):
+            rows.append(row)
+            for each in row.broken_promises():
+                broken += 1
+                print(f"broken: {row.protocol} {row.name}: {each}", flush=True)
+            if sys.stderr.isatty():
+                print(f"\r{len(rows)} runs, {broken} promises broken", end="", file=sys.stderr)
     whole = campaign.table(rows)
     if arguments.out is not None:
         arguments.out.write_text(f"{whole}\n")

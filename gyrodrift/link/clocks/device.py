@@ -4,16 +4,11 @@ from collections import deque
 from statistics import median
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
+from gyrodrift.link.clocks.steps import COUNTER_WRAP, agree, clock_step, counter_step, is_one_pace, step_between
 from gyrodrift.sample import Reading, Sample
-
-CLOCK_WRAP_US = 1 << 32
-COUNTER_WRAP = 1 << 16
 
 STEP_US = 1_000_000
 """The longest step that is believed of a device whose period is not known yet."""
-
-ODD_US = 100_000
-"""How far clock and counter may part over one step (or a tenth of it) before they contradict each other."""
 
 REPEATED_PERIODS = 8.0
 """A link may repeat the last few readings; what goes back further comes of a clock and a counter that began anew."""
@@ -42,7 +37,8 @@ FIT_EVERY_S = 0.02
 class DeviceClock:
     """Unwraps a microsecond clock and a 16-bit counter.
 
-    A step of about a period is believed, and so is a longer one that the counter bears out. Any other step waits for
+    A step of about a period is believed, and so is a longer one that the counter bears out, or whose samples are as far
+    apart as those before. Any other step waits for
     the reading after it. If that goes on from it, the step was real: a hole, if it leads forward and the host clock,
     where it has been running alongside, agrees (a sample cannot arrive before it was taken); else the clock has begun
     anew, and device time goes on one period after the last sample. If the reading after goes on from before the step,
@@ -60,6 +56,7 @@ class DeviceClock:
         self._last: Reading | None = None
         self._time_us = 0
         self._seq = 0
+        self._step = 0, 0
         self._arrival_s = 0.0
         self._suspect: Reading | None = None
         self._has_reconnected = False
@@ -114,7 +111,7 @@ class DeviceClock:
         )
 
     def _classify(self, last: Reading, reading: Reading, arrival_s: float, samples: list[Sample]) -> None:
-        step_us = _clock_step(last, reading)
+        step_us = clock_step(last, reading)
         suspect, self._suspect = self._suspect, None
         is_usual = self._is_usual(last, reading, step_us)
         if suspect is None and not is_usual:
@@ -122,7 +119,9 @@ class DeviceClock:
         elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
             self.glitches += suspect is not None
             self._accept(last, reading, step_us, arrival_s, samples)
-        elif self._continues(suspect, reading):
+        elif self._continues(suspect, reading) or is_one_pace(
+            step_between(last, suspect), step_between(suspect, reading)
+        ):
             self._settle(last, suspect, arrival_s, samples)
             self._classify(suspect, reading, arrival_s, samples)
         else:
@@ -144,7 +143,7 @@ class DeviceClock:
             is_borne_out = (
                 counted_us < COUNTER_WRAP // 2 * self.period_s * 1e6
             )  # by the counter, not by a guess of wraps
-            return is_borne_out and _agree(counted_us, step_us)
+            return (is_borne_out and agree(counted_us, step_us)) or is_one_pace(self._step, step_between(last, reading))
         if not self.period_s:
             return 0 <= step_us <= STEP_US
         return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
@@ -156,12 +155,12 @@ class DeviceClock:
         half = COUNTER_WRAP // 2
         counted = (reading.seq - last.seq + half) % COUNTER_WRAP - half
         # A hole of more than half a wrap looks like a step back: the clock says how many wraps there were.
-        wraps = round((_clock_step(last, reading) / (self.period_s * 1e6) - counted) / COUNTER_WRAP)
+        wraps = round((clock_step(last, reading) / (self.period_s * 1e6) - counted) / COUNTER_WRAP)
         return (counted + max(0, wraps) * COUNTER_WRAP) * self.period_s * 1e6
 
     def _settle(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
         """What an odd step was, now that the reading after it went on from it: a hole, or a new beginning."""
-        step_us = _clock_step(last, first)
+        step_us = clock_step(last, first)
         if step_us > 0 and self._is_hole(last, first, step_us, arrival_s):
             self._move(first, step_us, self._counted(last, first, step_us), arrival_s, samples)
         else:
@@ -174,13 +173,13 @@ class DeviceClock:
                 return abs(expected_s - arrival_s) < CROSS_CHECK_SLACK_S
             return expected_s < arrival_s + CROSS_CHECK_SLACK_S
         counted_us = self._counted_us(last, first)
-        return counted_us is None or _agree(counted_us, step_us)
+        return counted_us is None or agree(counted_us, step_us)
 
     def _host_can_cross_check(self) -> bool:
         return self._fit.is_warm and REAL_TIME[0] < self._fit.slope < REAL_TIME[1]
 
     def _continues(self, suspect: Reading, reading: Reading) -> bool:
-        return 0 < _clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
+        return 0 < clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
 
     def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
         """How far the counter moved over a believed step; reports a hole."""
@@ -189,7 +188,7 @@ class DeviceClock:
         if reading.seq is None or last.seq is None:
             moved = round(expected) if expected > HOLE_PERIODS else 1
         else:
-            moved = _counter_step(last.seq, reading.seq)
+            moved = counter_step(last.seq, reading.seq)
             moved += COUNTER_WRAP * round((expected - moved) / COUNTER_WRAP)
             if moved > 4.0 * expected + 8.0:  # the counter jumped and time did not: nothing is missing
                 return moved
@@ -207,7 +206,7 @@ class DeviceClock:
             self._steps_s.clear()
 
     def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
-        self.events.append(ClockRestart(_clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
+        self.events.append(ClockRestart(clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
         period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
         if (
             self._host_can_cross_check()
@@ -220,6 +219,7 @@ class DeviceClock:
     def _move(self, reading: Reading, step_us: int, counted: int, arrival_s: float, samples: list[Sample]) -> None:
         self._has_reconnected = False
         self._last = reading
+        self._step = step_us, counted
         self._time_us += step_us
         self._seq += counted
         samples.append(self._sample(reading, self._time_us, self._seq, arrival_s))
@@ -228,18 +228,3 @@ class DeviceClock:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
         _, _, rate_dps, encoder_deg, temp_c, still = reading
         return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)
-
-
-def _agree(counted_us: float, step_us: int) -> bool:
-    """Whether counter and clock tell the same of one step."""
-    return abs(counted_us - step_us) <= max(ODD_US, 0.1 * abs(step_us))
-
-
-def _clock_step(last: Reading, reading: Reading) -> int:
-    """Signed step of the wrapping clock, µs."""
-    half = CLOCK_WRAP_US // 2
-    return ((reading.t_us or 0) - (last.t_us or 0) + half) % CLOCK_WRAP_US - half
-
-
-def _counter_step(last_seq: int, seq: int) -> int:
-    return (seq - last_seq) % COUNTER_WRAP

@@ -110,6 +110,8 @@ class NativeDecoder:
         self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
 
     def _sample(self, payload: bytes, readings: list[Reading]) -> None:
+        if payload[1] & RATE_CLIPPED:
+            self.counters.clipped += 1
         if not self._dps_per_lsb:
             self.counters.before_hello += 1
             self._held.append(payload)
@@ -125,18 +127,21 @@ class NativeDecoder:
         twice between two frames. Otherwise only what leads up to this sample without a break is. The rest stays counted
         as `before_hello`.
         """
-        held = list(self._held)
+        held = [self._reading(each) for each in (*self._held, payload)]
         self._held.clear()
-        first = 0 if self._is_known_device else _last_break([*held, payload], self.device.sample_rate_hz)
-        late = held[first:]
-        readings += map(self._reading, late)
+        late = held[0 if self._is_known_device else self._last_break(held) : -1]
+        readings += late
         self.counters.before_hello -= len(late)
         self.counters.late += len(late)
 
+    def _last_break(self, readings: list[Reading]) -> int:
+        """Index of the reading that does not go on from the one before it, 0 where all do; of several the last."""
+        rate_hz = self.device.sample_rate_hz
+        breaks = (i for i in range(1, len(readings)) if not goes_on(readings[i - 1], readings[i], rate_hz))
+        return max(breaks, default=0)
+
     def _reading(self, payload: bytes) -> Reading:
         _, flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts = SAMPLE.unpack(payload)
-        if flags & RATE_CLIPPED:
-            self.counters.clipped += 1
         has_encoder = flags & ENCODER_VALID and self._deg_per_count
         return Reading(
             t_us,
@@ -146,12 +151,6 @@ class NativeDecoder:
             temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
             (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
         )
-
-
-def _last_break(payloads: list[bytes], rate_hz: float | None) -> int:
-    """Index of the sample that does not go on from the one before it, 0 where all do; of several the last."""
-    steps = [SAMPLE.unpack(payload)[2:4] for payload in payloads]
-    return max((at for at in range(1, len(steps)) if not goes_on(steps[at - 1], steps[at], rate_hz)), default=0)
 
 
 def _printable(name: bytes) -> str:

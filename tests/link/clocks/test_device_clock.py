@@ -258,3 +258,38 @@ def test_the_drift_of_the_device_clock_is_measured(ppm: float) -> None:
         bench.read(host_s=0.01 / (1.0 + ppm * 1e-6))
     assert bench.clock.drift_ppm == pytest.approx(ppm, abs=1.0)
     assert bench.clock.period_s == pytest.approx(0.01)
+
+
+def test_a_device_that_is_set_to_another_rate_loses_nothing_though_frames_do() -> None:
+    """Fifty times slower: the counter and the clock of each step tell what a step is, long before a period is known."""
+    bench = Bench()
+    bench.read(100)
+    heard = [bench.read(step_us=500_000)]
+    for lost in (0, 0, 1, 3, 0, 7, 0):
+        bench.ticks_us += lost * 500_000
+        bench.count += lost
+        bench.now_s += lost * 0.5
+        heard.append(bench.read(step_us=500_000))
+    samples = [sample for some in heard for sample in some]
+    assert [sample.seq for sample in samples] == [100, 101, 102, 104, 108, 109, 117, 118]
+    assert samples[-1].t_device_s - samples[0].t_device_s == pytest.approx(9.0)
+    assert bench.clock.glitches == 0
+
+
+def test_a_step_at_the_pace_of_the_one_before_needs_no_second_reading() -> None:
+    """After the first of them, samples of the new rate are handed on at once."""
+    bench = Bench()
+    bench.read(100)
+    assert [len(bench.read(step_us=500_000)) for _ in range(5)] == [1, 0, 2, 1, 1]
+
+
+def test_a_rate_that_changes_while_frames_are_lost_costs_no_sample() -> None:
+    """The first two that are heard are seconds apart, in step with the counter."""
+    bench = Bench()
+    bench.read(100)
+    samples = bench.read(step_us=2_000_000)
+    bench.count += 3
+    samples += bench.read(step_us=4_000_000)
+    bench.count += 7
+    samples += bench.read(step_us=500_000)
+    assert [sample.seq for sample in samples] == [100, 104, 112]
