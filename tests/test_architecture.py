@@ -20,11 +20,12 @@ BASE = (
 
 ROOMS = {
     "filters": BASE,
-    "session": BASE,
-    "link": BASE,
+    "session": f"{BASE} columns",
+    "columns": BASE,
+    "link": f"{BASE} columns",
     "html": BASE,
     "outputs": BASE,
-    "config": f"{BASE} filters link outputs",
+    "config": f"{BASE} columns filters link outputs",
     "describe": f"{BASE} evaluation filters html session",
     "doctor": f"{BASE} describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",

@@ -148,7 +148,7 @@ def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
         wrong = next(entry for entry in entries if not isinstance(entry, str))
         report(f"is {said(wrong)}; expected text such as 't_ms, _, rate:lsb/131', or a list of its entries")
         return None
-    from gyrodrift.link.text.columns import parsed  # noqa: PLC0415 - few configs have columns
+    from gyrodrift.columns.spec import parsed  # noqa: PLC0415 - few configs have columns
 
     spec = ", ".join(entries)
     try:

@@ -13,6 +13,7 @@ from typing import Any, cast
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect
 from firmware_sim.yaml_file import FileError
+from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
 from gyrodrift.errors import GyrodriftError
@@ -21,7 +22,6 @@ from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.link.text.columns import columns_of
 from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.link.text.guess import guess
 from gyrodrift.outputs.gpsd import requests

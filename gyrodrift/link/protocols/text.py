@@ -5,6 +5,7 @@ Nothing of it is loaded before it is asked for: most devices speak something els
 
 from typing import TYPE_CHECKING
 
+from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 
@@ -24,9 +25,11 @@ def text_protocol(columns: str) -> WireProtocol:
     UsageError
         Where the columns are not understood.
     """
-    from gyrodrift.link.text.columns import CLOCK_US, columns_of  # noqa: PLC0415 - see the first lines of this file
+    from gyrodrift.columns.spec import CLOCK_US, columns_of  # noqa: PLC0415 - see the first lines of this file
 
     parsed = columns_of(columns)
+    if not any(column.meaning == "rate" for column in parsed):
+        raise UsageError("--columns: yaw is read from files alone so far; a port has to send a rate")
 
     def decoder() -> "TextDecoder":
         from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
@@ -39,7 +42,7 @@ def text_protocol(columns: str) -> WireProtocol:
 
 def read_by(decoder: Decoder, columns: str) -> None:
     """Let a decoder of text read by other columns."""
-    from gyrodrift.link.text.columns import columns_of  # noqa: PLC0415 - likewise
+    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - likewise
     from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
 
     if isinstance(decoder, TextDecoder):
@@ -47,7 +50,7 @@ def read_by(decoder: Decoder, columns: str) -> None:
 
 
 def _shipped() -> "TextDecoder":
-    from gyrodrift.link.text.columns import columns_of  # noqa: PLC0415 - likewise
+    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - likewise
     from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
 
     return TextDecoder(columns_of(SHIPPED_COLUMNS))

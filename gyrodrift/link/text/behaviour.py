@@ -5,8 +5,8 @@ from itertools import pairwise
 from math import hypot
 from statistics import fmean, median, pstdev
 
+from gyrodrift.columns.names import SeenColumn
 from gyrodrift.link.text.fields import is_whole
-from gyrodrift.link.text.names import SeenColumn
 
 GRAVITIES = (1.0, 9.81, 1000.0, 2048.0, 4096.0, 8192.0, 16384.0)
 """What a level accelerometer says: in g, m/s², mg, and in counts at ±16, 8, 4 and 2 g over 16 bits."""

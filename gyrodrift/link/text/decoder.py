@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from math import isfinite, nan
 
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, Column
 from gyrodrift.link.heard import COLOUR
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, OTHER, LineDecoder
-from gyrodrift.link.text.columns import CLOCK_US, IGNORED, Column
 from gyrodrift.link.text.fields import fields_of, is_number, is_whole
 from gyrodrift.sample import Reading
 

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from gyrodrift.columns.names import SPOKEN, USED, SeenColumn, kind_of, name_by_first_word, name_by_label
+from gyrodrift.columns.spec import IGNORED
 from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_rate, find_temperature
-from gyrodrift.link.text.columns import IGNORED
 from gyrodrift.link.text.fields import Fields, Form, as_label, fields_of, is_number
-from gyrodrift.link.text.names import SPOKEN, USED, SeenColumn, kind_of, name_by_first_word, name_by_label
 from gyrodrift.link.text.units import clock_unit, rate_unit
 
 LEAST_LINES = 3

@@ -2,10 +2,10 @@
 
 import re
 
+from gyrodrift.columns.names import SeenColumn
+from gyrodrift.columns.spec import CLOCK_US
 from gyrodrift.link.text.behaviour import step_of
-from gyrodrift.link.text.columns import CLOCK_US
 from gyrodrift.link.text.fields import is_whole
-from gyrodrift.link.text.names import SeenColumn
 
 COUNTS_PER_DPS = 131
 """Of an MPU-6050 at ±250 deg/s, the most common of all (register map RM-MPU-6000A, 4.19)."""

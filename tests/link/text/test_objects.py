@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gyrodrift.link.text.columns import columns_of
+from gyrodrift.columns.spec import columns_of
 from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.link.text.fields import fields_of
 from gyrodrift.link.text.guess import guess

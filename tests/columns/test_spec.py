@@ -4,9 +4,9 @@ from math import degrees, isnan
 
 import pytest
 
+from gyrodrift.columns.spec import Column, columns_of
 from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.registry import candidates
-from gyrodrift.link.text.columns import Column, columns_of
 from gyrodrift.sample import Reading
 
 
@@ -20,10 +20,20 @@ def read(spec: str, *lines: str) -> list[Reading]:
 
 def test_a_spec_says_what_each_column_is() -> None:
     """With unit, sign and label; `gz` is another name of the rate."""
-    assert columns_of("t_ms, _, gz:lsb/131:-") == (Column("t_ms", 1e3), Column("_"), Column("rate", -1 / 131))
+    assert columns_of("t_ms, _, gz:lsb/131:-") == (
+        Column("t_ms", 1e3),
+        Column("_"),
+        Column("rate", -1 / 131, unit="lsb/131"),
+    )
     assert columns_of("Gyro Z=rate:rads,a=encoder:counts/4096") == (
-        Column("rate", degrees(1.0), "Gyro Z"),
-        Column("encoder", 360 / 4096, "a"),
+        Column("rate", degrees(1.0), "Gyro Z", "rads"),
+        Column("encoder", 360 / 4096, "a", "counts/4096"),
+    )
+    assert columns_of("yaw:rad:-, ax:mg, gx, az:lsb/16384") == (
+        Column("yaw", -degrees(1.0), unit="rad"),
+        Column("ax", 9.80665e-3, unit="mg"),
+        Column("gx"),
+        Column("az", 9.80665 / 16384, unit="lsb/16384"),
     )
 
 
@@ -32,6 +42,9 @@ def test_a_spec_says_what_each_column_is() -> None:
     [
         ("t_ms, _", "no column is the rate"),
         ("rate, rate", "rate is given twice"),
+        ("rate, yaw", "there are a rate and yaw"),
+        ("yaw:dps", "'dps' is no unit of yaw"),
+        ("temp:-, rate", "'-' is no unit of temp"),
         ("t_ms, t_us, rate", "there are two clocks"),
         ("t_ms, raet", "'raet' is no column; did you mean rate"),
         ("", "'' is no column"),

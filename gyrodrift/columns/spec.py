@@ -1,0 +1,151 @@
+"""The columns of other people's text and tables as a person writes them down: `t_ms, _, _, rate:lsb/131:-`."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import degrees
+
+from gyrodrift.errors import UsageError
+from gyrodrift.nearest import did_you_mean
+
+IGNORED = "_"
+CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
+"""Microseconds in one unit of a clock."""
+
+RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
+ANGLE_DEG = {"deg": 1.0, "rad": degrees(1.0)}
+STANDARD_GRAVITY_MPS2 = 9.80665
+"""ISO 80000-3."""
+
+ACCELERATION_MPS2 = {"mps2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": 1e-3 * STANDARD_GRAVITY_MPS2}
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What `:UNIT` may follow a meaning.
+
+    units
+        Name and factor to the unit of a session.
+    per
+        `lsb` or `counts`, where a scale may be given as lsb/N or counts/N.
+    per_scale
+        Value of N counts, in the unit of a session.
+    is_signed
+        Whether `:-` may turn its sign.
+    """
+
+    units: Mapping[str, float] = field(default_factory=dict)
+    per: str = ""
+    per_scale: float = 1.0
+    is_signed: bool = True
+
+
+RATE = Quantity(RATE_DPS, "lsb")
+ACCELERATION = Quantity(ACCELERATION_MPS2, "lsb", STANDARD_GRAVITY_MPS2)
+PLAIN = Quantity(is_signed=False)
+QUANTITIES: Mapping[str, Quantity] = {
+    **dict.fromkeys((IGNORED, *CLOCK_US, "seq"), PLAIN),
+    "rate": RATE,
+    "encoder": Quantity({"deg": 1.0}, "counts", 360.0),
+    "temp": PLAIN,
+    "still": PLAIN,
+    "yaw": Quantity(ANGLE_DEG),
+    **dict.fromkeys(("gx", "gy"), RATE),
+    **dict.fromkeys(("ax", "ay", "az"), ACCELERATION),
+}
+"""Every meaning that a column can have; the rate is about the vertical axis, z."""
+
+MEANINGS = tuple(QUANTITIES)
+OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg": "encoder", "yaw_deg": "yaw"}
+EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'
+EXPECTED = (
+    f"expected one entry a column: {', '.join(MEANINGS)}; rate, gx and gy may say :dps, :mdps, :rads, :mrads or :lsb/N,"
+    f" encoder :deg or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of them :- for the"
+    f" other sign, as in {EXAMPLE}"
+)
+PER = re.compile(r"(lsb|counts)/(\d+(?:\.\d*)?)")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column.
+
+    meaning
+        One of MEANINGS.
+    scale
+        Factor to µs, deg/s, degrees or m/s², with its sign.
+    label
+        Label that finds it in a line; empty where its place does.
+    unit
+        Unit as it was written, `rads` or `lsb/131`; empty where none was.
+    """
+
+    meaning: str
+    scale: float = 1.0
+    label: str = ""
+    unit: str = ""
+
+
+def columns_of(spec: str) -> tuple[Column, ...]:
+    """The columns of the option `--columns SPEC`.
+
+    Raises
+    ------
+    UsageError
+        With the entry that is wrong, and what is expected.
+    """
+    try:
+        return parsed(spec)
+    except ValueError as error:
+        raise UsageError(f"--columns: {error}") from error
+
+
+def parsed(spec: str) -> tuple[Column, ...]:
+    """The columns of a SPEC.
+
+    Raises
+    ------
+    ValueError
+        With the entry that is wrong, and what is expected.
+    """
+    columns = tuple(_column(entry.strip()) for entry in spec.split(","))
+    for meaning in MEANINGS[1:]:
+        named = [column for column in columns if column.meaning == meaning]
+        if len(named) > 1:
+            raise ValueError(f"{spec!r}: {meaning} is given twice; call the other one {IGNORED}")
+    meanings = {column.meaning for column in columns}
+    if len(meanings & CLOCK_US.keys()) > 1:
+        raise ValueError(f"{spec!r}: there are two clocks; call one of them {IGNORED}")
+    if not meanings & {"rate", "yaw"}:
+        raise ValueError(f"{spec!r}: no column is the rate, and none is yaw; {EXPECTED}")
+    if {"rate", "yaw"} <= meanings:
+        raise ValueError(f"{spec!r}: there are a rate and yaw; call one of them {IGNORED}, or yaw the encoder")
+    if len({bool(column.label) for column in columns}) > 1:
+        raise ValueError(f"{spec!r}: either all columns have a label (LABEL=rate), or none has")
+    return columns
+
+
+def _column(entry: str) -> Column:
+    label, mark, said = entry.rpartition("=")
+    name, *options = (part.strip() for part in said.strip().split(":"))
+    meaning = OTHER_NAMES.get(name, name)
+    if meaning not in QUANTITIES or (mark and not label.strip()):
+        meant = f"{did_you_mean(name, [*MEANINGS, *OTHER_NAMES])} ".lstrip()
+        raise ValueError(f"{entry!r} is no column; {meant}{EXPECTED}")
+    quantity, scale, unit = QUANTITIES[meaning], CLOCK_US.get(meaning, 1.0), ""
+    for option in options:
+        factor = -1.0 if option == "-" and quantity.is_signed else _factor(quantity, option)
+        if factor is None:
+            raise ValueError(f"{entry!r}: {option!r} is no unit of {meaning}; {EXPECTED}")
+        scale *= factor
+        unit = unit if option == "-" else option
+    return Column(meaning, scale, " ".join(label.split()), unit)
+
+
+def _factor(quantity: Quantity, option: str) -> float | None:
+    """Factor of a unit to that of a session; None for a unit that the quantity does not have."""
+    if option in quantity.units:
+        return quantity.units[option]
+    found = PER.fullmatch(option)
+    per = float(found[2]) if found and found[1] == quantity.per else 0.0
+    return quantity.per_scale / per if per else None
