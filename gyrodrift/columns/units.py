@@ -1,0 +1,144 @@
+"""Units as boards, libraries and tables write them: `gz (rad/s)`, `wz [°/s]`, `1.2 deg/s`, `accel_m_s2`, `time_us`."""
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Dimension(StrEnum):
+    """What a unit measures."""
+
+    RATE = "rate"
+    ANGLE = "angle"
+    ACCELERATION = "acceleration"
+    TIME = "time"
+    TEMPERATURE = "temperature"
+    FREQUENCY = "frequency"
+    FIELD = "magnetic field"
+    PRESSURE = "pressure"
+    VOLTAGE = "voltage"
+    SHARE = "share"
+    LENGTH = "length"
+    COUNTS = "counts"
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit of a dimension.
+
+    option
+        What a SPEC calls it: `rads` of a rate, `t_us` of a time; empty where a SPEC has no word for it.
+    """
+
+    dimension: Dimension
+    option: str = ""
+
+
+def _units(dimension: Dimension, **spellings: str) -> dict[str, Unit]:
+    """By spelling; the names of the keywords are options, with `per_N` for lsb/N."""
+    named = {option.replace("per_", "lsb/").replace("_", "."): words for option, words in spellings.items()}
+    return {
+        word: Unit(dimension, "" if option == "other" else option)
+        for option, words in named.items()
+        for word in words.split()
+    }
+
+
+TIMES = {
+    word: Unit(Dimension.TIME, option)
+    for option, words in {
+        "t_s": "s",
+        "t_ms": "ms msec millis millisecond milliseconds",
+        "t_us": "us usec micros microsecond microseconds",
+        "t_ns": "ns nsec nanos nanosecond nanoseconds nanosec",
+    }.items()
+    for word in words.split()
+}
+SPELLINGS: dict[str, Unit] = {
+    **_units(
+        Dimension.RATE,
+        dps="dps deg/s degs-1 deg.s-1 d/s degps",
+        mdps="mdps mdeg/s millideg/s millidps",
+        rads="rad/s rads rads-1 rad.s-1 radps",
+        mrads="mrad/s mrads millirad/s",
+        per_60="deg/min dpm",
+        per_3600="deg/h deg/hr deg/hour dph",
+        per_0_16666666666666666="rpm rev/min r/min",
+    ),
+    **_units(Dimension.ANGLE, deg="deg degs", rad="rad"),
+    **_units(
+        Dimension.ACCELERATION,
+        mps2="m/s2 m/s/s ms-2 m.s-2 mps2 m/s^2",
+        g="g gs gee",
+        mg="mg millig",
+    ),
+    **TIMES,
+    **_units(Dimension.TEMPERATURE, other="degc c celsius degf f fahrenheit kelvin"),
+    **_units(Dimension.FREQUENCY, other="hz khz mhz fps sps"),
+    **_units(Dimension.FIELD, other="ut mt nt tesla gauss milligauss microtesla"),
+    **_units(Dimension.PRESSURE, other="pa hpa kpa mbar bar inhg mmhg"),
+    **_units(Dimension.VOLTAGE, other="v mv volt volts ma amp amps"),
+    **_units(Dimension.SHARE, other="% percent ppm"),
+    **_units(Dimension.LENGTH, other="m mm cm km ft m/s km/h mph kn knots"),
+    **_units(Dimension.COUNTS, other="lsb lsbs count counts raw adc"),
+}
+"""By the plain spelling that `_plain` makes."""
+
+MIXED_CASE = {"mG": Unit(Dimension.FIELD), "MHz": Unit(Dimension.FREQUENCY), "mT": Unit(Dimension.FIELD)}
+"""Spellings whose case matters: mg is an acceleration, mG a magnetic field."""
+
+AMBIGUOUS = {"G"}
+"""Gauss or gravity: one letter does not say which."""
+
+REPLACED = (
+    (r"µ|μ", "u"),
+    (r"º|˚", "°"),
+    (r"²", "2"),
+    (r"⁻¹|\^-1|\*\*-1", "-1"),
+    (r"\^2|\*\*2", "2"),
+    (r"radians?", "rad"),
+    (r"degrees?|°", "deg"),
+    (r"(?<=[a-z\d\s/._-])sec(?:ond)?s?\b|^sec(?:ond)?s?$", "s"),
+    (r"minutes?", "min"),
+    (r"\s*\bper\b\s*|_per_|\s*/\s*", "/"),
+    (r"[·⋅*]", "."),
+    (r"\s+", ""),
+)
+LONGEST = 40
+"""Characters of a unit and of a label that are looked at; none has more, and foreign text has no end."""
+
+BRACKETED = re.compile(r"[(\[{<]([^()\[\]{}<>]{1,40})[)\]}>]")
+TAILS = re.compile(r"[\s_,;|-]+")
+
+
+def unit_of(text: str) -> Unit | None:
+    """The unit that a text is, `rad/s`, `°/s` or `m/s^2`; None where it is none."""
+    word = text.strip(" .,;:")
+    if not word or len(word) > LONGEST or word in AMBIGUOUS:
+        return None
+    return MIXED_CASE.get(word) or SPELLINGS.get(_plain(word))
+
+
+def unit_in(label: str) -> Unit | None:
+    """The unit that a label names, in brackets or as its last words: `Gyro Z (rad/s)`, `gyro_z_rad_s`, `time us`."""
+    label = label.strip()[:LONGEST]
+    for bracketed in BRACKETED.findall(label):
+        if unit := unit_of(bracketed):
+            return unit
+    words = [word for word in TAILS.split(BRACKETED.sub(" ", label)) if word and word.lower() != "per"]
+    if len(words) > 2 and (unit := unit_of("/".join(words[-2:]))):  # rad_s, m_s2
+        return unit
+    return unit_of(words[-1]) if len(words) > 1 and len(words[-1]) > 1 else _short_tail(words)
+
+
+def _short_tail(words: list[str]) -> Unit | None:
+    """A letter alone is an axis more often than a unit: seconds behind a time are taken, and nothing else."""
+    is_time = len(words) > 1 and words[-1] == "s" and words[-2].lower() in {"t", "time", "timestamp", "stamp", "clock"}
+    return SPELLINGS["s"] if is_time else None
+
+
+def _plain(word: str) -> str:
+    plain = word.lower()
+    for pattern, text in REPLACED:
+        plain = re.sub(pattern, text, plain)
+    return plain
