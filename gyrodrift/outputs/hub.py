@@ -24,6 +24,8 @@ from gyrodrift.sample import Corrected
 REPORT_S = 0.5
 RETRY_FIRST_S = 1.0
 RETRY_LONGEST_S = 30.0
+STEADY_S = 30.0
+"""An output that was open for so long begins again with the first pause."""
 OPEN_S = 30.0
 CLOSE_S = 3.0
 MOST_MESSAGES = 64
@@ -90,8 +92,11 @@ class RunningOutput:
                 self.problem = await _opened(output)
                 if not self.problem:
                     self._log.info("output_open", address=output.address)
-                    self._open, is_told, pause_s = output, False, RETRY_FIRST_S
+                    self._open, is_told = output, False
+                    opened_s = asyncio.get_running_loop().time()
                     await self._has_failed.wait()
+                    if asyncio.get_running_loop().time() - opened_s > STEADY_S:
+                        pause_s = RETRY_FIRST_S
             finally:
                 self._open = None
                 await _closed(output, self._log)
@@ -219,7 +224,11 @@ class Hub:
 
     def _say(self, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """What asyncio would write as a traceback."""
-        self._broke.happened(reason=f"{context.get('exception')!r}: {context['message']}")
+        reason = f"{context.get('exception')!r}: {context['message']}"
+        if self._is_over.is_set():  # the loop may have ended, and this be its last words
+            self._log.error("output_broke", reason=reason)
+        else:
+            self._broke.happened(reason=reason)
 
 
 def _spec_of(given: dict[str, Any]) -> OutputSpec:

@@ -18,6 +18,7 @@ from gyrodrift import __version__
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import FIELDS, known
+from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import Limits
@@ -79,6 +80,7 @@ class MqttOutput(Output[MqttOptions]):
         self._retained: dict[str, str] = {}
         self._has_news = asyncio.Event()
         self._client: aiomqtt.Client | None = None
+        self._guard: BrokerGuard | None = None
         self._tasks: list[asyncio.Task[None]] = []
         self._sent = 0
         self._announced: DeviceStatus | None = None
@@ -103,13 +105,15 @@ class MqttOutput(Output[MqttOptions]):
             max_queued_incoming_messages=Limits().clients,
             logger=_silent(),
         )
+        self._guard = BrokerGuard(self._client)
         try:
             await self._client.__aenter__()
             await self._client.publish(self._topics.availability, ONLINE, AT_LEAST_ONCE, retain=True)
             if self.options.discovery:
                 await self._client.subscribe(self._birth_topic)
         except aiomqtt.MqttError as error:
-            raise OutputError(f"the broker at {where} does not take us: {error}") from error
+            why = self._guard.problem or f"the broker at {where} does not take us: {error}"
+            raise OutputError(why) from error
         self.address = f"{where}/{self._topics.state}"
         self._tasks = [
             asyncio.create_task(self._publish(self._client)),
@@ -153,6 +157,8 @@ class MqttOutput(Output[MqttOptions]):
                         self._topics.availability, OFFLINE, AT_LEAST_ONCE, retain=True, timeout=FAREWELL_S
                     )
                 await self._client.__aexit__(None, None, None)
+        if self._guard is not None:
+            self._guard.close()
 
     async def _publish(self, client: "aiomqtt.Client") -> None:
         while True:
@@ -176,7 +182,8 @@ class MqttOutput(Output[MqttOptions]):
     def _check_connection(self) -> None:
         for task in self._tasks:
             if task.done() and not task.cancelled():
-                raise OutputError(f"the broker went away: {_reason(task.exception())}")
+                told = self._guard.problem if self._guard is not None else ""
+                raise OutputError(told or f"the broker went away: {_reason(task.exception())}")
 
     def _announce(self, device: DeviceStatus) -> None:
         self._announced = device
