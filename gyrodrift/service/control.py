@@ -16,7 +16,7 @@ from typing import Any
 
 from gyrodrift.errors import UsageError
 from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.outputs.net.unix_socket import bind_unix
+from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 from gyrodrift.outputs.output import OutputError
 
 MOST_CLIENTS = 8
@@ -59,6 +59,7 @@ class Control:
         self._log = log
         try:
             self._listening = bind_unix(path)
+            self._file = file_of(path)
         except OutputError as error:
             raise UsageError(f"--control {path}: {error}") from error
         self._clients: dict[int, _Client] = {}
@@ -81,7 +82,7 @@ class Control:
             client.connection.close()
         self._clients.clear()
         self._listening.close()
-        self._path.unlink(missing_ok=True)
+        unlink_unix(self._path, self._file)
 
     def _accept(self) -> None:
         try:

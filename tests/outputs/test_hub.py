@@ -254,6 +254,20 @@ def test_a_path_that_is_no_socket_is_left_alone(outputs: HubThread, tmp_path: Pa
     assert outputs.opened()[0].address == str(left)
 
 
+def test_a_socket_of_others_that_has_the_place_of_ours_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
+    """Ours goes at its end; what somebody put there since stays."""
+    path = tmp_path / "gyro"
+    outputs.want(f"unix:path={path}")
+    outputs.opened()
+    path.rename(tmp_path / "ours")
+    with socket.socket(socket.AF_UNIX) as other:
+        other.bind(str(path))
+        outputs.want()
+        while outputs.statuses():
+            pass
+        assert path.is_socket()
+
+
 def test_events_reach_clients(outputs: HubThread, tcp: Address) -> None:
     """As in the log."""
     with connected(tcp) as client:

@@ -115,8 +115,30 @@ def test_a_file_at_the_path_is_left_alone(outputs: HubThread, tmp_path: Path) ->
     outputs.want(f"nmea:to=pty,path={there}")
     while not (problem := next((each.problem for each in outputs.statuses()), "")):
         pass
-    assert problem == f"{there} is there and is no link; give another with path="
+    assert problem == f"{there} is there and is no link to a pty; give another with path="
     assert there.read_text() == "mine"
+
+
+@pytest.mark.parametrize("target", ["notes.txt", "/dev/null", "gone"])
+def test_a_link_that_leads_elsewhere_is_left_alone(outputs: HubThread, tmp_path: Path, target: str) -> None:
+    """As udev makes one for a device, also while the device is away."""
+    (tmp_path / "notes.txt").write_text("mine")
+    link = tmp_path / "gyro"
+    link.symlink_to(target)
+    outputs.want(f"nmea:to=pty,path={link}")
+    while not (problem := next((each.problem for each in outputs.statuses()), "")):
+        pass
+    assert problem == f"{link} is there and is no link to a pty; give another with path="
+    assert str(link.readlink()) == target
+
+
+def test_a_link_that_was_left_behind_is_replaced(outputs: HubThread, tmp_path: Path) -> None:
+    """By a service that was killed."""
+    link = tmp_path / "gyro"
+    link.symlink_to("/dev/pts/999999")
+    outputs.want(f"nmea:to=pty,path={link}")
+    assert outputs.opened()[0].address == str(link)
+    assert link.exists()
 
 
 def test_gpsd_reads_the_pty(outputs: HubThread, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.refusals import Refusals, own_mistake
-from gyrodrift.outputs.net.unix_socket import bind_unix
+from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 
 KERNEL_BYTES = 64 << 10
@@ -189,6 +189,7 @@ class LineServer:
         self.greet = greet
         self._server: asyncio.Server | None = None
         self._path: Path | None = None
+        self._file = 0, 0
         self._gone_sent = self._gone_dropped = 0
 
     async def listen_tcp(self, host: str, port: int) -> str:
@@ -218,9 +219,9 @@ class LineServer:
             Where the path cannot be had.
         """
         listening = bind_unix(path)
+        self._path, self._file = path, file_of(path)
         loop = asyncio.get_running_loop()
         self._server = await loop.create_unix_server(lambda: LineClient(self), sock=listening)
-        self._path = path
         return str(path)
 
     def statuses(self) -> list[ClientStatus]:
@@ -247,7 +248,7 @@ class LineServer:
         for client in list(self.clients):
             client.close()
         if self._path is not None:
-            self._path.unlink(missing_ok=True)
+            unlink_unix(self._path, self._file)
         self._server = None
         await asyncio.sleep(0)
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 from gyrodrift.outputs.output import OutputError
 
+PTYS = Path("/dev/pts")
+
 
 class PtyWriter:
     """A pty behind a symbolic link; `sent` and `dropped` count what the kernel took and what not.
@@ -30,10 +32,10 @@ class PtyWriter:
         Raises
         ------
         OutputError
-            Where something lies there that is no link, or the folder does not take it.
+            Where something lies there that is no link to a pty, or the folder does not take it.
         """
-        if link.exists() and not link.is_symlink():
-            raise OutputError(f"{link} is there and is no link; give another with path=")
+        if (link.exists() or link.is_symlink()) and not _was_left_behind(link):
+            raise OutputError(f"{link} is there and is no link to a pty; give another with path=")
         try:
             self._ours, self._theirs = pty.openpty()
             tty.setraw(self._theirs)
@@ -83,3 +85,8 @@ class PtyWriter:
         except OSError as error:
             if error.errno not in {errno.EAGAIN, errno.EIO}:
                 raise
+
+
+def _was_left_behind(link: Path) -> bool:
+    """It is a link as `open` makes one; links that the system or a person made stay."""
+    return link.is_symlink() and link.readlink().parent == PTYS

@@ -2,6 +2,7 @@
 
 import os
 import socket
+from contextlib import suppress
 from pathlib import Path
 
 from gyrodrift.outputs.output import OutputError
@@ -32,6 +33,19 @@ def bind_unix(path: Path) -> socket.socket:
         listening.close()
         raise OutputError(f"cannot listen on {path}: {error.strerror or error}") from error
     return listening
+
+
+def unlink_unix(path: Path, listening: tuple[int, int]) -> None:
+    """Take away the socket that was bound at a path, and nothing that has its place since; `file_of` says which."""
+    with suppress(OSError):
+        if file_of(path) == listening:
+            path.unlink()
+
+
+def file_of(path: Path) -> tuple[int, int]:
+    """What tells a file from others: device and inode. OSError where there is none."""
+    found = path.lstat()
+    return found.st_dev, found.st_ino
 
 
 def _clear(path: Path) -> None:
