@@ -19,6 +19,8 @@ import re
 from collections.abc import Sequence
 from typing import ClassVar
 
+from gyrodrift.secret import without_secrets
+
 MOST_LINES, LONGEST_LINE = 40, 1000
 """Of a message: what it quotes may come from a file or a device, and may be of any length."""
 
@@ -29,13 +31,13 @@ CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 class GyrodriftError(Exception):
     """Root of the tree; `exit_status` is what a command ends with.
 
-    A message is of bounded length and has no control characters.
+    A message is of bounded length, has no control characters, and names no password.
     """
 
     exit_status: ClassVar[int] = 1
 
     def __init__(self, message: str) -> None:
-        lines = [shortened(visible(line), LONGEST_LINE) for line in message.split("\n")]
+        lines = [shortened(visible(line), LONGEST_LINE) for line in without_secrets(message).split("\n")]
         more = len(lines) - MOST_LINES
         super().__init__("\n".join([*lines[:MOST_LINES], f"and {more} lines more"] if more > 0 else lines))
 

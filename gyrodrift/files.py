@@ -1,9 +1,11 @@
-"""Writing a file so that it is there whole or not at all."""
+"""Reading a file that may be anything, and writing one so that it is there whole or not at all."""
 
 import os
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from io import RawIOBase
 from pathlib import Path
 from secrets import token_hex
 from tempfile import TemporaryFile
@@ -21,8 +23,93 @@ FILTERED_COLUMN = b"yaw_deg"
 LONGEST_PREFIX = 60
 """Characters of a name that the file which is being written begins with."""
 
+NOT_ORDINARY = "is no ordinary file"
+
 NAMED = 3
 """Of many files that a message is about."""
+
+
+class UnreadableError(Exception):
+    """A file cannot be read as one; the text says why, for behind its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileContent:
+    """The bytes of a file and its mode."""
+
+    content: bytes
+    mode: int
+
+
+def read_ordinary(path: Path, longest_bytes: int) -> FileContent:
+    """Read a whole file of a bounded size; a pipe, a device or a socket is not waited for, and not read.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where there is none.
+    UnreadableError
+        Where it cannot be read, is no ordinary file or is larger.
+    """
+    try:
+        with open(path, "rb", buffering=0, opener=_without_waiting) as file:
+            status = os.fstat(file.fileno())
+            content = _all_of(file, longest_bytes + 1)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError) as error:
+        raise UnreadableError(_why_unreadable(error)) from error
+    if len(content) > longest_bytes:
+        raise UnreadableError(f"is larger than {longest_bytes >> 10} KiB")
+    return FileContent(content, stat.S_IMODE(status.st_mode))
+
+
+def check_ordinary(path: Path) -> None:
+    """See that a path can be opened without waiting: a file or a folder, or nothing.
+
+    Raises
+    ------
+    UnreadableError
+        Where it is a pipe, a device or a socket.
+    """
+    try:
+        _check_openable(path)
+    except OSError:  # nothing is there, or nobody may look
+        return
+    except ValueError as error:
+        raise UnreadableError(NOT_ORDINARY) from error
+
+
+def _check_openable(path: Path | str | int) -> None:
+    """See that it is a file or a folder; ValueError where it is not, OSError where there is none."""
+    mode = os.stat(path).st_mode  # noqa: PTH116 - it may be a descriptor
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise ValueError(NOT_ORDINARY)
+
+
+def _without_waiting(name: str, flags: int) -> int:
+    """Open an ordinary file or a folder, which open() refuses itself; a device may do something when it is opened."""
+    _check_openable(name)
+    fd = os.open(name, flags | os.O_NONBLOCK | os.O_NOCTTY)
+    try:
+        _check_openable(fd)  # another file may have taken the name
+    except ValueError:
+        os.close(fd)
+        raise
+    return fd
+
+
+def _all_of(file: RawIOBase, most_bytes: int) -> bytes:
+    content = bytearray()
+    while len(content) < most_bytes and (piece := file.read(most_bytes - len(content))):
+        content += piece
+    return bytes(content)
+
+
+def _why_unreadable(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError):
+        return f"cannot be read: {error.strerror}"
+    return NOT_ORDINARY if str(error) == NOT_ORDINARY else f"cannot be read: {error}"
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from typing import Any, TextIO, cast
 from gyrodrift.errors import UsageError
 from gyrodrift.log_stream import UnwaitingStream
 from gyrodrift.logger import FilteringBoundLogger, structlog
+from gyrodrift.secret import without_secrets
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 FORMATS = ("auto", "text", "json")
@@ -44,6 +45,7 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
     log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() asks for no more than write and flush
     structlog.configure(
         processors=[
+            _public,
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
             *([] if style == "json" else [_printable]),
@@ -55,6 +57,14 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
     )
     logger: FilteringBoundLogger = structlog.get_logger()
     return logger
+
+
+def _public(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
+    """Nobody finds a password in the log, whichever address or message holds it."""
+    for key, value in entry.items():
+        if isinstance(value, str):
+            entry[key] = without_secrets(value)
+    return entry
 
 
 def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:

@@ -17,7 +17,7 @@ from support import PATIENCE_S, Command, never, speaking_on
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.hub import Hub
-from gyrodrift.outputs.options import OutputSpec
+from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
 from gyrodrift.sample import Corrected, Sample
 
@@ -108,7 +108,7 @@ class HubThread:
     def want(self, *specs: OutputSpec | str) -> None:
         """These outputs from now on."""
         wanted = [output_of(each) if isinstance(each, str) else each for each in specs]
-        named = [{"name": each.name, "options": asdict(each.options)} for each in wanted]
+        named = [{"name": each.name, "options": revealed(each.options)} for each in wanted]
         self._service.send(wire.pack_json(wire.OUTPUTS, named))
 
     def samples(self, samples: Sequence[Corrected]) -> None:

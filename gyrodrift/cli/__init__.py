@@ -8,6 +8,7 @@ from types import ModuleType
 
 from gyrodrift.cli.parser import Parser, unknown
 from gyrodrift.errors import GyrodriftError, UsageError
+from gyrodrift.secret import mentions_secret, shown_words
 
 COMMANDS = {
     "serve": "read a device, correct its drift, emit yaw as JSON lines",
@@ -77,8 +78,12 @@ def _forget_stdout() -> None:
 
 
 def _run(name: str, arguments: list[str]) -> int:
+    if any(map(mentions_secret, arguments)):
+        from gyrodrift.process_list import hide_secrets
+
+        hide_secrets()
     parsed = parser_of(name).read(arguments)
-    parsed.command_line = ["gyrodrift", name, *arguments]
+    parsed.command_line = shown_words(["gyrodrift", name, *arguments])
     status: int = command_of(name).run(parsed)
     return status
 

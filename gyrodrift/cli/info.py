@@ -163,7 +163,7 @@ def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequenc
         date=date_now(),
         sessions=[UsedFile(str(path), digest_of(path)) for path in paths],
         config=f"{config.filter} of {given}" if given else f"{config.filter} at its defaults",
-        config_text=given.read_text(encoding="utf-8") if given else "",
+        config_text=config.text,
     )
 
 

@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         about = options.config_tables(arguments.config, config) if arguments.config else {}
         check_writable(arguments.out)
-        recorder = Recorder(RecordOptions(*what, about), link)
+        recorder = Recorder(RecordOptions(*what, about, mode=config.mode), link)
         repair_interrupted(arguments.out, log)
         events.listeners.append(recorder.on_event)
         try:

@@ -180,13 +180,16 @@ def _recording(
 
     rotate_bytes, rotate_s = options.rotation(arguments.rotate)
     what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-    about = {} if filtering.watch is None else options.config_tables(arguments.config, filtering.watch.config)
-    asked = RecordOptions(*what, about, lambda: table_of(filtering.filter, filtering.state))
+    config = None if filtering.watch is None else filtering.watch.config
+    about, mode = ({}, 0o666) if config is None else (options.config_tables(arguments.config, config), config.mode)
+    asked = RecordOptions(*what, about, lambda: table_of(filtering.filter, filtering.state), mode)
     recording = ResilientRecorder(asked, filtering.link, log)
     repair_interrupted(arguments.record, log)
     events.listeners.append(recording.on_event)
     filtering.event_listeners.append(recording.on_event)
-    filtering.config_listeners.append(lambda new: recording.set_about(options.config_tables(arguments.config, new)))
+    filtering.config_listeners.append(
+        lambda new: recording.set_about(options.config_tables(arguments.config, new), new.mode)
+    )
     return recording
 
 

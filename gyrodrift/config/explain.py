@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict
 from pydantic.fields import FieldInfo
 
 from gyrodrift.nearest import did_you_mean
+from gyrodrift.secret import LONGEST_SECRET, SecretText
 
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
 
@@ -31,6 +32,8 @@ def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:
     if bool in kinds:
         return "true or false"
     bounds = _bounds(info)
+    if SecretText in kinds:
+        return f"text of up to {LONGEST_SECRET} characters"
     if str in kinds:
         longest = next((bound.max_length for bound in bounds if isinstance(bound, MaxLen)), None)
         shortest = any(isinstance(bound, MinLen) for bound in bounds)

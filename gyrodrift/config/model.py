@@ -20,6 +20,7 @@ from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.options import OutputSpec
+from gyrodrift.public_yaml import public_yaml
 
 SAMPLE_RATE = "sample_rate_hz"
 
@@ -44,7 +45,9 @@ class Config:
         One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
         block says which filter is meant.
     text
-        The file as it was read.
+        The file as it was read, without secrets.
+    mode
+        Who may read the file; nobody else may read what is recorded with it.
     """
 
     filter: str = DEFAULT.name
@@ -55,6 +58,7 @@ class Config:
     columns: str | None = None
     calibration: Calibration | None = None
     text: str = field(default="", compare=False, repr=False)
+    mode: int = field(default=0o666, compare=False, repr=False)
 
     @property
     def chosen(self) -> Filter:
@@ -128,7 +132,8 @@ def load_config(path: Path) -> Config:
     if read.value is None and not read.problems:
         read.report((), f"is empty; expected at least {named}")
     elif read.value is not None and not isinstance(read.value, dict):
-        read.report((), f"holds {said(read.value)}; expected keys such as {named}")
+        what = "text" if isinstance(read.value, str) else said(read.value)  # it may be a file with a password
+        read.report((), f"holds {what}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
     given = read.value if isinstance(read.value, dict) else {}
     outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
@@ -136,7 +141,14 @@ def load_config(path: Path) -> Config:
     calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
-    return replace(_config(file, given), outputs=outputs, columns=columns, calibration=calibration, text=read.text)
+    return replace(
+        _config(file, given),
+        outputs=outputs,
+        columns=columns,
+        calibration=calibration,
+        text=public_yaml(read.text),
+        mode=read.mode,
+    )
 
 
 def columns_in(given: Any, report: Callable[[str], None]) -> str | None:

@@ -1,6 +1,6 @@
 """Outputs as a person asks for them, in the config or with `--output`: checked, with every mistake told."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, get_args, get_type_hints
 
@@ -9,8 +9,9 @@ from pydantic import ValidationError, create_model
 from gyrodrift.config.explain import Strict, expectation, said, unknown_key
 from gyrodrift.config.yaml import Key, plain_value
 from gyrodrift.errors import UsageError
-from gyrodrift.outputs.options import OutputSpec, about
+from gyrodrift.outputs.options import OutputSpec, about, secrets
 from gyrodrift.outputs.registry import OUTPUTS
+from gyrodrift.secret import HIDDEN, SecretText, shown_key, without_secrets
 
 MOST_OUTPUTS = 100
 """Of a config; each has a thread or a socket of its own."""
@@ -24,7 +25,7 @@ def outputs_in(given: Any, report: Report) -> tuple[OutputSpec, ...]:
     if given is None:
         return ()
     if not isinstance(given, list):
-        report((), f"is {said(given)}; expected a list of blocks such as - {{name: tcp}}")
+        report((), f"{_said_of(given)}; expected a list of blocks such as - {{name: tcp}}")
         return ()
     if len(given) > MOST_OUTPUTS:
         report((), f"are {len(given)}; expected no more than {MOST_OUTPUTS}")
@@ -37,14 +38,20 @@ def _within(number: int, report: Report) -> Report:
     return lambda key, what: report((number, *key), what)
 
 
+def _said_of(given: Any) -> str:
+    """What stands in the place of a block; text but the name of an output may be a misplaced password."""
+    return "is text" if isinstance(given, str) and given not in OUTPUTS else f"is {said(given)}"
+
+
 def output_in(given: Any, report: Report) -> OutputSpec | None:
     """Of one block; None where it has mistakes."""
     if not isinstance(given, Mapping) or "name" not in given:
-        report((), f"is {said(given)}; expected a block with a name: {', '.join(OUTPUTS)}")
+        report((), f"{_said_of(given)}; expected a block with a name: {', '.join(OUTPUTS)}")
         return None
     name, options = given["name"], {key: value for key, value in given.items() if key != "name"}
     if not isinstance(name, str) or name not in OUTPUTS:
-        report(("name",), f"{said(name)} {unknown_key(str(name), list(OUTPUTS), 'an output')}")
+        shown = shown_key(name) if isinstance(name, str) else name
+        report(("name",), f"{said(shown)} {unknown_key(str(name), list(OUTPUTS), 'an output')}")
         return None
     try:
         OUTPUTS[name].check_packages()
@@ -67,10 +74,13 @@ def output_of(argument: str) -> OutputSpec:
     problems: list[str] = []
     for word in filter(None, rest.split(",")):
         key, equals, text = word.partition("=")
-        if not equals:
+        is_public = _is_public(name, given.keys() - {"name"})
+        if equals and (is_public or key in _keys(name)):
+            given[key] = text
+        elif is_public:
             problems.append(f"{word!r}: expected key=value")
-            continue
-        given[key] = text
+        else:  # it may be a part of the password
+            problems.append("expected key=value behind a comma; a password with a comma goes into a file")
     if name in OUTPUTS:
         given |= {key: _read(name, key, text) for key, text in given.items() if key != "name"}
 
@@ -79,8 +89,33 @@ def output_of(argument: str) -> OutputSpec:
 
     spec = output_in(given, report)
     if problems or spec is None:
-        raise UsageError("\n".join(f"--output {argument}: {problem}" for problem in problems))
+        raise UsageError("\n".join(f"--output {_shown(argument)}: {problem}" for problem in problems))
     return spec
+
+
+def _is_public(name: str, keys: Iterable[str]) -> bool:
+    """Whether none of these options of an output may be a secret, slips in their names included."""
+    if name not in OUTPUTS:
+        return not any(keys)
+    hidden = secrets(OUTPUTS[name].output.options_type)
+    return not hidden or _keys(name) - hidden >= set(keys)
+
+
+def _keys(name: str) -> frozenset[str]:
+    """The options of an output; none where there is no such output."""
+    return (
+        frozenset(each.name for each in fields(OUTPUTS[name].output.options_type)) if name in OUTPUTS else frozenset()
+    )
+
+
+def _shown(argument: str) -> str:
+    """The argument of `--output` with `***` for every value that may be a secret."""
+    name, colon, rest = argument.partition(":")
+    words = [word.partition("=") for word in rest.split(",")]
+    if not _is_public(name, (key for key, _, _ in words if key)):
+        known = [(key, text if _is_public(name, [key]) else HIDDEN) for key, equals, text in words if equals]
+        rest = ",".join(f"{key}={text}" for key, text in known)
+    return without_secrets(f"{shown_key(name)}{colon}{rest}")
 
 
 def options_help(name: str) -> Sequence[tuple[str, str, str]]:
@@ -114,9 +149,10 @@ def _checked(name: str, given: Mapping[str, Any], report: Report) -> OutputSpec 
             known = list(model.model_fields)
             if problem["type"] == "extra_forbidden":
                 report((str(key),), unknown_key(str(key), known, f"an option of {name}"))
-            else:
-                expected = expectation(str(key), model.model_fields[str(key)])
-                report((str(key),), f"is {said(given[str(key)])}; expected {expected}")
+                continue
+            expected = expectation(str(key), model.model_fields[str(key)])
+            value = "not shown" if str(key) in secrets(options) else said(given[str(key)])
+            report((str(key),), f"is {value}; expected {expected}")
         return None
     return OutputSpec(name, options(**content))
 
@@ -125,4 +161,4 @@ def _read(name: str, key: str, text: str) -> Any:
     """A value of the command line: text where the option is text, else as a config would read it."""
     hints = get_type_hints(OUTPUTS[name].output.options_type)
     kinds = get_args(hints.get(key)) or (hints.get(key),)
-    return text if str in kinds else plain_value(text)
+    return text if {str, SecretText} & set(kinds) else plain_value(text)

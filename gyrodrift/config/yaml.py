@@ -12,6 +12,8 @@ from typing import Any
 import yaml
 
 from gyrodrift.errors import shortened, visible
+from gyrodrift.files import UnreadableError, read_ordinary
+from gyrodrift.secret import shown_key, without_secrets
 
 LONGEST_BYTES = 128 << 10
 """A config of a few hundred training sessions is a tenth of it."""
@@ -33,9 +35,13 @@ LONGEST_PROBLEM = 400
 WHOLE_DIGITS = 18
 """Of a whole number; longer ones are no exact counts of anything."""
 
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)")
+NUMBER = re.compile(r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+")
+INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*+)")
 NOT_FINITE = re.compile(r"[-+]?\.(?:inf|nan)", re.IGNORECASE)
+QUOTED = re.compile(r"'[^']*+'")
+QUOTED_MARK = 3
+"""The parser quotes marks of three characters, and names of anchors and tags: these may be passwords."""
+
 WORDS = {"true": True, "True": True, "false": False, "False": False, "null": None, "~": None, "": None}
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -53,6 +59,7 @@ class YamlFile:
 
     path: Path
     text: str = ""
+    mode: int = 0o666
     value: Any = None
     places: dict[Key, tuple[int, int]] = field(default_factory=dict)
     nodes: set[int] = field(default_factory=set)
@@ -74,29 +81,27 @@ class YamlFile:
     def report(self, key: Key, message: str) -> None:
         """Note a problem where the key stands, or where the block stands that it is missing from."""
         line, column = self.places.get(key) or self.places.get(key[:-1]) or (1, 1)
-        name = ".".join(str(part) for part in key)
+        name = ".".join(shown_key(str(part)) for part in key)
         self.report_at(line, column, f"{name}: {message}" if name else message)
 
     def report_at(self, line: int, column: int, message: str) -> None:
         """Note a problem at a place of the file."""
-        self._problems.append((line, column, message))
+        self._problems.append((line, column, without_secrets(message)))
 
 
 def read_yaml(path: Path) -> YamlFile:
     """Read a file; whatever is wrong with it is in `problems`, and `value` is None where nothing can be read."""
     read = YamlFile(path)
     try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            read.report((), "is no ordinary file: this is no config file")
-            return read
-        with path.open("rb") as file:
-            content = file.read(LONGEST_BYTES + 1)
-    except OSError as error:
+        found = read_ordinary(path, LONGEST_BYTES)
+    except FileNotFoundError as error:
         read.report((), f"cannot be read: {error.strerror}")
         return read
-    if len(content) > LONGEST_BYTES:
-        read.report((), f"is larger than {LONGEST_BYTES >> 10} KiB: this is no config file")
+    except UnreadableError as error:
+        no_config = "" if str(error).startswith("cannot") else ": this is no config file"
+        read.report((), f"{error}{no_config}")
         return read
+    content, read.mode = found.content, found.mode
     try:
         text = read.text = content.decode("utf-8-sig")
         too_deep = _too_deep(text)
@@ -110,7 +115,9 @@ def read_yaml(path: Path) -> YamlFile:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        problem = error.problem or error.context or ""
+        problem = QUOTED.sub(
+            lambda found: found[0] if len(found[0]) <= QUOTED_MARK else "…", error.problem or error.context or ""
+        )
         said = TOO_NESTED if TOO_DEEP in problem else f"is not YAML: {problem}"
         read.report_at(line, column, said)
     except yaml.YAMLError as error:
@@ -161,7 +168,7 @@ def _mapping(read: YamlFile, key: Key, node: yaml.MappingNode) -> dict[str, Any]
             first, _ = read.places[child]
             read.report_at(
                 *_place(name_node),
-                f"{'.'.join(map(str, child))}: is given twice, first in line {first}; keep one",
+                f"{'.'.join(shown_key(str(part)) for part in child)}: is given twice, first in line {first}; keep one",
             )
             continue
         read.places[child] = _place(name_node)

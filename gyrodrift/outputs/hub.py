@@ -15,7 +15,7 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.refusals import BoundedEvent
-from gyrodrift.outputs.options import OutputSpec
+from gyrodrift.outputs.options import OutputSpec, options_from
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus
@@ -232,4 +232,4 @@ class Hub:
 
 
 def _spec_of(given: dict[str, Any]) -> OutputSpec:
-    return OutputSpec(given["name"], OUTPUTS[given["name"]].output.options_type(**given["options"]))
+    return OutputSpec(given["name"], options_from(OUTPUTS[given["name"]].output.options_type, given["options"]))

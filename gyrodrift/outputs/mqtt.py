@@ -22,11 +22,12 @@ from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import Limits
-from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate, Secret
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.status import DeviceStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
+from gyrodrift.secret import NO_SECRET, SecretText
 
 if TYPE_CHECKING:
     import aiomqtt
@@ -56,7 +57,7 @@ class MqttOptions:
         str, MaxLen(256), About("what Home Assistant's discovery topics begin with; nothing is announced where empty")
     ] = "homeassistant"
     user: Annotated[Text, About("user name at the broker")] = ""
-    password: Annotated[Text, Secret(), About("password of the user; better in password_file")] = ""
+    password: Annotated[SecretText, About("password of the user; better in password_file")] = NO_SECRET
     password_file: Annotated[Text, About("file with the password alone")] = ""
     tls: Annotated[bool, About("speak TLS, and check the broker's certificate")] = False
     ca: Annotated[Text, About("file of certificates to trust; those of the system where empty")] = ""
@@ -207,7 +208,7 @@ class MqttOutput(Output[MqttOptions]):
 
     def _password(self) -> str:
         if not self.options.password_file:
-            return self.options.password
+            return self.options.password.reveal()
         try:
             return Path(self.options.password_file).read_text(encoding="utf-8").rstrip("\r\n")
         except (OSError, UnicodeDecodeError) as error:

@@ -6,14 +6,18 @@
         port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 7117
         rate_hz: Annotated[Rate, About("at most so many lines a second of device time")] = None
 
-Fields are text, whole numbers, numbers, truth values, a `Literal` of words, or one of these or None. `config.outputs`
+Fields are text, secrets (`SecretText`), whole numbers, numbers, truth values, a `Literal` of words, or one of these or
+None. `config.outputs`
 checks what a person gives against them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, get_type_hints
 
 from annotated_types import Ge, Gt, Le, MaxLen, MinLen
+
+from gyrodrift.secret import SecretText, without_secrets
 
 LOOPBACK = "127.0.0.1"
 
@@ -24,13 +28,6 @@ class About:
 
     text: str
 
-
-@dataclass(frozen=True, slots=True)
-class Secret:
-    """Marks an option that is shown to nobody: `status` and the log have stars in its place."""
-
-
-HIDDEN = "***"
 
 Host = Annotated[str, MinLen(1), MaxLen(253)]
 """A name or address."""
@@ -53,9 +50,8 @@ class OutputSpec:
 
     def __str__(self) -> str:
         """As `--output` would have it, without what is as it is anyway."""
-        hidden = secrets(type(self.options))
         given = [
-            f"{each.name}={HIDDEN if each.name in hidden else getattr(self.options, each.name)}"
+            f"{each.name}={without_secrets(str(getattr(self.options, each.name)))}"
             for each in fields(self.options)
             if getattr(self.options, each.name) != each.default
         ]
@@ -75,9 +71,17 @@ def about(options: type[Any]) -> dict[str, str]:
 
 def secrets(options: type[Any]) -> frozenset[str]:
     """The options that are shown to nobody."""
-    hints = get_type_hints(options, include_extras=True)
-    return frozenset(
-        each.name
-        for each in fields(options)
-        if any(isinstance(note, Secret) for note in getattr(hints[each.name], "__metadata__", ()))
-    )
+    hints = get_type_hints(options)
+    return frozenset(each.name for each in fields(options) if hints[each.name] is SecretText)
+
+
+def revealed(options: Any) -> dict[str, Any]:
+    """The options with their secrets, for the process of the outputs alone."""
+    values = {each.name: getattr(options, each.name) for each in fields(options)}
+    return {name: value.reveal() if isinstance(value, SecretText) else value for name, value in values.items()}
+
+
+def options_from(options: type[Any], given: Mapping[str, Any]) -> Any:
+    """The options that `revealed` gave."""
+    hidden = secrets(options)
+    return options(**{name: SecretText(value) if name in hidden else value for name, value in given.items()})

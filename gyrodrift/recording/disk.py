@@ -35,9 +35,9 @@ class RecordingError(DataError):
 class DiskFile:
     """A new file; what is written to it is handed to the system at once and synced every few seconds.
 
-    `other_path` gives another free path where somebody else has just taken `path`. `left_bytes` is what the disk has
-    left for this user, as of the last look; None where the folder is gone, or before the first look. Nobody but the
-    thread asks a disk that may hang, not even for the file itself.
+    `mode` says who may read it beside the umask. `other_path` gives another free path where somebody else has just
+    taken `path`. `left_bytes` is what the disk has left for this user, as of the last look; None where the folder is
+    gone, or before the first look. Nobody but the thread asks a disk that may hang, not even for the file itself.
 
     A file into which not a byte could be written is taken away again: a full disk is tried again and again.
 
@@ -47,12 +47,13 @@ class DiskFile:
         From `write`, `check` and `join`, where the disk is full or gone, too slow, or the file was removed.
     """
 
-    def __init__(self, path: Path, other_path: Callable[[], Path]) -> None:
+    def __init__(self, path: Path, other_path: Callable[[], Path], mode: int = 0o666) -> None:
         self.path = path
         self.is_there = False
         self.failure: RecordingError | None = None
         self.left_bytes: int | None = None
         self._other_path = other_path
+        self._mode = mode | 0o600  # whoever records may repair it
         self._queue: SimpleQueue[bytes | None] = SimpleQueue()
         self._handed_over = self._written = 0
         self._looked_s = self._synced_s = time.monotonic()
@@ -124,13 +125,17 @@ class DiskFile:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         while True:
             try:
-                file = FileIO(self.path, "xb+")
+                file = FileIO(self.path, "xb+", opener=self._open)
             except FileExistsError:
                 self.path = self._other_path()
                 continue
             fcntl.flock(file, fcntl.LOCK_EX)  # who looks for interrupted files holds it for a moment
             self.left_bytes, self.is_there = disk_left_bytes(self.path.parent), True
             return file
+
+    def _open(self, name: str, flags: int) -> int:
+        """Open a new file that nobody may read who may not; the umask takes away more."""
+        return os.open(name, flags, self._mode)
 
     def _take(self) -> bool:
         """Write one piece if there is one; False when it was the last."""
@@ -174,7 +179,7 @@ class DiskFile:
 
     def _put_back(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("xb") as copy:
+        with open(self.path, "xb", opener=self._open) as copy:
             self._file.seek(0)
             shutil.copyfileobj(self._file, copy)
             copy.flush()

@@ -20,6 +20,7 @@ from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import MOST_WAITING_BYTES, DiskFile, RecordingError, disk_left_bytes
 from gyrodrift.recording.names import recording_path
 from gyrodrift.sample import Sample
+from gyrodrift.secret import without_secrets
 from gyrodrift.session.mcap.write import McapWriter
 
 NAMELESS_S = 2.0
@@ -41,6 +42,8 @@ class RecordOptions:
         More named tables for the metadata of each file: the config of a service, as it is at first.
     beginning
         Others that are asked for when a file begins: what its filter knows then.
+    mode
+        Who may read a file at most; the umask takes away more.
     """
 
     folder: Path
@@ -51,6 +54,7 @@ class RecordOptions:
     keeps_raw: bool = False
     about: Mapping[str, dict[str, str]] = field(default_factory=dict)
     beginning: Callable[[], Mapping[str, dict[str, str]]] = dict
+    mode: int = 0o666
 
 
 class Recorder:
@@ -70,7 +74,7 @@ class Recorder:
         self.options = options
         self.samples = self.unflushed = 0
         self._ended_paths: list[Path] = []
-        self._about_tables = options.about
+        self._about_tables, self._mode = options.about, options.mode
         self._finished_bytes = 0
         self._link = link
         self._monotonic = monotonic
@@ -139,9 +143,9 @@ class Recorder:
         if event == CLOCK_SET:
             self._end()
 
-    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
-        """Other tables for this file and those that follow: the config has changed."""
-        self._about_tables = about
+    def set_about(self, about: Mapping[str, dict[str, str]], mode: int) -> None:
+        """Other tables for this file and those that follow, and another mode for those: the config has changed."""
+        self._about_tables, self._mode = about, mode
         if self._writer is not None:
             for name, table in about.items():
                 self._writer.add_metadata(name, table)
@@ -239,7 +243,7 @@ class Recorder:
         def path() -> Path:
             return recording_path(folder, begun, device, self.options.profile, taken)
 
-        return DiskFile(path(), path)
+        return DiskFile(path(), path, self._mode)
 
     def _about(self) -> dict[str, str]:
         """What is known of this recording when a file begins."""
@@ -249,7 +253,7 @@ class Recorder:
             "python": platform.python_version(),
             "host": platform.node(),
             "system": f"{sys.platform} {platform.release()} {platform.machine()}",
-            "port": self._link.name,
+            "port": without_secrets(self._link.name),
             "baud": str(self._link.baud),
             "protocol": decoder.name if decoder else "",
             "begun": datetime.now(UTC).isoformat(timespec="milliseconds"),

@@ -61,12 +61,12 @@ class ResilientRecorder:
             except RecordingError as error:
                 self._fail(self.recorder, error)
 
-    def set_about(self, about: Mapping[str, dict[str, str]]) -> None:
+    def set_about(self, about: Mapping[str, dict[str, str]], mode: int) -> None:
         """Other tables for the metadata from now on: the config has changed."""
-        self.options = replace(self.options, about=about)
+        self.options = replace(self.options, about=about, mode=mode)
         if self.recorder is not None:
             try:
-                self.recorder.set_about(about)
+                self.recorder.set_about(about, mode)
             except RecordingError as error:
                 self._fail(self.recorder, error)
 

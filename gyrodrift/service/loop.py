@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.secret import without_secrets
 from gyrodrift.service.listener import SampleListener
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
@@ -99,7 +100,7 @@ class Service:
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
             if self.notify is not None:
-                self.notify.ready(f"reading {self.link.name}")
+                self.notify.ready(f"reading {without_secrets(self.link.name)}")
             with ExitStack() as closing:  # each is closed, whatever the others make of it
                 for listener in self.listeners:
                     closing.callback(listener.close)

@@ -17,7 +17,7 @@ from typing import Any
 
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
-from gyrodrift.outputs.options import OutputSpec
+from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
 from gyrodrift.sample import Corrected
 
@@ -141,7 +141,7 @@ class OutputFeed:
 
     def _wanted(self) -> bytes:
         return wire.pack_json(
-            wire.OUTPUTS, [{"name": each.name, "options": asdict(each.options)} for each in self.specs]
+            wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs]
         )
 
     def _start(self, now_s: float) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift import __version__
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.secret import without_secrets
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.link_meter import LinkMeter
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
@@ -48,7 +49,7 @@ class Reporting:
 def _link_status(meter: LinkMeter) -> LinkStatus:
     link, decoder = meter.link, meter.link.decoder
     return LinkStatus(
-        port=link.name,
+        port=without_secrets(link.name),
         baud=link.baud,
         protocol=decoder.name if decoder else "unknown",
         is_open=link.port is not None,

@@ -128,7 +128,7 @@ def test_the_shipped_config_is_valid() -> None:
     [
         ("", "c.yaml:1:1 is empty; expected at least filter: hdr or filter: restlevel"),
         ("# nothing\n", "c.yaml:1:1 is empty; expected at least filter: hdr or filter: restlevel"),
-        ("just words", "c.yaml:1:1 holds 'just words' (text); expected keys such as filter: hdr or filter: restlevel"),
+        ("just words", "c.yaml:1:1 holds text; expected keys such as filter: hdr or filter: restlevel"),
         ("- 1\n", "c.yaml:1:1 holds a list; expected keys such as filter: hdr or filter: restlevel"),
         ("hdr: [1, 2\n", "c.yaml:2:1 is not YAML: did not find expected ',' or ']'"),
         ("a: b: c\n", "c.yaml:1:5 is not YAML: mapping values are not allowed in this context"),

@@ -201,9 +201,9 @@ def test_a_frozen_disk_holds_up_nobody_while_files_take_turns(
     """Samples are taken up to the bound of all files together; then it is told, and the end waits no longer."""
     go_on = threading.Event()
 
-    def frozen(path: Path, mode: str) -> FileIO:
+    def frozen(path: Path, mode: str, opener: Callable[[str, int], int]) -> FileIO:
         go_on.wait(PATIENCE_S)
-        return FileIO(path, mode)
+        return FileIO(path, mode, opener=opener)
 
     monkeypatch.setattr(disk, "FileIO", frozen)
     monkeypatch.setattr(disk, "HANGS_S", 0.01)
@@ -246,7 +246,7 @@ def test_the_config_of_a_file_is_the_one_in_force(out: Path, link: Link) -> None
     for number in range(4):
         recording.take(samples(10 * number, 10))
         if number == 1:
-            recording.set_about({"config": {"text": "new"}})
+            recording.set_about({"config": {"text": "new"}}, 0o600)
         recording.tick(0.0)
     recording.close()
     assert [read_mcap(path).metadata["config"]["text"] for path in recording.paths] == ["old", "new", "new", "new"]

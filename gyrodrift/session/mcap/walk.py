@@ -13,7 +13,12 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Header, McapRecord, Metadata, Schema
 from numpy.typing import NDArray
 
+from gyrodrift.public_yaml import public_yaml
+from gyrodrift.secret import without_secrets
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
+
+CONFIG_TABLE = "config"
+"""Metadata of a recording with the text of the config."""
 
 BLOCK_BYTES = 1 << 22
 ZEROS_BLOCK_BYTES = 1 << 16
@@ -194,8 +199,10 @@ def channel_of(body: bytes) -> Channel:
 
 
 def metadata_of(body: bytes) -> Metadata:
-    """A metadata record."""
-    return _read(Metadata, body)
+    """A metadata record, without the secrets that older versions kept with a config."""
+    found = _read(Metadata, body)
+    public = public_yaml if found.name == CONFIG_TABLE else without_secrets
+    return Metadata(found.name, {key: public(text) for key, text in found.metadata.items()})
 
 
 def _read(kind: type[R], body: bytes) -> R:

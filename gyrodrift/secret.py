@@ -1,0 +1,101 @@
+"""Secrets: a type that shows itself to nobody, and text from which passwords and tokens are taken out.
+
+A secret is known by its type (`SecretText`) where an output declares it, and by its name everywhere else: in the text
+of a config, on a command line, in an address with `user:password@`.
+"""
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # known to whoever checks a config, which serve and record do without
+    from pydantic import GetCoreSchemaHandler
+    from pydantic_core import CoreSchema
+
+HIDDEN = "***"
+"""Stands in the place of every secret."""
+
+WORD = r"(?:password|passwd|passphrase|secret|token|api_?key|credential)"
+NAME = re.compile(rf"(?!.*(?:_file|_path)$)(?:.*{WORD}.*|pass|pwd)", re.IGNORECASE | re.DOTALL)
+LONGEST_NAME = 128
+"""Characters of a name that are looked at."""
+
+GIVEN = re.compile(rf"({WORD}s?(?!_)[\"']?\s{{0,4}}[:=]\s{{0,4}}+)(?!is )(?:\"[^\"]*+\"|'[^']*+'|\S++)", re.IGNORECASE)
+"""`password=…`, `"token": "…"` in a line of text, up to the next space."""
+
+WITHIN_WORD = re.compile(rf"({WORD}s?(?!_)[=:]).++", re.IGNORECASE | re.DOTALL)
+"""The same within a word of a command line, up to its end: the secret may hold spaces and commas."""
+
+ADDRESS = re.compile(r"(://[^\s:@/]{0,256}+:)\S{1,256}@")
+"""`scheme://user:password@host`; bounded, so that no text takes longer than its length."""
+
+
+LONGEST_SECRET = 1024
+"""Characters of a password."""
+
+
+class SecretText:
+    """A text that `repr`, `str`, formats and JSON show as `***`; `reveal` gives it."""
+
+    __slots__ = ("_text",)
+
+    def __init__(self, text: str = "") -> None:
+        self._text = text
+
+    def reveal(self) -> str:
+        """The text, for whom it is meant."""
+        return self._text
+
+    def __bool__(self) -> bool:
+        return bool(self._text)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SecretText) and self._text == other._text
+
+    def __hash__(self) -> int:
+        return hash((SecretText, self._text))
+
+    def __repr__(self) -> str:
+        return HIDDEN if self._text else ""
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, _source: Any, _handler: "GetCoreSchemaHandler") -> "CoreSchema":
+        """Check it as text, bounds included, and keep it as a secret."""
+        from pydantic_core import core_schema  # noqa: PLC0415 - likewise
+
+        is_one = core_schema.is_instance_schema(cls)
+        made = core_schema.no_info_after_validator_function(
+            cls, core_schema.str_schema(strict=True, max_length=LONGEST_SECRET)
+        )
+        return core_schema.union_schema([is_one, made])
+
+
+NO_SECRET = SecretText()
+
+
+def is_secret_name(name: str) -> bool:
+    """Whether a key of this name holds a secret; `password_file` does not."""
+    return NAME.fullmatch(name[:LONGEST_NAME]) is not None
+
+
+def mentions_secret(text: str) -> bool:
+    """Whether a text may hold a secret."""
+    return re.search(rf"{WORD}(?!_file|_path)|\bpwd\b|\bpass\b", text, re.IGNORECASE) is not None or bool(
+        ADDRESS.search(text)
+    )
+
+
+def without_secrets(text: str) -> str:
+    """A message or an address without the secrets that are named in it."""
+    return ADDRESS.sub(rf"\1{HIDDEN}@", GIVEN.sub(rf"\1{HIDDEN}", text))
+
+
+def shown_key(name: str) -> str:
+    """A key for a message: of `password:abc`, where a space is missing, `password…`."""
+    head = name[: min((at for mark in ":= \t\n," if (at := name.find(mark)) >= 0), default=len(name))]
+    return name if head == name else f"{head}…"
+
+
+def shown_words(words: Iterable[str]) -> list[str]:
+    """The words of a command line without secrets."""
+    return [without_secrets(WITHIN_WORD.sub(rf"\1{HIDDEN}", word)) for word in words]

@@ -1,0 +1,163 @@
+"""A password of a config or a command line, looked for in everything that a service writes, shows and sends."""
+
+import os
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import pytest
+from outputs_support import Reader, address_of, csv_at_100_hz, path_of, serving
+from support import Command, never
+
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.write import McapWriter
+
+MARKER = "Marker7"
+HDR = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
+
+
+def config_text(password: str = f"password: {MARKER}") -> str:
+    """A config with a broker, a page and lines, and the password in a comment too."""
+    return (
+        f"{HDR}# {MARKER}\noutputs:\n  - {{name: mqtt, port: 1, user: ann, {password}}}\n  - {{name: tcp, port: 0}}\n"
+    )
+
+
+MISTAKES = (
+    "password: 77777",
+    f"password: [{MARKER}]",
+    f"pasword: {MARKER}",
+    f"password:{MARKER}",
+    f"password={MARKER}",
+    f"password: *{MARKER}",
+    f"password: !{MARKER}!x {MARKER}",
+    f"password: &{MARKER} 5, user: &{MARKER} x",
+    f"password: '{MARKER}",
+    f"password: {MARKER}, password: {MARKER}",
+    f"password: {MARKER * 1000}",
+)
+
+
+def asked(path: Path, line: str) -> bytes:
+    """The answer of a control socket as it comes."""
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.connect(str(path))
+        connection.sendall(line.encode() + b"\n")
+        return Reader(connection).line()
+
+
+def command_lines(pid: int) -> bytes:
+    """Those of a process and its children."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    return b"".join(Path(f"/proc/{each}/cmdline").read_bytes() for each in [pid, *children])
+
+
+def fed(serve: Command, device: Any, first: int) -> None:
+    """Another 50 samples, all the way through."""
+    device.send_all(csv_at_100_hz(50, first=first), never)
+    serve.take_lines(50)
+
+
+@pytest.fixture
+def run_with_a_secret(port: Path, tmp_path: Path) -> tuple[Path, bytes]:
+    """A folder with recordings, and all that a service said meanwhile."""
+    config, control, out = tmp_path / "c.yaml", tmp_path / "control", tmp_path / "sessions"
+    config.write_text(config_text())
+    config.chmod(0o600)
+    output = f"mqtt:port=1,user=bob,password={MARKER},x"
+    options = ("--config", config, "--control", control, "--record", out, "--log-level", "debug")
+    said = b""
+    with serving(port, *options, "--output", output.removesuffix(",x"), "--output", "web:port=0") as (serve, device):
+        fed(serve, device, 0)
+        said += command_lines(serve.process.pid)
+        said += urllib.request.urlopen(path_of(serve, "web")).read()
+        with socket.create_connection(address_of(serve, "tcp")) as client:
+            reader = Reader(client)
+            said += reader.line()
+            for number, mistake in enumerate(MISTAKES):
+                config.write_text(config_text(mistake))
+                answer = asked(control, "reload")
+                assert b'"ok": false' in answer, mistake
+                said += answer + asked(control, "status")
+                fed(serve, device, 50 * number + 50)
+            config.write_text(config_text(f"password: {MARKER}2"))
+            said += asked(control, "reload") + asked(control, "status") + reader.line()
+        serve.until_log("output_failed")
+        assert serve.stop() == 0
+        said += serve.log.encode() + serve.out.encode()
+    return out, said
+
+
+def test_a_password_is_nowhere(run_with_a_secret: tuple[Path, bytes], tmp_path: Path) -> None:
+    """Neither in what the service said, nor in its recording and what is made of it; others may not read that."""
+    out, said = run_with_a_secret
+    assert b"password=***" in said
+    assert (MARKER.encode() in said, b"77777" in said) == (False, False)
+    (recording,) = out.glob("*.mcap")
+    assert recording.stat().st_mode & 0o777 == 0o600
+    assert MARKER.encode() not in recording.read_bytes()
+    assert b'password: "***"' in recording.read_bytes()
+
+
+MISTAKEN_WORDS = (
+    f"mqtt:pasword={MARKER}",
+    f"mqtt:password=a,{MARKER}",
+    f"mqtt:port=x,password={MARKER}",
+    f"mqqt:password={MARKER}",
+    f"mqtt:password:{MARKER}",
+    f"mqtt:password=a,{MARKER}=b",
+    f"mqtt,password={MARKER}",
+)
+
+
+@pytest.mark.parametrize("argument", MISTAKEN_WORDS)
+def test_a_mistake_on_the_command_line_does_not_quote_the_password(argument: str) -> None:
+    """Whichever slip it is."""
+    for option in ("--output", "--outptu"):
+        with Command("serve", "--port", "/dev/null", option, argument) as serve:
+            assert (serve.end(), MARKER in serve.log) == (2, False), serve.log
+
+
+def test_a_config_that_is_a_password_file_is_not_quoted(tmp_path: Path) -> None:
+    """Two options are easily mixed up."""
+    (tmp_path / "p").write_text(f"{MARKER}\n")
+    with Command("serve", "--port", "/dev/null", "--config", tmp_path / "p") as serve:
+        assert (serve.end(), MARKER in serve.log) == (2, False), serve.log
+
+
+def old_recording(path: Path) -> None:
+    """A recording of a version that kept the config as it was."""
+    with path.open("wb") as file:
+        writer = McapWriter(file, {"config": {"file": "c.yaml", "text": config_text()}})
+        writer.add_all([Sample(i, i / 100, 1.7e9 + i / 100, 1.0) for i in range(100)])
+        writer.flush()
+
+
+def test_an_old_recording_that_holds_a_password_gives_it_to_nobody(tmp_path: Path) -> None:
+    """Neither when it is told of, drawn, converted, repaired or filtered."""
+    old, repaired = tmp_path / "old.mcap", tmp_path / "repaired.mcap"
+    old_recording(old)
+    old_recording(repaired)
+    assert MARKER.encode() in old.read_bytes()
+    said = b""
+    for words in (
+        ("info", old),
+        ("info", "--json", old),
+        ("info", old, "--out", tmp_path / "page"),
+        ("convert", old, tmp_path / "new.mcap"),
+        ("convert", old, tmp_path / "imu.mcap", "--as", "imu"),
+        ("convert", old, tmp_path / "new.csv"),
+        ("repair", repaired),
+        ("filter", old, "--out", tmp_path / "yaw.csv"),
+        ("doctor", old),
+    ):
+        run = subprocess.run([sys.executable, "-m", "gyrodrift", *words], capture_output=True, check=False)
+        said += run.stdout + run.stderr
+    made = [Path(place, name) for place, _, names in os.walk(tmp_path) for name in names]
+    assert MARKER.encode() not in said
+    assert b"password" in said
+    assert {path for path in made if MARKER.encode() in path.read_bytes()} <= {old, repaired}
+    assert {"new.mcap", "imu.mcap", "new.csv", "report.html", "yaw.csv"} <= {path.name for path in made}
