@@ -18,7 +18,7 @@ from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.options import OutputSpec, options_from
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
-from gyrodrift.outputs.status import OutputStatus, ServiceStatus
+from gyrodrift.outputs.status import MOST_CLIENTS, OutputStatus, ServiceStatus
 from gyrodrift.sample import Corrected
 
 REPORT_S = 0.5
@@ -70,7 +70,13 @@ class RunningOutput:
             self._fail(f"{type(error).__name__}: {error}")
             return OutputStatus(str(self.spec), problem=self.problem)
         return OutputStatus(
-            str(self.spec), self._open.address, "", tuple(clients), len(clients), *counts, self._open.warning
+            str(self.spec),
+            self._open.address,
+            "",
+            tuple(clients[:MOST_CLIENTS]),
+            len(clients),
+            *counts,
+            self._open.warning,
         )
 
     async def close(self) -> None:

@@ -17,7 +17,7 @@ from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.refusals import Refusals, own_mistake
 from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
-from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
+from gyrodrift.outputs.status import ClientStatus
 
 KERNEL_BYTES = 64 << 10
 """That the kernel and asyncio keep for a client: what lies there cannot be dropped any more, and is late."""
@@ -225,8 +225,8 @@ class LineServer:
         return str(path)
 
     def statuses(self) -> list[ClientStatus]:
-        """Of the first MOST_CLIENTS clients."""
-        return [ClientStatus(each.peer, each.sent, each.dropped) for each in list(self.clients)[:MOST_CLIENTS]]
+        """Of all clients."""
+        return [ClientStatus(each.peer, each.sent, each.dropped) for each in self.clients]
 
     def counts(self) -> tuple[int, int]:
         """Messages sent and dropped, to clients that are gone too."""

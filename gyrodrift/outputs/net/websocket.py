@@ -17,7 +17,7 @@ from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.lines import KERNEL_BYTES
 from gyrodrift.outputs.net.refusals import Refusals, own_mistake
-from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
+from gyrodrift.outputs.status import ClientStatus
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
@@ -167,8 +167,8 @@ class WebSocketServer:
             session.closed()
 
     def statuses(self) -> list[ClientStatus]:
-        """Of the first MOST_CLIENTS clients."""
-        return [ClientStatus(each.peer, each.sent, each.dropped) for each in list(self.clients)[:MOST_CLIENTS]]
+        """Of all clients."""
+        return [ClientStatus(each.peer, each.sent, each.dropped) for each in self.clients]
 
     def counts(self) -> tuple[int, int]:
         """Messages sent and dropped, to clients that are gone too."""
