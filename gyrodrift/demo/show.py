@@ -110,8 +110,16 @@ class Screen:
 
 
 def save_svg(path: Path, error: YawError, duration_s: float) -> None:
-    """The view as a picture; a frame of it, not the film."""
-    console = Console(width=PICTURE.columns, file=io.StringIO(), record=True, force_terminal=True, no_color=False)
+    """The view as a picture; a frame of it, not the film. It is the same on every terminal and without one."""
+    console = Console(
+        width=PICTURE.columns,
+        file=io.StringIO(),
+        record=True,
+        force_terminal=True,
+        color_system="truecolor",
+        no_color=False,
+        _environ={},  # TERM=dumb would make it 80 columns wide
+    )
     console.print(draw(error, duration_s, DEVICE, PICTURE))
     write_whole(path, [console.export_svg(title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)])
 

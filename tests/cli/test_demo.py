@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 from support import Command, Terminal, ours
 
-from gyrodrift.demo.show import run_demo
+from gyrodrift.demo.show import run_demo, save_svg
 from gyrodrift.demo.view import Size, draw
 from gyrodrift.demo.yaw_error import YawError
 
@@ -33,6 +33,20 @@ def test_without_a_terminal_it_prints_the_summary(tmp_path: Path) -> None:
     assert "<svg" in picture
     assert picture.count("table&#160;(encoder)") == 1, "one view"
     assert len(picture) < 100_000
+
+
+def test_the_picture_is_the_same_whatever_the_terminal_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its width and its colours are its own."""
+    pictures = []
+    for number, environment in enumerate([{}, {"TERM": "dumb"}, {"NO_COLOR": "1", "COLUMNS": "30"}, {"TERM": "xterm"}]):
+        for name, value in environment.items():
+            monkeypatch.setenv(name, value)
+        error = YawError()
+        error.add({"t_s": 0.0, "rate_dps": 90.0, "bias_dps": 0.35, "yaw_deg": 9.0, "encoder_deg": 8.9})
+        save_svg(tmp_path / f"{number}.svg", error, 60.0)
+        pictures.append((tmp_path / f"{number}.svg").read_text())
+    assert set(pictures) == {pictures[0]}
+    assert "table&#160;(encoder)" in pictures[0]
 
 
 @pytest.mark.parametrize(("columns", "rows"), SIZES)
