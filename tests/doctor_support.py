@@ -37,7 +37,7 @@ def doctor(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[int,
     return status, {each["id"]: each for each in about["findings"]}
 
 
-def check(found: Findings, expected: Sequence[tuple[str, str, str]]) -> None:
+def assert_findings(found: Findings, expected: Sequence[tuple[str, str, str]]) -> None:
     """Each of (id, severity, words that it says or advises)."""
     for name, severity, words in expected:
         assert name in found, f"{name} is not among {', '.join(found)}"

@@ -150,3 +150,14 @@ def hub() -> Iterator[HubThread]:
         ours.close()
         loop.join()
         theirs.close()
+
+
+def await_problem(outputs: HubThread, text: str) -> str:
+    """The problem of the first output, once it contains the text."""
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        problem = next((each.problem for each in outputs.statuses()), "")
+        if text in problem:
+            return problem
+        assert time.monotonic() < until_s, problem
+        time.sleep(0.01)

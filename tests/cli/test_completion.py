@@ -51,6 +51,7 @@ def test_the_tabulator_key_goes_on_with_a_line(
         for typed, expected in LINES:
             terminal.keys(f"{typed}\t#\n")  # the mark shows where the line went on
             terminal.until(partial(shows, f"{expected}#"), expected)
+        assert terminal.process.poll() is None, "the shell goes on"
 
 
 def shows(line: str, terminal: Terminal) -> bool:

@@ -13,6 +13,7 @@ from support import PATIENCE_S, Command, ours
 from firmware_sim.pty import LinkInUseError, PtyDevice
 from firmware_sim.wire.csv import csv_line
 from gyrodrift.config.model import load_config
+from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.session.files import load_session, session_paths
 from gyrodrift.session.mcap.interrupted import interrupted
 from gyrodrift.session.mcap.repair import repair
@@ -28,8 +29,8 @@ for number in itertools.count():
 """
 
 
-def killed_writer(folder: Path, moment_s: float) -> None:
-    """A config that is written again and again: whole after a kill, whichever it is, and readable."""
+def killed_writer(folder: Path, moment_s: float) -> float:
+    """`tau_s` of a config that is written again and again: whole after a kill, whichever it is, and readable."""
     path = folder / "c.yaml"
     path.write_text("hdr: {tau_s: 0.25}\n")
     writer = subprocess.Popen([sys.executable, "-c", WRITER, path], stdout=subprocess.PIPE)
@@ -39,8 +40,10 @@ def killed_writer(folder: Path, moment_s: float) -> None:
     writer.kill()
     writer.wait()
     writer.stdout.close()
-    load_config(path)
     assert path.read_text().count("# padding\n") == 20
+    hdr = load_config(path).params
+    assert isinstance(hdr, HdrParams)
+    return hdr.tau_s
 
 
 def killed_tune(sessions: Path, folder: Path, moment_s: float, iterations: int = 4000) -> None:

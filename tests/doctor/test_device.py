@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from doctor_support import FAST, SECONDS, check, device, doctor
+from doctor_support import FAST, SECONDS, assert_findings, device, doctor
 from support import speaking_on
 
 QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
@@ -91,7 +91,7 @@ def test_a_fault_has_its_finding(port: Path, capsys: pytest.CaptureFixture[str],
     words, expected = CASES[case]
     with device(port, *FAST, *words):
         status, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
-    check(found, expected)
+    assert_findings(found, expected)
     severities = {each["severity"] for each in found.values()}
     assert status == (3 if "error" in severities else 0)
 
@@ -103,9 +103,11 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
     assert status == 0
     assert {each["severity"] for each in found.values()} <= {"ok", "note"}
     fine = "port protocol baud line_budget damage restarts gaps sample_rate stamps stuck repeats clipped noise"
-    check(found, [(name, "ok", "") for name in fine.split()])
-    check(found, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")])
-    check(
+    assert_findings(found, [(name, "ok", "") for name in fine.split()])
+    assert_findings(
+        found, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")]
+    )
+    assert_findings(
         found, [("drift_start_calibration", "ok", "by noise alone. How far the bias wanders cannot be known from 3 s")]
     )
     assert found["bias"]["value"] == pytest.approx(0.35, abs=0.01)
@@ -118,7 +120,7 @@ def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixt
     """Noise, temperature, bias that moves, and what each filter leaves; what cannot be known is said."""
     with device(port, *FAST, *REST, "--effect", "warmup:amplitude_dps=0.5,time_constant_s=200"):
         _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
-    check(
+    assert_findings(
         found,
         [
             ("noise", "ok", "deg/s/√Hz"),
@@ -141,7 +143,7 @@ def test_noise_and_bias_beyond_the_data_sheet(port: Path, tmp_path: Path, capsys
     rig.write_text(QUIET_RIG % (0.02, 25.0))
     with device(port, *FAST, *REST, "--rig", rig):
         _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "MPU-6050")
-    check(
+    assert_findings(
         found,
         [
             ("noise", "warning", "times the 0.005 of the MPU-6050"),
@@ -159,7 +161,7 @@ def test_noise_and_range_short_of_the_data_sheet(
     rig.write_text("base: {sample_rate_hz: 100, dps_per_lsb: 0.03049, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n")
     with device(port, *FAST, *REST, "--rig", rig):
         _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "icm20948")
-    check(
+    assert_findings(
         found,
         [
             ("sensor", "ok", "ICM-20948, set to ±1000 deg/s"),
@@ -173,7 +175,9 @@ def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> N
     """As a slow USB host or Bluetooth delivers them."""
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
         _, found = doctor(capsys, "--port", port, "--seconds", "2")
-    check(found, [("bursts", "note", "Samples arrive in bunches of"), ("jitter", "note", "Samples arrive unevenly")])
+    assert_findings(
+        found, [("bursts", "note", "Samples arrive in bunches of"), ("jitter", "note", "Samples arrive unevenly")]
+    )
     assert found["bursts"]["value"] > 5
 
 
@@ -181,7 +185,9 @@ def test_a_plug_that_is_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -
     """And put back while it is listened to."""
     with device(port, *REST, "--fault", "unplug:from_s=1,seconds=0.3"):
         _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
-    check(found, [("unplugged", "warning", "The port came back once"), ("unplugged", "warning", "cable and hub")])
+    assert_findings(
+        found, [("unplugged", "warning", "The port came back once"), ("unplugged", "warning", "cable and hub")]
+    )
 
 
 def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -189,7 +195,7 @@ def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]
     with device(port, *REST, "--fault", "unplug:from_s=0.8,seconds=100"):
         status, found = doctor(capsys, "--port", port, "--seconds", "1.2")
     assert status == 3
-    check(found, [("unplugged", "error", "went away while it was listened to"), ("damage", "ok", "")])
+    assert_findings(found, [("unplugged", "error", "went away while it was listened to"), ("damage", "ok", "")])
 
 
 def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -197,7 +203,9 @@ def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> 
     with device(port, *REST, "--fault", "stall:from_s=0.5,seconds=100"):
         status, found = doctor(capsys, "--port", port, "--seconds", "2")
     assert status == 3
-    check(found, [("silence", "error", "The device has said nothing for"), ("silence", "error", "firmware hangs")])
+    assert_findings(
+        found, [("silence", "error", "The device has said nothing for"), ("silence", "error", "firmware hangs")]
+    )
 
 
 def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -207,7 +215,7 @@ def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixt
     with device(port, *FAST, "--protocol", "csv", "--rig", tmp_path / "rig.yaml", "--profile", tmp_path / "turns.yaml"):
         status, found = doctor(capsys, "--port", port, "--seconds", "1")
     assert status == 3
-    check(found, [("rate_unit", "error", "rad/s rather than deg/s"), ("rate_unit", "error", "rate:rads")])
+    assert_findings(found, [("rate_unit", "error", "rad/s rather than deg/s"), ("rate_unit", "error", "rate:rads")])
     assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
 
 
@@ -216,7 +224,7 @@ def test_a_device_that_never_rests(port: Path, tmp_path: Path, capsys: pytest.Ca
     (tmp_path / "sway.yaml").write_text(SWAY)
     with device(port, *FAST, "--profile", tmp_path / "sway.yaml"):
         _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
-    check(found, [("still", "warning", "Leave it on a table")])
+    assert_findings(found, [("still", "warning", "Leave it on a table")])
     assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
 
 
@@ -225,7 +233,7 @@ def test_a_clock_of_milliseconds(port: Path, capsys: pytest.CaptureFixture[str])
     with device(port, *REST, "--protocol", "csv", "--fault", "millisecond_clock"):
         status, found = doctor(capsys, "--port", port, "--seconds", "3")
     assert status == 3
-    check(found, [("clock_unit", "error", "counts milliseconds"), ("clock_unit", "error", "--columns")])
+    assert_findings(found, [("clock_unit", "error", "counts milliseconds"), ("clock_unit", "error", "--columns")])
     assert not {"sample_rate", "still", "bias"} & set(found)
 
 
@@ -234,7 +242,7 @@ def test_a_wrong_baud_rate(port: Path, capsys: pytest.CaptureFixture[str]) -> No
     with device(port, *REST, "--fault", "wrong_baud:baud=9600"):
         status, found = doctor(capsys, "--port", port, "--timeout", "1", "--baud", "115200")
     assert status == 3
-    check(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "leave --baud out")])
+    assert_findings(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "leave --baud out")])
 
 
 def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -242,4 +250,6 @@ def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[st
     with speaking_on(port):
         status, found = doctor(capsys, "--port", port, "--timeout", "0.5")
     assert status == 3
-    check(found, [("protocol", "error", "TX and RX the right way round"), ("port", "ok", "The port is /dev/pts/")])
+    assert_findings(
+        found, [("protocol", "error", "TX and RX the right way round"), ("port", "ok", "The port is /dev/pts/")]
+    )

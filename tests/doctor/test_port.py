@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 import serial
-from doctor_support import FAST, SECONDS, check, device, doctor
+from doctor_support import FAST, SECONDS, assert_findings, device, doctor
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 from support import Command, speaking_on
@@ -51,7 +51,7 @@ def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: 
         adapter(port, "ftdi_sio", latency_ms=16, usb_id=(0x0403, 0x6001))
         _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
     terminal = found["port"]["says"].rpartition("/")[2].rstrip(".")
-    check(
+    assert_findings(
         found,
         [
             ("adapter", "ok", "FTDI FT232R USB UART (0403:6001), with the driver ftdi_sio"),
@@ -68,7 +68,7 @@ def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest
     with device(port, *FAST, "--profile", "rest"):
         adapter(port, "cdc_acm", latency_ms=1)
         _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
-    check(
+    assert_findings(
         found,
         [
             ("latency_timer", "ok", "1 ms"),
@@ -100,8 +100,8 @@ def test_how_full_the_line_is(
     with device(port, "--speed", "4", "--profile", "rest", "--rig", tmp_path / "rig.yaml"):
         adapter(port, "ch341-uart")
         status, found = doctor(capsys, "--port", port, "--seconds", "0.5")
-    check(found, [("line_budget", severity, says)])
-    check(found, [("line_budget", severity, "Set "), ("line_budget", severity, "or send at most 48")])
+    assert_findings(found, [("line_budget", severity, says)])
+    assert_findings(found, [("line_budget", severity, "Set "), ("line_budget", severity, "or send at most 48")])
     assert status == (3 if severity == "error" else 0)
 
 
@@ -111,7 +111,7 @@ def test_a_port_that_another_program_holds(port: Path, capsys: pytest.CaptureFix
         serve.take_lines(3)
         status, found = doctor(capsys, "--port", port)
         assert status == 3
-        check(
+        assert_findings(
             found, [("holder", "error", f"(pid {serve.process.pid})"), ("holder", "error", "Stop that program first.")]
         )
         serve.take_lines(3)
@@ -135,7 +135,9 @@ def test_a_port_that_this_user_may_not_open(
         Path(speaker.slave_name).chmod(0o660)
         status, found = doctor(capsys, "--port", tmp_path / "gyro")
     assert status == 3
-    check(found, [("permission", "error", "No permission to open it."), ("permission", "error", "--group-add 4321")])
+    assert_findings(
+        found, [("permission", "error", "No permission to open it."), ("permission", "error", "--group-add 4321")]
+    )
     assert set(found) <= {"port", "permission", "adapter"}
 
 
@@ -143,7 +145,7 @@ def test_a_port_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[
     """And what there is instead."""
     status, found = doctor(capsys, "--port", tmp_path / "gyro")
     assert status == 3
-    check(found, [("port", "error", "There is no such port.")])
+    assert_findings(found, [("port", "error", "There is no such port.")])
     assert list(found) == ["port"]
 
 
@@ -159,7 +161,7 @@ def test_without_a_port_it_is_looked_for(
         status, found = doctor(capsys, "--timeout", "0.5")
     assert status == 3
     says = "No gyro speaks here." if count else "No serial port is plugged in."
-    check(found, [("port", "error", says)])
+    assert_findings(found, [("port", "error", says)])
     assert all(str(name) in found["port"]["do"] for name in ports[:count])
 
 
@@ -173,7 +175,7 @@ def test_of_several_ports_that_of_the_gyro_is_taken(
     with device(port, *FAST, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", "0.2")
     assert status == 0
-    check(found, [("protocol", "ok", "It speaks native"), ("restarts", "ok", "")])
+    assert_findings(found, [("protocol", "ok", "It speaks native"), ("restarts", "ok", "")])
 
 
 def test_the_one_port_there_is_is_taken(
@@ -186,4 +188,6 @@ def test_the_one_port_there_is_is_taken(
     with device(port, *FAST, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", SECONDS)
     assert status == 0
-    check(found, [("protocol", "ok", "It speaks native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")])
+    assert_findings(
+        found, [("protocol", "ok", "It speaks native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
+    )

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from doctor_support import FAST, check, device, doctor
+from doctor_support import FAST, assert_findings, device, doctor
 from support import Command, Terminal
 
 from gyrodrift.cli import main
@@ -29,7 +29,7 @@ def test_a_recording_is_looked_at_too(session: Path, capsys: pytest.CaptureFixtu
     """Clock, gaps, noise and drift; nothing is said of a port."""
     status, found = doctor(capsys, session, "--sensor", "mpu-6050")
     assert status == 0
-    check(
+    assert_findings(
         found,
         [
             ("clock_drift", "warning", "ppm off this computer's."),
@@ -53,7 +53,7 @@ def test_what_a_recording_kept_of_its_link_is_told(
         assert run.end() == 0, run.log
     status, found = doctor(capsys, *out.glob("*.mcap"))
     assert status == 3
-    check(found, [("damage", "error", "frames arrived damaged"), ("protocol", "ok", "It speaks native")])
+    assert_findings(found, [("damage", "error", "frames arrived damaged"), ("protocol", "ok", "It speaks native")])
     assert found["line_budget"]["value"] == pytest.approx(0.2, abs=0.06)
     (tmp_path / "table.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 10},{i % 3}\n" for i in range(300)))
     _, found = doctor(capsys, tmp_path / "table.csv")

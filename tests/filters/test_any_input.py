@@ -47,7 +47,7 @@ rates_dps = st.one_of(st.floats(-300.0, 300.0), st.sampled_from([0.0, 0.061, 1e6
 runs = st.lists(st.tuples(steps_s, rates_dps, st.integers(1, 120)), min_size=1, max_size=12)
 
 
-def check(known: Filter, state: FilterState) -> None:
+def assert_in_bounds(known: Filter, state: FilterState) -> None:
     """What holds after every sample; a filter that does not know how certain it is says NaN, always."""
     assert isfinite(state.yaw_deg)
     assert isfinite(state.bias_dps)
@@ -73,7 +73,7 @@ def test_what_a_filter_says_stays_in_bounds(
         for _ in range(count):
             t_s += step_s
             known.step(c, s, t_s, rate_dps)
-            check(known, s)
+            assert_in_bounds(known, s)
 
 
 @any_filter
@@ -88,7 +88,7 @@ def test_the_smallest_settings_are_settings(known: Filter, data: st.DataObject |
     c, s, random = known.coefficients(known.params(**low)), known.state(), Random(1)
     for i in range(600):
         known.step(c, s, i * 0.01, random.gauss(0.3, 0.05) + (50.0 if 200 < i < 300 else 0.0))
-        check(known, s)
+        assert_in_bounds(known, s)
 
 
 def yaw_after(known: Filter, rates: Iterable[float]) -> float:
@@ -96,7 +96,7 @@ def yaw_after(known: Filter, rates: Iterable[float]) -> float:
     c, s = known.coefficients(known.params()), known.state()
     for i, rate_dps in enumerate(rates):
         known.step(c, s, i * 0.01, rate_dps)
-        check(known, s)
+        assert_in_bounds(known, s)
     return float(s.yaw_deg)
 
 
@@ -106,7 +106,7 @@ def test_steps_next_to_nothing_are_none(known: Filter) -> None:
     c, s = known.coefficients(known.params()), known.state()
     for i, rate_dps in enumerate((1e9, -1e9, 1e9, -1e9)):
         known.step(c, s, i * 1e-300, rate_dps)
-        check(known, s)
+        assert_in_bounds(known, s)
     assert (s.samples, s.rejected) == (1, 3)
 
 

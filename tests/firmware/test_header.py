@@ -135,7 +135,7 @@ def test_it_is_clean_c(standard: str) -> None:
     """Under all warnings, conversions too."""
     if shutil.which("cc") is None:
         pytest.skip("there is no C compiler: apt-get install gcc")
-    run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, SKETCH / "gyrodrift_native.h")
+    assert run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, SKETCH / "gyrodrift_native.h") == ""
 
 
 @pytest.mark.parametrize("standard", ["c++98", "c++11", "c++17"])
@@ -143,7 +143,7 @@ def test_it_is_clean_cpp(standard: str) -> None:
     """Likewise."""
     if shutil.which("c++") is None:
         pytest.skip("there is no C++ compiler: apt-get install g++")
-    run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, SKETCH / "gyrodrift_native.h")
+    assert run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, SKETCH / "gyrodrift_native.h") == ""
 
 
 PEDANTIC = (*STRICT, "-pedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-fsyntax-only")

@@ -51,7 +51,7 @@ void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, int16_t temp_centi_c) {
 {body}}}
 """
     (tmp_path / "own.c").write_text(source)
-    run(cc, "-std=c99", *STRICT, f"-I{SKETCH}", "-fsyntax-only", tmp_path / "own.c")
+    assert run(cc, "-std=c99", *STRICT, f"-I{SKETCH}", "-fsyntax-only", tmp_path / "own.c") == ""
 
 
 def test_the_table_of_baud_rates_is_right() -> None:

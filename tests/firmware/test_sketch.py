@@ -126,7 +126,8 @@ def test_it_is_compiled_where_numbers_have_32_bits(core: str) -> None:
     if shutil.which("c++") is None:
         pytest.skip("there is no C++ compiler: apt-get install g++")
     ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
-    run("c++", "-std=gnu++17", *STRICT, f"-D{core}", f"-I{HERE / 'other_core'}", "-fsyntax-only", *ino)
+    words = ("c++", "-std=gnu++17", *STRICT, f"-D{core}", f"-I{HERE / 'other_core'}", "-fsyntax-only", *ino)
+    assert run(*words) == ""
 
 
 def test_record_reads_it(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:

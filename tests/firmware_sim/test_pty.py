@@ -192,6 +192,8 @@ def test_the_name_of_another_device_is_left_to_it(link: Path) -> None:
 def test_a_name_that_is_gone_already_is_no_trouble_at_the_end(device: PtyDevice) -> None:
     """Somebody may have cleaned up before the device ends."""
     device.link.unlink()
+    device.close()
+    assert not device.link.is_symlink()
 
 
 # Bytes.

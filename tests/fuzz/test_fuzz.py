@@ -16,6 +16,11 @@ KEPT = sorted(path for path in CORPUS.glob("*/*") if path.is_file())
 SEEDS = {name: [path.read_bytes() for path in KEPT if path.parent.name == name] for name in NAMES}
 
 
+def assert_target_holds(name: str, content: bytes) -> None:
+    """A target raises nothing but what it expects, and asserts the rest itself."""
+    TARGETS[name](content)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def files() -> Iterator[None]:
     """Those that targets write are taken away behind them."""
@@ -33,7 +38,7 @@ def test_every_target_is_run_and_has_what_to_begin_with() -> None:
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_what_is_kept_breaks_nothing(path: Path) -> None:
     """Each once broke something, or reaches what others do not."""
-    TARGETS[path.parent.name](path.read_bytes())
+    assert_target_holds(path.parent.name, path.read_bytes())
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -41,4 +46,4 @@ def test_what_is_kept_breaks_nothing(path: Path) -> None:
 @given(seed=st.integers(0, 1 << 32), content=st.one_of(st.none(), st.binary(max_size=400)))
 def test_what_chance_makes_breaks_nothing(name: str, seed: int, content: bytes | None) -> None:
     """Any bytes, and what is kept with some changes."""
-    TARGETS[name](mutated(SEEDS[name], Random(seed)) if content is None else content)
+    assert_target_holds(name, mutated(SEEDS[name], Random(seed)) if content is None else content)

@@ -1,6 +1,7 @@
 """docs/library.md: each example runs as it is printed there, on a real port and on real files."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support import Command, python_in
@@ -11,12 +12,15 @@ pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation take
 NAMES, SAMPLES, RECORDING, DEVICE, ANALYSES = python_in("library.md")
 
 
-def run(code: str) -> None:
-    exec(compile(code, "library.md", "exec"), {})
+def run(code: str) -> dict[str, Any]:
+    """The names that are there afterwards."""
+    names: dict[str, Any] = {}
+    exec(compile(code, "library.md", "exec"), names)
+    return names
 
 
 def test_the_names_are_there() -> None:
-    run(NAMES)
+    assert run(NAMES).keys() >= {"Hdr", "Restlevel", "load_session", "open_link", "tune", "diagnose", "compare"}
 
 
 def test_samples(capsys: pytest.CaptureFixture[str]) -> None:

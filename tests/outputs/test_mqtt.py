@@ -4,7 +4,6 @@ import json
 import shutil
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,8 +12,8 @@ from typing import Any
 import pytest
 from broker_support import broker, need_mosquitto
 from clients_support import python_client
-from outputs_support import HubThread, corrected, csv_at_100_hz, events, hub, path_of, serving
-from support import PATIENCE_S, free_port, never
+from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving
+from support import free_port, never
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs.home_assistant import Topics, discovery
@@ -88,16 +87,6 @@ def one(number: int, topic: str, *options: str) -> Any:
     return json.loads(heard(number, topic, 1, *options)[0].partition(" ")[2])
 
 
-def until_problem(outputs: HubThread, text: str) -> str:
-    """Until an output says that it cannot, with this."""
-    until_s = time.monotonic() + PATIENCE_S
-    while True:
-        problem = next((each.problem for each in outputs.statuses()), "")
-        if text in problem:
-            return problem
-        assert time.monotonic() < until_s, problem
-
-
 def test_home_assistant_finds_the_service_and_every_topic_it_names(number: int, port: Path, tmp_path: Path) -> None:
     """The real command: discovery and link are retained, and templates ask for keys that are sent."""
     options = f"mqtt:port={number},id=bench,rate_hz=100"
@@ -139,7 +128,7 @@ def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Pa
     """At the start, and when it goes while it is in use."""
     with hub() as outputs:
         outputs.want(f"mqtt:port={number},id=bench")
-        assert f"the broker at 127.0.0.1:{number}" in until_problem(outputs, "refused")
+        assert f"the broker at 127.0.0.1:{number}" in await_problem(outputs, "refused")
         with broker(number, tmp_path):
             outputs.opened()
         while not outputs.statuses()[0].problem:
@@ -162,8 +151,7 @@ def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest
                 seq += 5000
             process.send_signal(signal.SIGCONT)
             outputs.samples([corrected(seq)])
-            while json.loads(next(lines))["seq"] != seq:
-                pass
+            assert any(json.loads(line)["seq"] == seq for line in lines)
 
 
 def test_home_assistant_that_starts_is_told_again_and_of_a_device_that_came_later(number: int, tmp_path: Path) -> None:
@@ -206,9 +194,9 @@ def test_user_password_and_certificate_are_checked(number: int, tmp_path: Path) 
     right = f"mqtt:port={number},id=bench,tls=true,user=ann,ca={trusted}"
     with broker(number, tmp_path, *lines, "allow_anonymous false"), hub() as outputs:
         outputs.want(f"mqtt:port={number},tls=true,user=ann,password=s3cret")
-        until_problem(outputs, "CERTIFICATE_VERIFY_FAILED")
+        assert await_problem(outputs, "CERTIFICATE_VERIFY_FAILED")
         outputs.want(f"{right},password=wr0ng")
-        until_problem(outputs, "ot authorized")
+        assert await_problem(outputs, "ot authorized")
         assert "password=***" in outputs.statuses()[0].output
         outputs.want(f"{right},password_file={secret}")
         outputs.opened()
@@ -229,7 +217,7 @@ def test_options_that_cannot_be_are_told(option: str, problem: str) -> None:
     """Before any broker is asked."""
     with hub() as outputs:
         outputs.want(f"mqtt:{option}")
-        until_problem(outputs, problem)
+        assert await_problem(outputs, problem)
 
 
 def test_what_is_not_known_is_null(number: int, tmp_path: Path) -> None:

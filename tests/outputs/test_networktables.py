@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, address_of, csv_at_100_hz, events, hub, path_of, serving
+from outputs_support import HubThread, address_of, await_problem, csv_at_100_hz, events, hub, path_of, serving
 from support import PATIENCE_S, near, never
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
@@ -249,8 +249,7 @@ def test_a_port_that_is_taken_is_told() -> None:
     """With who has it."""
     with socket.create_server(("127.0.0.1", 0)) as taken, hub() as outputs:
         outputs.want(f"networktables:port={taken.getsockname()[1]}")
-        while not any("is taken by" in each.problem for each in outputs.statuses()):
-            pass
+        assert f":{taken.getsockname()[1]}" in await_problem(outputs, "is taken by")
 
 
 def test_delays_that_vary_are_not_in_the_time_of_measurement() -> None:

@@ -31,6 +31,7 @@ def plain_yaw(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_the_output_of_the_how_to_passes_its_own_test(plain_yaw: None) -> None:
     """As it stands on the page."""
     names = {"hub": hub, "connected": connected, "corrected": corrected}
+    assert "    assert " in TEST
     exec(TEST, names)
     names["test_it_sends_yaw"](None)  # type: ignore[operator]  # it stands in the text
 

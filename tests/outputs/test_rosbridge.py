@@ -126,7 +126,7 @@ def test_nothing_is_sent_after_unsubscribe(bridge: Rosbridge) -> None:
         pass
     outputs.samples([corrected(seq=500)])
     outputs.statuses()
-    settled(client)
+    assert service(client, "/rosapi/nodes")["op"] == "service_response", "nothing else comes before it"
 
 
 def test_services_tell_what_there_is(bridge: Rosbridge) -> None:

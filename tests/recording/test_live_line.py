@@ -150,6 +150,7 @@ def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) ->
     log = AboveLine(terminal.stream)
     print("level=info", file=log, flush=True)
     going.line.close()
+    assert not terminal.stream.closed, "its owner closes it"
 
 
 def test_the_log_clears_the_line_and_ends_its_own() -> None:

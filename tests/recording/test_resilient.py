@@ -97,6 +97,8 @@ def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logge
     beside.take(samples(200))
     tick_until(beside, lambda: logged[-1]["event"] == "recording_resumed")
     beside.close()
+    events = [each["event"] for each in logged if each["event"] in ("recording_failed", "recording_resumed")]
+    assert events == ["recording_failed", "recording_failed", "recording_resumed"]
 
 
 def test_while_a_disk_hangs_nothing_more_is_begun_on_it(

@@ -110,4 +110,4 @@ def test_repeats_and_disorder_are_shares() -> None:
 def test_a_few_samples_give_numbers(count: int) -> None:
     """Not NaN."""
     few = {name: getattr(CLEAN, name)[:count] for name in ("rate_dps", "encoder_deg", "device_s", "host_s")}
-    found_of(replace(CLEAN, **few))
+    assert set(found_of(replace(CLEAN, **few))) == {feature.name for feature in timing.FEATURES}

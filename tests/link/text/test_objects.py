@@ -111,5 +111,4 @@ def test_no_line_is_too_odd(line: str) -> None:
 def test_no_text_is_too_odd_to_be_looked_at(lines: list[str], lines_per_s: float | None) -> None:
     """A guess comes of it, or none; what it proposes is understood."""
     found = guess(lines * 3, lines_per_s)
-    if found is not None and found.spec is not None:
-        columns_of(found.spec)
+    assert found is None or found.spec is None or columns_of(found.spec)
