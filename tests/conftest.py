@@ -1,6 +1,7 @@
 """Fixtures for all tests, first of all the one that fails a test that leaves something behind."""
 
 import os
+import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 import structlog
 from hypothesis import settings
+from process_defaults import set_process_defaults
 from support import Recordings
 
 settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
@@ -43,6 +45,16 @@ def _threads_beside(others: set[threading.Thread]) -> set[threading.Thread]:
 def _may_stay(target: str) -> bool:
     """Matplotlib opens its fonts once in a process."""
     return target.startswith("anon") or target.endswith(".ttf")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Start alike, whoever started the suite; an empty home folder, the same one for all processes."""
+    if hasattr(session.config, "workerinput"):
+        set_process_defaults(Path.home())
+        return
+    home = tempfile.TemporaryDirectory(prefix="gyrodrift-home-", ignore_cleanup_errors=True)
+    session.config.add_cleanup(home.cleanup)
+    set_process_defaults(Path(home.name))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

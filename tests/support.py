@@ -148,12 +148,11 @@ class Terminal:
         self._master, slave = pty.openpty()
         termios.tcsetwinsize(self._master, (rows, columns))
         others = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
-        clean = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES", "NO_COLOR")}
         given: dict[str, Any] = others | dict.fromkeys(streams, slave)
         self.process = subprocess.Popen(
             [str(word) for word in words],
             stdin=slave,
-            env=clean | {"TERM": "xterm-256color"} | dict(environment or {}),
+            env=os.environ | {"TERM": "xterm-256color"} | dict(environment or {}),
             start_new_session=True,
             **given,
         )

@@ -1,5 +1,6 @@
 """The wheel, as `pipx install .` builds it: installed into an environment of its own, run from a folder of its own."""
 
+import os
 import shlex
 import subprocess
 import sys
@@ -27,7 +28,8 @@ class Installed:
 
     def run(self, *words: str | Path) -> "subprocess.CompletedProcess[str]":
         command = [str(self.bin / words[0]), *map(str, words[1:])]
-        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
+        no_clone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        return subprocess.run(command, cwd=self.folder, env=no_clone, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")
