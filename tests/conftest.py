@@ -11,7 +11,7 @@ import pytest
 import structlog
 from hypothesis import settings
 from process_defaults import set_process_defaults
-from support import Recordings
+from recordings_support import Recordings
 
 settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
 settings.load_profile("untimed")
@@ -85,10 +85,7 @@ def port(tmp_path: Path) -> Path:
     return tmp_path / "gyro"
 
 
-@pytest.fixture
-def recordings() -> Recordings:
-    """The folder of real recordings and worked filter cases; a test that needs it skips without."""
-    folder = Path(__file__).parent.parent.parent / "shared"
-    if not folder.is_dir():
-        pytest.skip(f"the recordings are not here: {folder}")
-    return Recordings(data=folder / "data", golden=folder / "golden")
+@pytest.fixture(scope="session")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> Recordings:
+    """Recordings of real sensors, unpacked when they are asked for."""
+    return Recordings(tmp_path_factory.mktemp("recordings"))

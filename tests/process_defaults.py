@@ -18,7 +18,7 @@ DEFINED = {
     "TERM": "xterm-256color",
     "TZ": "UTC",
 }
-KEPT = ("CI", "LD_LIBRARY_PATH", "PATH", "TMPDIR", "VIRTUAL_ENV")
+KEPT = ("CI", "GYRODRIFT_RECORDINGS", "LD_LIBRARY_PATH", "PATH", "TMPDIR", "VIRTUAL_ENV")
 KEPT_PREFIXES = ("COVERAGE_", "PYTEST_")
 """Where programs lie, and what the test runner tells its own processes."""
 

@@ -12,7 +12,6 @@ import termios
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -30,12 +29,6 @@ PATIENCE_S = 60.0
 
 TERMINAL_PATIENCE_S = 180.0
 """The same where packages of the workstation are loaded first."""
-
-
-@dataclass(frozen=True)
-class Recordings:
-    data: Path
-    golden: Path
 
 
 def beginning(path: Path, rows: int, folder: Path) -> Path:

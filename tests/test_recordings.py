@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import Command, Recordings
+from recordings_support import Recordings
+from support import Command
 
 from gyrodrift.cli import main
 from gyrodrift.session.files import load_session
@@ -28,7 +29,7 @@ def test_a_real_recording_comes_out_of_serve_as_it_comes_out_of_filter(
     name: str, tmp_path: Path, recordings: Recordings
 ) -> None:
     """Every sample arrives, with the same yaw to the last digit that serve writes."""
-    path, link = recordings.data / f"{name}.csv", tmp_path / "gyro"
+    path, link = recordings.path(name), tmp_path / "gyro"
     session, expected = load_session(path), yaw_of_filter(path, tmp_path / "out.csv")
     with Command("replay", path, "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench_support import show
-from support import Recordings
+from recordings_support import DATA
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
@@ -62,8 +62,8 @@ def compare(name: str, paths: list[Path]) -> None:
     assert medians["race"][-1] == min(median[-1] for median in medians.values())
 
 
-def test_the_default_on_the_twin_of_the_published_set(tmp_path: Path, recordings: Recordings) -> None:
-    rows = [row for row in read_rows(recordings.data / "seed_tables.csv") if row.split == "train"]
+def test_the_default_on_the_twin_of_the_published_set(tmp_path: Path) -> None:
+    rows = [row for row in read_rows(DATA / "published_tables.csv") if row.split == "train"]
     compare("twin", [twin.path for twin in write_twins(rows, load_rig(None), tmp_path, seed=1)])
 
 

@@ -8,8 +8,8 @@ from statistics import median
 import numpy as np
 import pytest
 from bench_support import show
+from recordings_support import DATA
 from scipy.optimize import differential_evolution
-from support import Recordings
 
 from firmware_sim.rig import load_rig
 from gyrodrift.arrays import Floats
@@ -56,9 +56,9 @@ def seconds(work: Callable[[], None]) -> float:
     return time.perf_counter() - begun_s
 
 
-def test_a_whole_search_beside_differential_evolution(tmp_path: Path, recordings: Recordings) -> None:
+def test_a_whole_search_beside_differential_evolution(tmp_path: Path) -> None:
     """All sixteen sessions, one after the other in each round; medians and ratios to the default."""
-    twins = write_twins(read_rows(recordings.data / "seed_tables.csv"), load_rig(None), tmp_path, seed=1)
+    twins = write_twins(read_rows(DATA / "published_tables.csv"), load_rig(None), tmp_path, seed=1)
     with Cost(load_with_reference(Source(twin.path)).reference for twin in twins) as cost:
         cost.pi(values_of(AXES, np.full((16, len(AXES)), 0.5)))  # compiled once, for all
         works = {

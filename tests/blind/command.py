@@ -5,10 +5,11 @@ import json
 import sys
 from pathlib import Path
 
+from recordings_support import FOLDER_VARIABLE
+
 from blind.bench_rows import bench_rows
 from blind.folder import SetFolder, write_json
 from blind.prepare import OtherSetError, prepare
-from blind.rows.recordings import DATA
 from blind.rows.table import ROWS, impossible_rows
 from blind.run import Options, run_set
 from blind.score import recipe_rows, score
@@ -85,7 +86,9 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.set_name != BENCH and (arguments.rows or arguments.count is not None):
         raise OtherSetError("--rows and --count choose cases of the set bench")
     if arguments.set_name == BENCH and (impossible := impossible_rows(arguments.rows)):
-        print(f"blind: {', '.join(impossible)}: left out, there are no recordings in {DATA}", file=sys.stderr)
+        print(
+            f"blind: {', '.join(impossible)}: left out, no folder of recordings: set {FOLDER_VARIABLE}", file=sys.stderr
+        )
     folder = SetFolder(arguments.out)
     prepare(folder, arguments.set_name, _seed(arguments), arguments.only, arguments.rows, arguments.count)
     options = Options(

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import Command, Recordings
+from hdr_reference import CASES, COLUMNS, as_printed
+from support import Command
 
 from gyrodrift.cli import main
 from gyrodrift.filters.hdr_filter import HDR as HDR_FILTER
@@ -19,7 +20,6 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
 
-HDR = "hdr: {{i_c_dps: {i_c}, tau_s: {tau}, theta_w_dps: {theta_w}, c1: {c1}, c2: {c2}}}\n"
 SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"
 
 
@@ -28,24 +28,18 @@ def rows_of(path: Path) -> list[dict[str, float]]:
         return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 
 
-def test_a_golden_case_comes_out_of_the_command_as_it_stands_in_its_file(
-    tmp_path: Path, recordings: Recordings
-) -> None:
+def test_a_worked_case_comes_out_of_the_command(tmp_path: Path) -> None:
     """Session and config in, all columns out, to a billionth."""
-    source = recordings.golden / "hdr_other_parameters.csv"
-    first, *lines = source.read_text().splitlines()
-    words = dict(word.split("=") for word in first[1:].split())
-    (tmp_path / "c.yaml").write_text(HDR.format(**words))
-    session = ["t_device_s,rate_dps", *(",".join(line.split(",")[:2]) for line in lines[1:])]
-    (tmp_path / "s.csv").write_text("\n".join(session) + "\n")
+    p, stream = CASES["other_parameters"]
+    (tmp_path / "c.yaml").write_text(json.dumps({"hdr": asdict(p)}))
+    (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{t_s},{dps}\n" for t_s, dps in stream))
     out = tmp_path / "out.csv"
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
-    (tmp_path / "expected.csv").write_text("\n".join(lines) + "\n")
-    got, expected = rows_of(out), rows_of(tmp_path / "expected.csv")
-    assert list(got[0]) == ["t_device_s", *list(expected[0])[1:]]
+    got, expected = rows_of(out), as_printed(p, stream)
+    assert list(got[0]) == ["t_device_s", "rate_dps", *COLUMNS]
     assert len(got) == len(expected) == 3000
-    for one, other in zip(got, expected, strict=True):
-        assert list(one.values()) == pytest.approx(list(other.values()), abs=1e-9)
+    for row, sample, columns in zip(got, stream, expected, strict=True):
+        assert list(row.values()) == pytest.approx([*sample, *columns], abs=1e-9)
 
 
 def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None:

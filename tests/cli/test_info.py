@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from page_support import row, words
-from support import Recordings
+from recordings_support import Recordings
 
 from gyrodrift.cli import main
 from gyrodrift.installation import extra_command
@@ -274,6 +274,6 @@ def test_real_recordings_are_told_and_drawn(
     name: str, recordings: Recordings, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All three have half a minute of rest, and noise."""
-    lines = told(capsys, recordings.data / f"{name}.csv", "--picture", tmp_path / "s.png")
+    lines = told(capsys, recordings.path(name), "--picture", tmp_path / "s.png")
     assert line_of(lines, "angle random walk").endswith(" deg/√s")
     assert (tmp_path / "s.png").stat().st_size > 10_000

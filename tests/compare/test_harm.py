@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import Recordings
+from recordings_support import Recordings
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import by_key
@@ -35,7 +35,17 @@ def errors_deg(paths: Sequence[Path]) -> dict[str, list[float]]:
 @pytest.mark.parametrize(("pattern", "harm_most"), [("benchy_*", 0.1), ("rasteiro_*", 0.1), ("smartloc_*", 0.0)])
 def test_it_seldom_harms(pattern: str, harm_most: float, recordings: Recordings) -> None:
     """A bench that hovers and a sensor that takes its own bias out, parts that a robot carries, and a car."""
-    e_deg = errors_deg(sorted((recordings.data / "real").glob(f"{pattern}.csv")))
+    assert_harm_is_rare(pattern, recordings.further(pattern), harm_most)
+
+
+def test_it_harms_at_most_one_of_six_parts_that_a_robot_carries(recordings: Recordings) -> None:
+    """Those of them that are in tests/data; so few that their mean may be a twentieth above plain integration."""
+    assert_harm_is_rare("rasteiro_*", recordings.packed("rasteiro_*"), harm_most=1 / 6, allowance=1.05)
+
+
+def assert_harm_is_rare(pattern: str, paths: Sequence[Path], harm_most: float, allowance: float = 1.0) -> None:
+    """The share of recordings that are harmed has a bound, and so has the mean error beside plain integration."""
+    e_deg = errors_deg(paths)
     own, plain, start = (np.array(e_deg[key]) for key in ("restlevel", "euler", "start"))
     harmed = own > HARM * np.maximum(np.minimum(plain, start), FLOOR_DEG)
     told = "  ".join(
@@ -43,4 +53,4 @@ def test_it_seldom_harms(pattern: str, harm_most: float, recordings: Recordings)
     )
     print(f"\n{pattern}: {len(own)} recordings, harm {harmed.mean():.2f}; median / mean / worst in deg: {told}")
     assert harmed.mean() <= harm_most
-    assert own.mean() <= plain.mean()
+    assert own.mean() <= allowance * plain.mean()

@@ -1,7 +1,7 @@
 """Recordings of real sensors: what every method makes of them, as it was worked out elsewhere."""
 
 import pytest
-from support import Recordings
+from recordings_support import Recordings
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import by_key
@@ -28,6 +28,6 @@ def test_mean_error_of_every_method(name: str, key: str, recordings: Recordings)
     """Within what the printed digits say."""
     if not BY_KEY[key].is_installed:
         pytest.skip(f"{BY_KEY[key].title} needs the package {BY_KEY[key].package}")
-    one = load_with_reference(Source(recordings.data / f"{name}.csv"))
+    one = load_with_reference(Source(recordings.path(name)))
     yaw_deg = BY_KEY[key].run(one.t_s, one.reference.rate_dps, BY_KEY[key].defaults)
     assert score_of(one.reference, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)

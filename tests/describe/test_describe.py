@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support import Recordings, near
+from recordings_support import Recordings
+from support import near
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
@@ -351,7 +352,7 @@ def test_real_recordings_have_the_rest_that_their_makers_tell(
     name: str, bias_dps: float, least_s: float, recordings: Recordings
 ) -> None:
     """With the reference and without it, and a bias to 0.02 deg/s."""
-    session = load_session(recordings.data / f"{name}.csv")
+    session = load_session(recordings.path(name))
     for one in (session, replace(session, encoder_deg=None)):
         stretches = describe(one).stretches
         lengths_s = [stretch.end_s - stretch.start_s for stretch in stretches]

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 import yaml
-from support import Recordings, beginning
+from recordings_support import Recordings
+from support import beginning
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
@@ -28,7 +29,7 @@ def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options:
 def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:
     """The line is found as steps of the bias against steps of the temperature have it; the rest is left over."""
     gap = diagnosed(
-        [recordings.data / "temperature_sweep.csv"], {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path
+        [recordings.path("temperature_sweep")], {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path
     )
     assert gap["verdict"] == "partly"
     assert gap["causes"][0]["effect"] == "temp_bias"
@@ -40,7 +41,7 @@ def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, rec
 
 def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
     """Of a sensor that lay still; bunches are 48.8 ms apart in the mean."""
-    still = recordings.data / "mpu6050_still.csv"
+    still = recordings.path("mpu6050_still")
     gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path)
     assert gap["causes"][0]["effect"] == "usb_batching"
     assert gap["causes"][0]["parameters"]["interval_ms"]["value"] == pytest.approx(48.8, rel=0.2)
@@ -49,7 +50,7 @@ def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
 
 def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Recordings) -> None:
     """Whatever is named, most is left over."""
-    paths = [beginning(recordings.data / f"broad_{number}.csv", 20_000, tmp_path) for number in ("01", "06", "14")]
+    paths = [beginning(recordings.path(f"broad_{number}"), 20_000, tmp_path) for number in ("01", "06", "14")]
     gap = diagnosed(paths, {"sample_rate_hz": 285.7, "dps_per_lsb": 0.061, "encoder_cpr": 3600000}, tmp_path)
     assert gap["verdict"] in {"partly", "unknown"}
     assert gap["leftover"]
@@ -63,5 +64,5 @@ def test_a_rig_that_cannot_hold_the_rates_is_told_of(
     """Its own output would be clipped; which effect it is does not matter."""
     none = [word for name in CATALOGUE for word in ("--withhold", name)]
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 1e-5}
-    diagnosed([recordings.data / "temperature_sweep.csv"], base, tmp_path, *none)
+    diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *none)
     assert "is the rig's dps_per_lsb right?" in capsys.readouterr().out

@@ -1,19 +1,14 @@
-"""The recursion: golden cases, an independent reading of its equations, and the same bits however it is run."""
+"""The recursion: worked cases, an independent reading of its equations, and the same bits however it is run."""
 
-import csv
 from dataclasses import asdict, replace
 from math import inf, isnan, nan
-from pathlib import Path
 
 import pytest
+from hdr_reference import CASES, COLUMNS, as_printed
 from hypothesis import given
 from hypothesis import strategies as st
-from support import Recordings
 
 from gyrodrift.filters.hdr import ATTENUATOR_TABLE, HdrParams, HdrState, attenuated_step, coefficients, step
-
-COLUMNS = ("lpf_dps", "i_dps", "omega_dps", "omega_d_dps", "yaw_deg")
-GOLDEN = ("gaps", "other_parameters", "steady", "turns", "variable_dt", "zeros")
 
 params = st.builds(
     HdrParams,
@@ -45,49 +40,15 @@ def timed(stream: list[tuple[float, float]]) -> list[tuple[float, float]]:
     return out
 
 
-def as_printed(p: HdrParams, stream: list[tuple[float, float]]) -> list[tuple[float, ...]]:
-    """Equations 1 to 8 as they are printed, over whole lists; the columns of each sample."""
-    sign = [0.0] * len(stream)
-    rows: list[tuple[float, ...]] = []
-    run_length = 0
-    for i, (t_s, raw) in enumerate(stream):
-        if i == 0:
-            lpf = omega = omega_d = raw
-            integrator = yaw = 0.0
-        else:
-            dt_s = t_s - stream[i - 1][0]
-            previous = rows[-1][2]
-            run_length = run_length + 1 if i >= 2 and sign[i - 1] == sign[i - 2] else 1
-            switch = 1.0 if abs(previous) < p.theta_w_dps else 0.0
-            attenuation = (1.0 + p.c1) / (1.0 + p.c1 * float(run_length) ** p.c2)
-            integrator = rows[-1][1] - sign[i - 1] * switch * attenuation * p.i_c_dps
-            lpf = (raw * dt_s + p.tau_s * rows[-1][0]) / (dt_s + p.tau_s)
-            omega = lpf + integrator
-            omega_d = omega + p.tau_s / dt_s * (omega - previous)
-            yaw = rows[-1][4] + omega_d * dt_s
-        sign[i] = (omega > 0.0) - (omega < 0.0)
-        rows.append((lpf, integrator, omega, omega_d, yaw))
-    return rows
-
-
-def golden_case(path: Path) -> tuple[HdrParams, list[dict[str, float]]]:
-    with path.open() as file:
-        values = dict(word.split("=") for word in file.readline()[1:].split())
-        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
-    names = ("i_c", "tau", "theta_w", "c1", "c2")
-    return HdrParams(*(float(values[name]) for name in names)), rows
-
-
-@pytest.mark.parametrize("case", GOLDEN)
-def test_every_column_of_a_golden_case_is_met_to_a_billionth(case: str, recordings: Recordings) -> None:
-    """Cases of an independent program."""
-    p, rows = golden_case(recordings.golden / f"hdr_{case}.csv")
+@pytest.mark.parametrize("case", CASES)
+def test_every_column_of_a_worked_case_is_met_to_a_billionth(case: str) -> None:
+    """By an independent reading of the equations."""
+    p, stream = CASES[case]
     c, state = coefficients(p), HdrState()
-    for row in rows:
-        assert step(c, state, row["t_s"], row["rate_dps"])
-        for column in COLUMNS:
-            assert getattr(state, column) == pytest.approx(row[column], abs=1e-9)
-    assert state.samples == len(rows) == 3000
+    for (t_s, rate_dps), row in zip(stream, as_printed(p, stream), strict=True):
+        assert step(c, state, t_s, rate_dps)
+        assert tuple(getattr(state, column) for column in COLUMNS) == pytest.approx(row, rel=0.0, abs=1e-9)
+    assert state.samples == len(stream) == 3000
 
 
 @given(params, st.lists(st.tuples(st.floats(1e-3, 0.1), st.floats(-2.0, 2.0)), min_size=1, max_size=300))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from recordings_support import Recordings
 from restlevel_reference import reference
 from scipy.signal import lfilter
-from support import Recordings
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of
@@ -86,7 +86,7 @@ TURNS = [(0.0, 5.0), (30.0, 4.0), (0.0, 5.0), (-12.0, 6.0), (0.0, 4.0), (5.0, 5.
 @pytest.mark.parametrize("name", REAL)
 def test_an_independent_reading_agrees_on_real_recordings(name: str, recordings: Recordings) -> None:
     """To 1e-9 deg and deg/s, at the end of every block."""
-    session = load_session(recordings.data / f"{name}.csv")
+    session = load_session(recordings.path(name))
     t_s, rate_dps = session.t_device_s, session.rate_dps
     found = reference(t_s, rate_dps, RestlevelParams())
     yaw_deg, _, bias_dps = estimates(t_s, rate_dps, RestlevelParams())
@@ -120,7 +120,7 @@ def test_an_independent_reading_agrees_where_hypotheses_branch_and_merge(seed: i
 @pytest.mark.parametrize("name", REAL)
 def test_the_compiled_filter_has_the_same_bits(name: str, recordings: Recordings) -> None:
     """One source, run as Python and as machine code."""
-    session = load_session(recordings.data / f"{name}.csv")
+    session = load_session(recordings.path(name))
     t_s, rate_dps = session.t_device_s[:20_000], session.rate_dps[:20_000]
     compiled = estimates(t_s, rate_dps, RestlevelParams())
     np.testing.assert_array_equal(compiled, walked(t_s, rate_dps, RestlevelParams()))

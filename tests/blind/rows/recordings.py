@@ -1,6 +1,6 @@
 """Real recordings of a device, whole or in pieces, and a rig file that states what can be read off them.
 
-They lie beside the project, in `shared/data`; its README says what they are. Where they are not, there are none.
+They lie in the folder of further recordings (`recordings_support`). Without it there are none.
 """
 
 from dataclasses import dataclass, replace
@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from recordings_support import further_recordings
 
 from blind.generator.motion import Floats, Mask
 from blind.generator.rig_text import rig_text
 
-DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 LEAST_S = 21.0
 """A recording of 20 s is the shortest that is taken; one that loses rows at an end must still be as long."""
 
@@ -31,7 +31,7 @@ class Owned:
     """A device of which there are recordings.
 
     pattern
-        Of their file names, under DATA.
+        Of their file names, in the folder of further recordings.
     rates_hz
         Within which all of them were taken; one device was read at several rates.
     encoder_cpr
@@ -124,7 +124,8 @@ def devices() -> list[str]:
 def recordings_of(device: str) -> tuple[Rows, ...]:
     """All that are fit, in the order of their names; what is long, in pieces."""
     owned = OWNED[device]
-    read = [_read(path) for path in sorted(DATA.glob(owned.pattern))]
+    folder = further_recordings()
+    read = [_read(path) for path in sorted(folder.glob(owned.pattern))] if folder else []
     pieces = [piece for rows in read for piece in _pieces(rows)]
     return tuple(piece for piece in pieces if _is_fit(piece, owned))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support import Recordings
+from recordings_support import Recordings
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect, with_effects
@@ -242,5 +242,5 @@ def test_no_rig_contradicts_its_own_sessions(
 )
 def test_real_sensors_do_not_contradict_their_own_lsb(recordings: Recordings, name: str, lsb: float) -> None:
     """Beside a rig as fine as their reference; the sweep holds means of fifty samples."""
-    real = recording_of(load_session(recordings.data / f"{name}.csv"))
+    real = recording_of(load_session(recordings.path(name)))
     assert beside(Base(dps_per_lsb=lsb, encoder_cpr=3_600_000), real) == ()

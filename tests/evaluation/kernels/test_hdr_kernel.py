@@ -1,13 +1,13 @@
 """The compiled walk against `filter.step`: the same bits, whatever the parameters and the samples."""
 
-from itertools import pairwise
+from dataclasses import astuple
 from math import inf, isfinite, isnan, nan
 
 import numpy as np
 import pytest
+from hdr_reference import CASES, as_printed
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support import Recordings
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.integration import euler
@@ -200,14 +200,11 @@ def test_euler_adds_up_rates_times_steps() -> None:
     assert euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
 
 
-@pytest.mark.parametrize("case", ["gaps", "other_parameters", "steady", "turns", "variable_dt", "zeros"])
-def test_yaw_of_a_golden_case_is_met_to_a_billionth(case: str, recordings: Recordings) -> None:
-    """Cases of an independent program."""
-    path = recordings.golden / f"hdr_{case}.csv"
-    with path.open() as file:
-        given_params = dict(word.split("=") for word in file.readline()[1:].split())
-    rows = np.genfromtxt(path, delimiter=",", names=True, skip_header=1)
-    params = np.array([float(given_params[name]) for name in ("i_c", "tau", "theta_w", "c1", "c2")])
-    times_s = rows["t_s"].tolist()
-    dt_s = np.array([0.0] + [after - before for before, after in pairwise(times_s)])
-    np.testing.assert_allclose(kernel.yaw(dt_s, rows["rate_dps"], params), rows["yaw_deg"], rtol=0.0, atol=1e-9)
+@pytest.mark.parametrize("case", CASES)
+def test_yaw_of_a_worked_case_is_met_to_a_billionth(case: str) -> None:
+    """By an independent reading of the equations."""
+    p, stream = CASES[case]
+    t_s, rate_dps = np.array(stream).T
+    yaw_deg = [row[-1] for row in as_printed(p, stream)]
+    found = kernel.yaw(np.diff(t_s, prepend=t_s[0]), np.ascontiguousarray(rate_dps), np.array(astuple(p)))
+    np.testing.assert_allclose(found, yaw_deg, rtol=0.0, atol=1e-9)

@@ -5,8 +5,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from recordings_support import Recordings
 from restlevel_reference import reference
-from support import Recordings
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of
@@ -111,7 +111,7 @@ def test_remembered_noise_is_of_the_rate_at_which_samples_come() -> None:
 
 def test_a_second_pass_of_the_thermal_chamber_begins_where_the_first_did(recordings: Recordings) -> None:
     """Within 0.02 deg/s from the first sample on, though the first pass ended 15 °C lower and 0.6 deg/s away."""
-    session = load_session(recordings.data / "temperature_sweep.csv")
+    session = load_session(recordings.path("temperature_sweep"))
     assert session.temp_c is not None
     c, first = coefficients(RestlevelParams()), RestlevelState()
     rows = list(zip(session.t_device_s.tolist(), session.rate_dps.tolist(), session.temp_c.tolist(), strict=True))

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from recordings_support import Recordings
 from restlevel_reference import reference
-from support import Recordings
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.restlevel import walk
@@ -69,7 +69,7 @@ def test_the_status_says_what_is_known() -> None:
 
 def test_what_lies_on_no_line_is_not_believed(recordings: Recordings) -> None:
     """The thermal chamber: a curve with hysteresis."""
-    session = load_session(recordings.data / "temperature_sweep.csv")
+    session = load_session(recordings.path("temperature_sweep"))
     assert session.temp_c is not None
     c, s = coefficients(RestlevelParams()), RestlevelState()
     for t_s, dps, temp_c in zip(
