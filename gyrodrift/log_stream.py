@@ -1,27 +1,19 @@
 """Standard error as a stream that never waits: a terminal that was stopped must not stop the samples."""
 
-import os
-import select
-import socket
-import stat
 from collections.abc import Callable
 from io import TextIOBase, UnsupportedOperation
 from typing import TextIO
 
+from gyrodrift.unwaiting import send_unwaiting
+
 LONGEST_KEPT = 65_536
 """Bytes that wait for a reader that takes none; what comes on top is counted and dropped."""
-
-PIECE_BYTES = 512
-"""What a pipe that polls as writable takes at once, by POSIX; of a terminal that is only known of one byte."""
 
 
 class UnwaitingStream(TextIOBase):
     """Writes what the reader takes at once, and keeps the rest for the next time.
 
-    The file is opened anew for each piece, since not to wait is a property of an open file that other programs on the
-    same terminal share; where that is not allowed, as after `su` or in a container with a user of its own, it is
-    written to in pieces that a reader with any room takes. A reader that is gone is no error: who logs has other
-    things to do.
+    A reader that is gone is no error: who logs has other things to do.
 
     Parameters
     ----------
@@ -85,27 +77,6 @@ def _descriptor(stream: TextIO) -> int | None:
 def _send(fd: int, data: bytes) -> int:
     """Bytes that were taken; all of them where nobody will ever read them."""
     try:
-        if stat.S_ISSOCK(os.fstat(fd).st_mode):
-            with socket.socket(fileno=os.dup(fd)) as end:
-                return end.send(data, socket.MSG_DONTWAIT)
-        try:
-            own = os.open(f"/proc/self/fd/{fd}", os.O_WRONLY | os.O_NONBLOCK | os.O_APPEND | os.O_NOCTTY | os.O_CLOEXEC)
-        except PermissionError:
-            return _send_a_piece(fd, data)
-        try:
-            return os.write(own, data)
-        finally:
-            os.close(own)
-    except BlockingIOError:
-        return 0
+        return send_unwaiting(fd, data)
     except OSError:  # the other end is closed
         return len(data)
-
-
-def _send_a_piece(fd: int, data: bytes) -> int:
-    """Likewise, of a file that cannot be opened anew: no more than what never waits where there is room at all."""
-    poller = select.poll()
-    poller.register(fd, select.POLLOUT)
-    if not poller.poll(0):
-        return 0
-    return os.write(fd, data[:1] if os.isatty(fd) else data[:PIECE_BYTES])

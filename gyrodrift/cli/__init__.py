@@ -1,6 +1,7 @@
 """The command line: `gyrodrift COMMAND ...`. Each command is a file of its own, imported when it is asked for."""
 
 import os
+import select
 import sys
 from importlib import import_module
 from textwrap import indent
@@ -63,13 +64,20 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("gyrodrift: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
-        _forget_stdout()  # nobody reads
-        return 0
     except OSError as error:  # what no command foresaw: a full disk, a device that fails
+        if isinstance(error, BrokenPipeError) and _is_stdout_closed():
+            _forget_stdout()
+            return 0
         print(f"gyrodrift: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
         _forget_stdout()
         return UsageError.exit_status
+
+
+def _is_stdout_closed() -> bool:
+    """Whether the reader of stdout is gone, as `head` goes when it has enough; any other broken pipe is a failure."""
+    poller = select.poll()
+    poller.register(sys.stdout.fileno(), select.POLLOUT)
+    return any(events & (select.POLLERR | select.POLLHUP) for _, events in poller.poll(0))
 
 
 def _forget_stdout() -> None:

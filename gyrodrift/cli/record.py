@@ -7,11 +7,15 @@ that the filter makes of the samples; the file has the samples as they came.
 """
 
 import argparse
+import os
 import sys
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import options
+from gyrodrift.unwaiting import send_within
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
@@ -22,6 +26,9 @@ if TYPE_CHECKING:
 
 READ_INTERVAL_S = 0.002
 """Nobody waits for a recording: fast streams are taken in handfuls."""
+
+LAST_S = 1.0
+"""How long the end waits for a reader of the paths."""
 
 EXAMPLES = """\
 gyrodrift record --port /dev/ttyUSB0 --out sessions --note "new bearing"
@@ -81,9 +88,14 @@ def run(arguments: argparse.Namespace) -> int:
             listeners = _listeners(link, recorder, stop, arguments.duration, yaw, stderr if is_shown else None)
             Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S, end_event="record_end").run()
         finally:
-            for path in filter(Path.exists, recorder.paths):  # a full disk may have taken none of it
-                print(path)
+            _tell(filter(Path.exists, recorder.paths))  # a full disk may have taken none of it
     return 0
+
+
+def _tell(paths: Iterable[Path]) -> None:
+    """Print the paths; how the recording ended does not depend on whether somebody reads them."""
+    with suppress(OSError):
+        send_within(sys.stdout.fileno(), b"".join(os.fsencode(path) + b"\n" for path in paths), LAST_S)
 
 
 def _listeners(

@@ -118,9 +118,10 @@ class Filtering:
         return {"rejected": self.state.rejected, **of_sinks, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
 
     def close(self) -> None:
-        """Let the sinks finish, each whatever the others make of it."""
+        """Let the sinks end, all at the same time and each whatever the others make of it."""
         with ExitStack() as closing:
             for sink in self.sinks:
+                sink.finish()
                 closing.callback(sink.close)
 
     @property

@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.events import LinkEvents
@@ -51,6 +52,8 @@ class _Marks:
 class Service:
     """A link and who hears its samples, run until a signal or until nobody reads any more.
 
+    listeners
+        In this order they hear samples, and are closed in the end: a recording before what waits for readers.
     sinks
         Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
     control
@@ -102,7 +105,7 @@ class Service:
             if self.notify is not None:
                 self.notify.ready(f"reading {without_secrets(self.link.name)}")
             with ExitStack() as closing:  # each is closed, whatever the others make of it
-                for listener in self.listeners:
+                for listener in reversed(self.listeners):  # the last callback is called first
                     closing.callback(listener.close)
                 closing.callback(self.events.report_held, is_end=True)
                 self._loop()
@@ -146,8 +149,9 @@ class Service:
             for fd, events in wanted.items():
                 self._poller.register(fd, events)
             self._waited_for = wanted
-        ready = self._poller.poll(min(self.link.wake_s(), TICK_S) * 1e3)
-        if self.control is not None and ready:
+        most_s = inf if self.control is None else self.control.wake_s()
+        ready = self._poller.poll(min(self.link.wake_s(), TICK_S, most_s) * 1e3)
+        if self.control is not None:
             self.control.serve({fd for fd, _ in ready})
         return is_waited_for
 

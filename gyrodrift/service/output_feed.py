@@ -1,18 +1,23 @@
 """The way from the loop that reads the port to the outputs' process: a socket pair, and a bounded queue before it.
 
-Nothing here waits. What the process does not take at once is kept up to a bound, then the oldest samples go, and
-the outputs are told how many. A process that dies is started again.
+Nothing here waits but `close`. What the process does not take at once is kept up to a bound, then the oldest goes, and
+the outputs are told how many samples. There is one process at a time: what is wanted and what is there are compared
+with each tick, and the next process is started when the one before is gone.
 """
 
+import errno
 import os
 import select
 import signal
 import socket
 import subprocess
 import sys
+import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
+from math import inf
 from typing import Any
 
 from gyrodrift.logger import FilteringBoundLogger
@@ -29,8 +34,14 @@ STATUS_S = 1.0
 RESTART_FIRST_S = 0.5
 RESTART_LONGEST_S = 30.0
 STABLE_S = 60.0
-END_S = 5.0
-"""That the process has to say goodbye to its clients; then it is killed."""
+END_S = 4.0
+"""That a process has to say goodbye to its clients while the service goes on; then it is killed."""
+
+LAST_S = 1.5
+"""The same where the service ends."""
+
+KILLED_S = 0.2
+"""That a killed process has to be gone; one that hangs in the kernel is not waited for."""
 
 NOTHING: Mapping[int, int] = {}
 
@@ -47,21 +58,31 @@ class OutputFeed:
         Of the log of that process.
     """
 
-    def __init__(self, log: FilteringBoundLogger, level: str = "info", style: str = "auto") -> None:
+    def __init__(
+        self,
+        log: FilteringBoundLogger,
+        level: str = "info",
+        style: str = "auto",
+        monotonic: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.state: State | None = None
         self.dropped = 0
         self.specs: tuple[OutputSpec, ...] = ()
         self._log = log
         self._log_words = (level, style)
+        self._monotonic = monotonic
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: socket.socket | None = None
+        self._told: tuple[OutputSpec, ...] = ()
+        self._has_died = False
+        self._kill_s = inf
+        self._start_s = self._started_s = -inf
+        self._restart_s = RESTART_FIRST_S
         self._queue: deque[bytes] = deque()
         self._queue_bytes = 0
         self._untold = 0
         self._statuses: tuple[OutputStatus, ...] = ()
-        self._status_s = float("-inf")
-        self._started_s = float("-inf")
-        self._restart_s = RESTART_FIRST_S
+        self._status_s = -inf
         self._wakes: Mapping[int, int] = NOTHING
 
     @property
@@ -76,16 +97,8 @@ class OutputFeed:
 
     def want(self, specs: Sequence[OutputSpec]) -> None:
         """These outputs from now on; what stays notices nothing."""
-        specs = tuple(dict.fromkeys(specs))
-        if specs == self.specs:
-            return
-        self.specs = specs
-        if self._socket is None and specs:
-            self._start(self._started_s)
-        elif specs:
-            self._send(self._wanted())
-        else:
-            self._end()
+        self.specs = tuple(dict.fromkeys(specs))
+        self._reconcile(self._monotonic())
 
     def take(self, samples: list[Corrected]) -> None:
         """Hand samples over, or keep them a while."""
@@ -103,18 +116,14 @@ class OutputFeed:
             self._send(wire.pack_json(wire.EVENT, {"event": event, "fields": fields}))
 
     def tick(self, now_s: float) -> None:
-        """Hear how the outputs are, say how the service is; start the process again where it has died."""
-        if not self.specs:
+        """Hear how the outputs are, say how the service is, and see that the process is there that is wanted."""
+        self._reconcile(now_s)
+        if self._socket is not None:
+            self._listen(self._socket)
+            self._flush()
+        if self._queue or self._socket is None:  # a state that waits behind samples would be an old one
             return
-        if self._socket is None:
-            if now_s - self._started_s >= self._restart_s:
-                self._start(now_s)
-            return
-        if self._started_s == float("-inf"):
-            self._started_s = now_s
-        self._listen(self._socket)
-        self._flush()
-        if self._socket is not None and self.state is not None and now_s - self._status_s >= STATUS_S:
+        if self.state is not None and now_s - self._status_s >= STATUS_S:
             self._status_s = now_s
             self._send(wire.pack_json(wire.STATUS, asdict(self.state())))
 
@@ -133,61 +142,104 @@ class OutputFeed:
         """The socket while something waits that the process has not taken."""
         return self._wakes if self._queue else NOTHING
 
-    def close(self) -> None:
+    def finish(self) -> None:
         """Let the outputs say goodbye to their clients."""
-        statuses = self._statuses
-        self._end()
-        self._statuses = statuses  # for the last line of the log
+        self._let_go(self._monotonic() + LAST_S)
 
-    def _wanted(self) -> bytes:
-        return wire.pack_json(
-            wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs]
-        )
-
-    def _start(self, now_s: float) -> None:
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        ours.setblocking(False)
-        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
-        command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), *self._log_words]
-        with theirs:
-            self._process = subprocess.Popen(  # noqa: S603 - this very program
-                command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
-            )
-        self._socket, self._started_s = ours, now_s
-        self._wakes = {ours.fileno(): select.POLLOUT}
-        self._send(self._wanted())
-
-    def _end(self) -> None:
-        self._forget()
+    def close(self) -> None:
+        """Wait for their process, LAST_S at most since `finish`."""
         if self._process is None:
             return
         try:
-            self._process.wait(END_S)
+            self._process.wait(max(self._kill_s - self._monotonic(), 0.0))
         except subprocess.TimeoutExpired:
             self._process.kill()
-            self._process.wait()
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(KILLED_S)
         self._process = None
 
-    def _forget(self) -> None:
+    def _reconcile(self, now_s: float) -> None:
+        """One step from what is there to what is wanted; none waits for the process."""
+        if self._process is not None and self._socket is None:
+            self._reap(self._process, now_s)
+        if self._process is None:
+            if self.specs and now_s >= self._start_s:
+                self._start(now_s)
+        elif not self.specs:
+            self._let_go(now_s + END_S)
+        elif self._socket is not None and self.specs != self._told:
+            self._tell_wanted()
+
+    def _start(self, now_s: float) -> None:
+        try:
+            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        except OSError as error:
+            self._not_started(error, now_s)
+            return
+        command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), *self._log_words]
+        with theirs:
+            try:
+                self._process = subprocess.Popen(  # noqa: S603 - this very program
+                    command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+                )
+            except OSError as error:
+                ours.close()
+                self._not_started(error, now_s)
+                return
+        ours.setblocking(False)
+        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
+        self._socket, self._started_s, self._kill_s, self._statuses = ours, now_s, inf, ()
+        self._wakes = {ours.fileno(): select.POLLOUT}
+        self._tell_wanted()
+
+    def _not_started(self, error: OSError, now_s: float) -> None:
+        """No memory or no descriptor is left for it: that may pass."""
+        self._put_off(now_s)
+        self._log.error("outputs_not_started", reason=error.strerror, retry_s=self._restart_s)
+
+    def _tell_wanted(self) -> None:
+        """What the process is to have open; of several lists that wait for it only the last one counts."""
+        self._queue = deque(message for message in self._queue if message[:1] != wire.OUTPUTS)
+        self._queue_bytes = sum(map(len, self._queue))
+        self._told = self.specs
+        self._send(
+            wire.pack_json(wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs])
+        )
+
+    def _let_go(self, kill_s: float) -> None:
         """Close the socket, which ends the process."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None
         self._queue.clear()
         self._queue_bytes = 0
-        self._statuses = ()
+        self._kill_s = min(self._kill_s, kill_s)
+
+    def _reap(self, process: subprocess.Popen[bytes], now_s: float) -> None:
+        """Take notice of the end of a process; kill it where its time is over."""
+        status = process.poll()
+        if status is None:
+            if now_s >= self._kill_s:
+                process.kill()
+            return
+        self._process = None
+        if self._has_died:
+            self._has_died = False
+            self._log.error("outputs_died", **_how(status))
 
     def _died(self) -> None:
-        now_s = self._status_s
-        self._forget()
-        if self._process is not None:
-            self._process.kill()  # where it only closed its socket
-            status = self._process.wait()
-            self._process = None
-            self._log.error("outputs_died", **_how(status))
-        self._restart_s = (
-            RESTART_FIRST_S if now_s - self._started_s > STABLE_S else min(2.0 * self._restart_s, RESTART_LONGEST_S)
-        )
+        """The socket says so; the process is killed where it closed that alone."""
+        now_s = self._monotonic()
+        self._has_died, self._statuses = True, ()
+        self._let_go(now_s)
+        if now_s - self._started_s > STABLE_S:
+            self._restart_s = RESTART_FIRST_S
+        self._put_off(now_s)
+
+    def _put_off(self, now_s: float) -> None:
+        """The next start is tried later, and later each time."""
+        self._start_s = now_s + self._restart_s
+        self._restart_s = min(2.0 * self._restart_s, RESTART_LONGEST_S)
 
     def _send(self, message: bytes) -> None:
         if not self._queue and self._is_taken(message):
@@ -212,18 +264,21 @@ class OutputFeed:
             self._socket.send(message)
         except (BlockingIOError, InterruptedError):
             return False
-        except OSError:
+        except OSError as error:
+            if error.errno == errno.EMSGSIZE:  # an event that is too long to be told
+                return True
             self._died()
             return False
         return True
 
     def _drop(self) -> None:
-        """Let half of the samples go, the older ones; what is no sample stays."""
+        """Let the older half go; what is wanted stays."""
         target, kept, dropped = LONGEST_QUEUE_BYTES // 2, deque[bytes](), 0
         for message in self._queue:
-            if self._queue_bytes > target and message[:1] == wire.SAMPLES:
+            if self._queue_bytes > target and message[:1] != wire.OUTPUTS:
                 self._queue_bytes -= len(message)
-                dropped += (len(message) - 1) // wire.RECORD.size
+                if message[:1] == wire.SAMPLES:
+                    dropped += (len(message) - 1) // wire.RECORD.size
             else:
                 kept.append(message)
         self._queue = kept

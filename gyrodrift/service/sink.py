@@ -22,3 +22,7 @@ class Sink(Listener[Corrected], Protocol):
     def wakes(self) -> Mapping[int, int]:
         """Descriptors that it waits for, with the events of `poll`; when one is ready, `take` is called."""
         ...
+
+    def finish(self) -> None:
+        """No more will come: begin to end, without waiting; `close` waits for it."""
+        ...

@@ -1,25 +1,34 @@
 """One JSON object a line on a file descriptor, without ever waiting for whoever reads it.
 
-A pipe that polls as writable takes PIPE_BUF bytes at once; so lines go out in such pieces, and what the reader
-does not take is kept up to a bound, then dropped, oldest first and whole lines only.
+Lines go out in pieces of PIPE_BUF bytes, which a pipe takes whole or not at all. What the reader does not take is kept
+up to a bound, then dropped, oldest first and whole lines only.
 """
 
+import errno
 import os
 import select
+import time
 from collections import deque
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.unwaiting import send_unwaiting
 
 STDOUT = 1
 
 PIECE_BYTES = select.PIPE_BUF
 LONGEST_QUEUE_BYTES = 8 << 20
-LAST_WAIT_MS = 500
+LAST_S = 1.0
+"""How long the end waits for a reader, s, whether it takes nothing or is slow; what is left then is dropped."""
+
+GONE = (errno.EPIPE, errno.ECONNRESET)
+TERMINAL_GONE = (*GONE, errno.EIO)
+"""What a write fails with where the reader is gone; of a file, EIO is a disk that fails."""
 
 NOTHING: Mapping[int, int] = {}
 
@@ -45,6 +54,7 @@ class JsonLines:
         self._sent = 0
         self._poller = select.poll()
         self._poller.register(fd, select.POLLOUT)
+        self._gone = TERMINAL_GONE if os.isatty(fd) else GONE
         self._writable = {fd: select.POLLOUT}
 
     def set_rate(self, rate_hz: float | None) -> None:
@@ -66,8 +76,8 @@ class JsonLines:
         if lines:
             self.lines += len(lines)
             self._enqueue(lines)
-        while self._queue and self._poller.poll(0):
-            self._write()
+        while self._queue and self._write():
+            pass
 
     def tick(self, now_s: float) -> None:
         """Nothing: lines leave as they come, or when the descriptor wakes the service."""
@@ -76,11 +86,21 @@ class JsonLines:
         """Lines handed over, and how many of them the reader was too slow for."""
         return {"lines": self.lines, "lines_dropped": self.dropped}
 
+    def finish(self) -> None:
+        """Nothing: what is left is written by `close`."""
+
     def close(self) -> None:
-        """Give a slow reader a moment to take what is left."""
-        self.take([])
-        while self._queue and self._poller.poll(LAST_WAIT_MS):
-            self._write()
+        """Give the reader LAST_S to take what is left, and drop the rest."""
+        until_s = time.monotonic() + LAST_S
+        with suppress(ReaderGoneError):
+            while self._queue and (left_s := until_s - time.monotonic()) > 0.0:
+                if not self._write():
+                    self._poller.poll(1e3 * left_s)
+        if self._queue:
+            self.dropped -= self._queue[0].count(b"\n", 0, self._sent)
+        self.dropped += sum(piece.count(b"\n") for piece in self._queue)
+        self._queue.clear()
+        self._queue_bytes = self._sent = 0
 
     def _enqueue(self, lines: list[str]) -> None:
         piece = lines[0]
@@ -105,16 +125,18 @@ class JsonLines:
         self._queue_bytes -= len(piece)
         self.dropped += piece.count(b"\n")
 
-    def _write(self) -> None:
+    def _write(self) -> bool:
+        """Hand over the first piece as far as it is taken; False where the reader takes nothing."""
         piece = self._queue[0]
         try:
-            sent = os.write(self.fd, piece[self._sent :] if self._sent else piece)
-        except BlockingIOError:
-            return
-        except (BrokenPipeError, ConnectionResetError) as error:
-            raise ReaderGoneError from error
+            sent = send_unwaiting(self.fd, piece[self._sent :] if self._sent else piece)
+        except OSError as error:
+            if error.errno in self._gone:
+                raise ReaderGoneError from error
+            raise
         self._sent += sent
         if self._sent >= len(piece):
             self._queue.popleft()
             self._queue_bytes -= len(piece)
             self._sent = 0
+        return sent > 0

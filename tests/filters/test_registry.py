@@ -142,6 +142,9 @@ class Kept:
     def is_wanted(self) -> bool:
         return True
 
+    def finish(self) -> None:
+        pass
+
     def wakes(self) -> dict[int, int]:
         return {}
 

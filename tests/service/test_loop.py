@@ -43,6 +43,9 @@ class StopAfter:
     def wakes(self) -> Mapping[int, int]:
         return {}
 
+    def finish(self) -> None:
+        pass
+
     def close(self) -> None:
         self.closed = True
 

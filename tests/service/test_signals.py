@@ -1,5 +1,7 @@
 """Signals that ask to stop: once is enough, twice in a moment is once, and again is now."""
 
+import json
+import os
 import signal
 import subprocess
 import sys
@@ -7,7 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from support import PATIENCE_S, Command, are_recorded, never, speaking_on
+from mcap.reader import make_reader
+from support import PATIENCE_S, Command, are_recorded, never, ours, speaking_on
 
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -17,6 +20,9 @@ from gyrodrift.cli import main
 os.fsync = lambda fd: None if os.path.isdir(f"/proc/self/fd/{fd}") else time.sleep(1e6)
 sys.exit(main(sys.argv[1:]))
 """
+ENDS_WITHIN_S = 6.0
+"""Two seconds are promised; a loaded machine takes its time to close a file and to end an interpreter."""
+
 LINES = b"".join(b"%d,%d\n" % (i * 10_000, i) for i in range(200))
 
 
@@ -56,3 +62,43 @@ def test_two_signals_in_a_moment_are_one(port: Path) -> None:
         serve.process.send_signal(signal.SIGTERM)
         assert serve.stop(signal.SIGINT) == 0
         assert "service_end" in serve.log
+
+
+@pytest.mark.parametrize("takes", [0, 4096])
+def test_a_slow_reader_does_not_hold_up_the_end(takes: int, port: Path, tmp_path: Path) -> None:
+    """`serve --record` into `less`, or over a slow line: soon it has ended, and the recording is closed."""
+    read_fd, write_fd = os.pipe()
+    command = ours(
+        "serve", "--port", port, "--record", tmp_path / "out", "--log-format", "json", "--output", "tcp:port=0"
+    )
+    with speaking_on(port) as device:
+        process = subprocess.Popen(command, stdout=write_fd, stderr=subprocess.PIPE)
+        os.close(write_fd)
+        try:
+            device.wait_for_reader(never)
+            device.send_all(b"".join(b"%d,%d\n" % (i * 10_000, i) for i in range(5000)), never)
+            until_s = time.monotonic() + PATIENCE_S
+            while not are_recorded(5000, tmp_path / "out") and time.monotonic() < until_s:
+                time.sleep(0.02)
+            process.send_signal(signal.SIGTERM)
+            asked_s = time.monotonic()
+            while process.poll() is None and time.monotonic() - asked_s < PATIENCE_S:
+                time.sleep(0.3)
+                if takes:
+                    os.read(read_fd, takes)
+            took_s = time.monotonic() - asked_s
+            assert process.wait() == 0
+            assert took_s < ENDS_WITHIN_S
+            assert process.stderr is not None
+            (end,) = [json.loads(line) for line in process.stderr if b'"service_end"' in line]
+        finally:
+            process.kill()
+            process.wait()
+            os.close(read_fd)
+            if process.stderr is not None:
+                process.stderr.close()
+    assert end["lines_dropped"] > 0
+    (path,) = (tmp_path / "out").glob("*.mcap")
+    with path.open("rb") as file:
+        assert make_reader(file, validate_crcs=True).get_summary() is not None
+    assert read_mcap(path).rate_dps.tolist() == [float(i) for i in range(5000)]

@@ -2,6 +2,8 @@
 
 import json
 import os
+import threading
+import time
 from collections.abc import Iterator
 from math import nan
 from pathlib import Path
@@ -128,3 +130,52 @@ def test_a_file_takes_everything(tmp_path: Path) -> None:
         output.close()
     lines = (tmp_path / "out.jsonl").read_text().splitlines()
     assert [json.loads(line)["seq"] for line in lines] == list(range(20_000))
+
+
+def test_the_end_waits_a_second_for_a_reader_and_counts_what_is_left(
+    pipe: Pipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether it takes nothing or a little every now and then; no line is counted twice."""
+    monkeypatch.setattr(stdout, "LAST_S", 0.3)
+    output = JsonLines(pipe[1])
+    output.take([corrected(i) for i in range(10_000)])
+    reader = threading.Timer(0.05, os.read, (pipe[0], 4096))
+    reader.start()
+    begun_s = time.monotonic()
+    output.close()
+    assert time.monotonic() - begun_s < 5.0
+    reader.join()
+    os.close(pipe[1])
+    with os.fdopen(os.dup(pipe[0]), "rb") as left:
+        read = left.read().count(b"\n")
+    assert output.dropped > 0
+    assert 10_000 - output.dropped - read == pytest.approx(4096 / 70, abs=30)
+
+
+def test_a_reader_who_leaves_at_the_end_is_no_failure_of_what_came_before(pipe: Pipe) -> None:
+    """What is left is counted."""
+    output = JsonLines(pipe[1])
+    output.take([corrected(i) for i in range(10_000)])
+    waiting = output.dropped
+    os.close(pipe[0])
+    output.close()
+    assert output.dropped > waiting
+    assert not output.wakes()
+
+
+def test_a_terminal_that_nobody_reads_takes_what_it_has_room_for_and_no_more() -> None:
+    """A terminal emulator that is stopped, as `kill -STOP` does it: nothing waits, and later the rest comes."""
+    controller, terminal = os.openpty()
+    try:
+        output = JsonLines(terminal)
+        for i in range(2000):
+            output.take([corrected(i)])
+        assert output.wakes()
+        read = os.read(controller, 1 << 16)
+        while output.wakes() or b'"seq":1999' not in read:
+            output.take([])
+            read += os.read(controller, 1 << 16)
+        assert [json.loads(line)["seq"] for line in read.splitlines()] == list(range(2000))
+    finally:
+        os.close(controller)
+        os.close(terminal)
