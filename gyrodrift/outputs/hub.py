@@ -1,6 +1,7 @@
 """The loop of the outputs' process: takes what the service hands over, and runs each output until it is not wanted.
 
-An output that cannot be opened, or breaks, is tried again with growing pauses; the others know nothing of it.
+An output that cannot be opened, or breaks, is tried again with growing pauses; the others know nothing of it. Which
+outputs there are follows from what is wanted last: `Hub._reconcile` is the only place that begins or ends one.
 """
 
 import asyncio
@@ -9,6 +10,7 @@ import json
 import socket
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from gyrodrift.logger import FilteringBoundLogger
@@ -16,122 +18,18 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.options import OutputSpec, options_from
-from gyrodrift.outputs.output import Output, OutputError, OutputHost
+from gyrodrift.outputs.output import Output
 from gyrodrift.outputs.registry import OUTPUTS
-from gyrodrift.outputs.status import MOST_CLIENTS, OutputStatus, ServiceStatus
+from gyrodrift.outputs.running import RunningOutput
+from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.sample import Corrected
 
 REPORT_S = 0.5
-RETRY_FIRST_S = 1.0
-RETRY_LONGEST_S = 30.0
-STEADY_S = 30.0
-"""An output that was open for so long begins again with the first pause."""
-OPEN_S = 30.0
-CLOSE_S = 3.0
+END_S = 3.0
+"""That all outputs together have to close in the end; what takes longer goes with the process."""
+
 MOST_MESSAGES = 64
 """Taken at a time, before the clients get their turn."""
-
-
-class RunningOutput:
-    """One that was asked for, open or waiting to be tried again."""
-
-    def __init__(self, spec: OutputSpec, log: FilteringBoundLogger, status: ServiceStatus) -> None:
-        self.spec = spec
-        self.problem = "is being opened"
-        self._log = log.bind(output=spec.name)
-        self._host = OutputHost(self._log, status)
-        self._open: Output[Any] | None = None
-        self._has_failed = asyncio.Event()
-        self._task = asyncio.create_task(self._run())
-
-    def call(self, what: Callable[[Output[Any]], None]) -> None:
-        """Do something with the output where it is open; what it raises closes it until it is tried again."""
-        if self._open is None:
-            return
-        try:
-            what(self._open)
-        except OutputError as error:
-            self._fail(str(error))
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with one output is not for the others
-            self._fail(f"{type(error).__name__}: {error}")
-
-    def note(self, status: ServiceStatus) -> None:
-        """The service's state, kept for an output that opens later."""
-        self._host.status = status
-        self.call(lambda output: output.note(status))
-
-    def status(self) -> OutputStatus:
-        """How it is."""
-        if self._open is None:
-            return OutputStatus(str(self.spec), problem=self.problem)
-        try:
-            clients, counts = self._open.clients(), self._open.counts()
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with one output is not for the others
-            self._fail(f"{type(error).__name__}: {error}")
-            return OutputStatus(str(self.spec), problem=self.problem)
-        return OutputStatus(
-            str(self.spec),
-            self._open.address,
-            "",
-            tuple(clients[:MOST_CLIENTS]),
-            len(clients),
-            *counts,
-            self._open.warning,
-        )
-
-    async def close(self) -> None:
-        """Not wanted any more."""
-        self._task.cancel()
-        await asyncio.wait([self._task])
-
-    def _fail(self, why: str) -> None:
-        self.problem = why
-        self._has_failed.set()
-
-    async def _run(self) -> None:
-        pause_s = RETRY_FIRST_S
-        is_told = False
-        while True:
-            output = OUTPUTS[self.spec.name].output(self.spec.options, self._host)
-            self._has_failed.clear()
-            try:
-                self.problem = await _opened(output)
-                if not self.problem:
-                    self._log.info("output_open", address=output.address)
-                    self._open, is_told = output, False
-                    opened_s = asyncio.get_running_loop().time()
-                    await self._has_failed.wait()
-                    if asyncio.get_running_loop().time() - opened_s > STEADY_S:
-                        pause_s = RETRY_FIRST_S
-            finally:
-                self._open = None
-                await _closed(output, self._log)
-            (self._log.debug if is_told else self._log.error)("output_failed", reason=self.problem, retry_s=pause_s)
-            is_told = True
-            await asyncio.sleep(pause_s)
-            pause_s = min(2.0 * pause_s, RETRY_LONGEST_S)
-
-
-async def _opened(output: Output[Any]) -> str:
-    """Open it; why that did not go, empty where it did."""
-    try:
-        async with asyncio.timeout(OPEN_S):
-            await output.open()
-    except TimeoutError:
-        return f"took longer than {OPEN_S:g} s to open"
-    except OutputError as error:
-        return str(error)
-    except Exception as error:  # noqa: BLE001 - likewise
-        return f"{type(error).__name__}: {error}"
-    return ""
-
-
-async def _closed(output: Output[Any], log: FilteringBoundLogger) -> None:
-    try:
-        async with asyncio.timeout(CLOSE_S):
-            await output.close()
-    except Exception as error:  # noqa: BLE001 - likewise
-        log.warning("output_close_failed", reason=f"{type(error).__name__}: {error}")
 
 
 class Hub:
@@ -144,8 +42,6 @@ class Hub:
         self._running: dict[OutputSpec, RunningOutput] = {}
         self._samples: list[Corrected] = []
         self._wanted: list[OutputSpec] = []
-        self._settling = asyncio.Lock()
-        self._changes: set[asyncio.Task[None]] = set()
         self._is_over = asyncio.Event()
         self._broke = BoundedEvent(log.error, "output_broke", "outputs_broke")
 
@@ -161,8 +57,7 @@ class Hub:
         finally:
             loop.remove_reader(self._service)
             await reports.close()
-            self._wanted = []
-            await self._settle()
+            await self._end()
             self._broke.close()
 
     def _read(self) -> None:
@@ -208,23 +103,46 @@ class Hub:
         for running in self._running.values():
             running.call(what)
 
-    async def _settle(self) -> None:
-        """Close what is not wanted any more, then open what is new; what stays notices nothing."""
-        async with self._settling:
-            gone = [self._running.pop(spec) for spec in list(self._running) if spec not in self._wanted]
-            await asyncio.gather(*(running.close() for running in gone))
-            for spec in self._wanted:
-                if spec not in self._running:
-                    self._running[spec] = RunningOutput(spec, self._log, self._status)
-
     def _want(self, wanted: list[OutputSpec]) -> None:
+        """These from now on; what stays notices nothing."""
         self._wanted = wanted
-        task = asyncio.create_task(self._settle())
-        self._changes.add(task)
-        task.add_done_callback(self._changes.discard)
+        self._reconcile()
+
+    def _reconcile(self) -> None:
+        """Compare what is wanted with what is there; each output then goes its way by itself."""
+        for spec, running in self._running.items():
+            running.is_wanted = spec in self._wanted
+        for spec in self._wanted:
+            if spec not in self._running:
+                running = self._running[spec] = RunningOutput(spec, self._log, self._status, self._is_blocked)
+                running.task.add_done_callback(partial(self._ended, spec))
+        for running in self._running.values():
+            running.poke()
+
+    def _is_blocked(self, blocked: RunningOutput) -> bool:
+        """Whether an output that is not wanted any more still has what this one claims."""
+        others = (each for each in self._running.values() if each is not blocked and not each.is_wanted)
+        return any(each.claims & blocked.claims for each in others)
+
+    def _ended(self, spec: OutputSpec, task: asyncio.Task[None]) -> None:
+        """An output is closed; it may be wanted again meanwhile."""
+        del self._running[spec]
+        if not task.cancelled() and task.exception() is not None:
+            self._log.error("output_broke", output=spec.name, reason=repr(task.exception()))
+        self._reconcile()
+
+    async def _end(self) -> None:
+        self._want([])
+        tasks = [running.task for running in self._running.values()]
+        if tasks:
+            _, late = await asyncio.wait(tasks, timeout=END_S)
+            for task in late:
+                task.cancel()
+            await asyncio.gather(*late, return_exceptions=True)
 
     def _report(self) -> None:
-        statuses = [asdict(running.status()) for running in self._running.values()]
+        wanted = [self._running[spec] for spec in self._wanted if spec in self._running]
+        statuses = [asdict(running.status()) for running in wanted]
         with contextlib.suppress(OSError):  # the service reads it a little later, or has gone
             self._service.send(json.dumps(statuses).encode())
 

@@ -88,6 +88,11 @@ class MqttOutput(Output[MqttOptions]):
         self._was_open: bool | None = None
         self._link_due_s = 0.0
 
+    @classmethod
+    def claims(cls, options: MqttOptions) -> frozenset[str]:
+        """Its name at the broker, which lets in one of a name; the port is the broker's."""
+        return frozenset([f"mqtt {options.host} {options.id}"])
+
     async def open(self) -> None:
         """Connect, and say what there is."""
         import aiomqtt

@@ -53,6 +53,12 @@ class Output(Generic[O]):
         self.address = ""
         self.warning = ""
 
+    @classmethod
+    def claims(cls, options: O) -> frozenset[str]:
+        """What it takes for itself alone, such as its port: an output that goes must let go of it first."""
+        port, path = getattr(options, "port", 0), getattr(options, "path", "")
+        return frozenset([*([f"port {port}"] if port else []), *([f"path {path}"] if path else [])])
+
     async def open(self) -> None:
         """Begin to listen, or connect.
 

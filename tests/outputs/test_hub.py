@@ -227,7 +227,7 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
     outputs: HubThread, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And had when it is free."""
-    monkeypatch.setattr("gyrodrift.outputs.hub.RETRY_FIRST_S", 0.05)
+    monkeypatch.setattr("gyrodrift.outputs.running.RETRY_FIRST_S", 0.05)
     with subprocess.Popen([sys.executable, "-c", LISTENING], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
         assert holder.stdout is not None
         port = int(holder.stdout.readline())

@@ -28,6 +28,9 @@ POLICY_VIOLATION = 1008
 INTERNAL_ERROR = 1011
 """Close codes of RFC 6455, section 7.4.1."""
 
+END_S = 2.5
+"""For all clients to close their connections in the end."""
+
 MOST_URGENT = 256
 """Messages that go before all others and wait at a time."""
 
@@ -143,6 +146,7 @@ class WebSocketServer:
             raise cannot_listen(error, host, port) from error
         for each in self._server.sockets:
             each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
+        await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
         warn_of_others(self.log, host)
         return shown(host, next(iter(self._server.sockets)).getsockname()[1])
 
@@ -176,12 +180,19 @@ class WebSocketServer:
         return sent, self._gone_dropped + sum(each.dropped for each in self.clients)
 
     async def close(self) -> None:
-        """Close the connections and stop to listen."""
-        if self._server is not None:
-            self._refusals.close()
-            self._server.close(code=GOING_AWAY)
-            await self._server.wait_closed()
-            self._server = None
+        """Stop to listen and close the connections; one that does not answer in END_S is cut off."""
+        server, self._server = self._server, None
+        if server is None:
+            return
+        self._refusals.close()
+        connections = server.connections
+        server.close(code=GOING_AWAY)
+        waiting = asyncio.create_task(server.wait_closed())
+        await asyncio.wait([waiting], timeout=END_S)
+        if not waiting.done():
+            for connection in connections:
+                connection.transport.abort()
+            await waiting
 
     async def _hear(self, connection: "ServerConnection", client: WebSocketClient, session: WebSocketSession) -> None:
         from websockets.exceptions import ConnectionClosed

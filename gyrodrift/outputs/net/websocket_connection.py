@@ -47,7 +47,10 @@ async def listen(
     port: int,
     **options: Any,
 ) -> Server:
-    """Begin to listen; OSError where the port cannot be had. `options` are those of `websockets`."""
+    """A server that has its port and does not serve yet; OSError where the port cannot be had.
+
+    `options` are those of `websockets`.
+    """
     return await serve(
         handler,
         host,
@@ -60,5 +63,6 @@ async def listen(
         close_timeout=CLOSE_S,
         max_size=limits.message_bytes,
         logger=SILENT,
+        start_serving=False,
         **options,
     )
