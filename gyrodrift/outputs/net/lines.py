@@ -203,11 +203,11 @@ class LineServer:
         loop = asyncio.get_running_loop()
         try:
             self._server = await loop.create_server(lambda: LineClient(self), host, port, start_serving=False)
+            for each in self._server.sockets:
+                each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)  # the connections inherit it
+            await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
         except OSError as error:
             raise cannot_listen(error, host, port) from error
-        for each in self._server.sockets:
-            each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)  # the connections inherit it
-        await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
         warn_of_others(self.log, host)
         return shown(host, self._server.sockets[0].getsockname()[1])
 

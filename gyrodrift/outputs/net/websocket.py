@@ -142,11 +142,11 @@ class WebSocketServer:
         answer = self._checked_answer if self._answer is not None else None
         try:
             self._server = await listen(self.serve, self.limits, host, port, process_request=answer, **self._options)
+            for each in self._server.sockets:
+                each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
+            await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
         except OSError as error:
             raise cannot_listen(error, host, port) from error
-        for each in self._server.sockets:
-            each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
-        await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
         warn_of_others(self.log, host)
         return shown(host, next(iter(self._server.sockets)).getsockname()[1])
 
