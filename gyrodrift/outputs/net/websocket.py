@@ -127,6 +127,7 @@ class WebSocketServer:
         self._answer = answer
         self._options = options
         self._server: Server | None = None
+        self._connections: set[ServerConnection] = set()
         self._gone_sent = self._gone_dropped = 0
 
     async def listen(self, host: str, port: int) -> str:
@@ -141,7 +142,9 @@ class WebSocketServer:
 
         answer = self._checked_answer if self._answer is not None else None
         try:
-            self._server = await listen(self.serve, self.limits, host, port, process_request=answer, **self._options)
+            self._server = await listen(
+                self.serve, self._connections, self.limits, host, port, process_request=answer, **self._options
+            )
             for each in self._server.sockets:
                 each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
             await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
@@ -185,14 +188,14 @@ class WebSocketServer:
         if server is None:
             return
         self._refusals.close()
-        connections = server.connections
         server.close(code=GOING_AWAY)
+        for connection in self._connections - {client.connection for client in self.clients}:  # before their handshake
+            connection.transport.abort()
         waiting = asyncio.create_task(server.wait_closed())
         await asyncio.wait([waiting], timeout=END_S)
-        if not waiting.done():
-            for connection in connections:
-                connection.transport.abort()
-            await waiting
+        for connection in list(self._connections):
+            connection.transport.abort()
+        await waiting
 
     async def _hear(self, connection: "ServerConnection", client: WebSocketClient, session: WebSocketSession) -> None:
         from websockets.exceptions import ConnectionClosed

@@ -20,28 +20,29 @@ CLOSE_S = 2.0
 class CountedConnection(ServerConnection):
     """A connection that is cut off at once where there are too many, before it has cost a handshake.
 
-    most, now
+    most, there
         Of connections to one server, which has a class of its own; those in the middle of a handshake count.
     """
 
     most: ClassVar[int]
-    now: ClassVar[int]
+    there: "ClassVar[set[ServerConnection]]"
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Count it."""
         super().connection_made(transport)
-        type(self).now += 1
-        if self.now > self.most:
+        self.there.add(self)
+        if len(self.there) > self.most:
             self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget it."""
         super().connection_lost(exc)
-        type(self).now -= 1
+        self.there.discard(self)
 
 
 async def listen(
     handler: Callable[[ServerConnection], Awaitable[None]],
+    there: set[ServerConnection],
     limits: Limits,
     host: str,
     port: int,
@@ -49,13 +50,13 @@ async def listen(
 ) -> Server:
     """A server that has its port and does not serve yet; OSError where the port cannot be had.
 
-    `options` are those of `websockets`.
+    `there` has its connections from then on, as long as they last; `options` are those of `websockets`.
     """
     return await serve(
         handler,
         host,
         port,
-        create_connection=type("Connection", (CountedConnection,), {"most": limits.clients, "now": 0}),
+        create_connection=type("Connection", (CountedConnection,), {"most": limits.clients, "there": there}),
         compression=None,
         open_timeout=limits.handshake_s,
         ping_interval=PING_S,
