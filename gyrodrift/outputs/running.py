@@ -103,7 +103,7 @@ class RunningOutput:
             open_s = await self._open_for_s() if self.is_wanted else 0.0
             is_told = is_told and not open_s
             pause_s = RETRY_FIRST_S if open_s > STEADY_S else pause_s
-            if self.is_wanted:
+            if self.is_wanted and self._has_failed:
                 (self._log.debug if is_told else self._log.error)("output_failed", reason=self.problem, retry_s=pause_s)
                 is_told = True
                 await self._until(lambda: not self.is_wanted, pause_s)
@@ -111,11 +111,15 @@ class RunningOutput:
 
     async def _open_for_s(self) -> float:
         """Open it, and close it when it fails or is not wanted any more; how long it was open, 0 for never."""
-        output = OUTPUTS[self.spec.name].output(self.spec.options, self._host)
         self._has_failed, open_s, loop = False, 0.0, asyncio.get_running_loop()
+        try:
+            output = OUTPUTS[self.spec.name].output(self.spec.options, self._host)
+        except Exception as error:  # noqa: BLE001 - likewise
+            self._fail(f"{type(error).__name__}: {error}")
+            return open_s
         problem = await _opened(output)
         if problem:
-            self.problem = problem
+            self._fail(problem)
         elif self.is_wanted:
             self._open, opened_s = output, loop.time()
             self._log.info("output_open", address=output.address)

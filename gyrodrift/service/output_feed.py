@@ -203,7 +203,9 @@ class OutputFeed:
         self._queue_bytes = sum(map(len, self._queue))
         self._told = self.specs
         self._send(
-            wire.pack_json(wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs])
+            wire.pack_json(
+                wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs]
+            )
         )
 
     def _let_go(self, kill_s: float) -> None:

@@ -145,7 +145,9 @@ def test_the_port_of_an_output_that_is_slow_to_go_is_waited_for(monkeypatch: pyt
     assert [each for each in events if each["event"] == "output_failed"] == []
 
 
-def test_an_output_that_is_wanted_again_while_it_goes_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_output_that_is_wanted_again_while_it_goes_comes_back(
+    monkeypatch: pytest.MonkeyPatch, logged: list[Any]
+) -> None:
     """On the same port, also where another one was to take it over in between."""
     opening = TcpOutput.open
 
@@ -164,6 +166,7 @@ def test_an_output_that_is_wanted_again_while_it_goes_comes_back(monkeypatch: py
         outputs.want(spec)
         settled(outputs, [spec])
         assert until_equal(listened_on, others | {port})
+    assert [each for each in logged if each["event"] == "output_failed"] == []
 
 
 def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
@@ -183,6 +186,7 @@ def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
             assert time.monotonic() < until_s
         monkeypatch.undo()
         outputs.opened(2)
+    assert [each["reason"] for each in logged if each["log_level"] == "error"] == ["ImportError: no such library"]
 
 
 def test_what_an_output_claims_is_its_port_or_its_path() -> None:
