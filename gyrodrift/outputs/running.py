@@ -13,7 +13,7 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
-from gyrodrift.outputs.status import OutputStatus, ServiceStatus
+from gyrodrift.outputs.status import MOST_CLIENTS, OutputStatus, ServiceStatus
 
 RETRY_FIRST_S = 1.0
 RETRY_LONGEST_S = 30.0
@@ -88,7 +88,13 @@ class RunningOutput:
             self._fail(f"{type(error).__name__}: {error}")
             return OutputStatus(str(self.spec), problem=self.problem)
         return OutputStatus(
-            str(self.spec), self._open.address, "", tuple(clients), len(clients), *counts, self._open.warning
+            str(self.spec),
+            self._open.address,
+            "",
+            tuple(clients[:MOST_CLIENTS]),
+            len(clients),
+            *counts,
+            self._open.warning,
         )
 
     def _fail(self, why: str) -> None:
