@@ -24,12 +24,27 @@ MOST_PROBLEMS, LONGEST_PROBLEM = 20, 600
 WHOLE_DIGITS = 300
 """Of a whole number; what is longer is beyond all floats."""
 
+DEEPEST = 32
+"""Blocks within blocks; deeper ones take a parser that calls itself for seconds."""
+
+MOST_LINES = 40
+"""Of a message."""
+
+TOO_DEEP = "maximum nesting depth"
+"""Said by the parser in C, which reads ahead."""
+
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+"""The parser in C is some ten times as fast; a few builds of PyYAML are without it."""
+
 Key = tuple[str | int, ...]
 Place = tuple[int, int]
 
 
 class FileError(Exception):
-    """A rig or profile with mistakes; one line each."""
+    """A rig or profile with mistakes; one line each, of bounded length."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__("\n".join(_shortened(line) for line in message.split("\n")[:MOST_LINES]))
 
 
 class Checked(BaseModel):
@@ -135,19 +150,29 @@ def _compose(path: Path) -> yaml.Node | None:
             text = file.read(LONGEST + 1)
         if len(text) > LONGEST:
             raise FileError(f"{path}: is longer than {LONGEST >> 10} thousand characters: this is no rig or profile")
-        node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
-    except RecursionError as error:
-        raise FileError(f"{path}: has too many blocks within blocks") from error
+        _check_depth(path, text)
+        node: yaml.Node | None = yaml.compose(text, Loader=LOADER)
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: is not text") from error
     except yaml.MarkedYAMLError as error:
+        if TOO_DEEP in str(error.problem):
+            raise FileError(f"{path}: has too many blocks within blocks") from error
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise FileError(f"{path}:{line}:1 is not YAML: {error.problem}") from error
     except yaml.YAMLError as error:
         raise FileError(f"{path}:1:1 is not YAML: {str(error).splitlines()[0]}") from error
     return node
+
+
+def _check_depth(path: Path, text: str) -> None:
+    """Refuse blocks within blocks without end; events are parsed without going into any."""
+    depth = 0
+    for event in yaml.parse(text, Loader=LOADER):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise FileError(f"{path}: has too many blocks within blocks")
 
 
 def _scalar(node: yaml.Node) -> Any:

@@ -26,6 +26,9 @@ ALIKE = 0.8
 
 REQUIRED = ("t_device_s", "rate_dps")
 
+MOST_COLUMNS = 1000
+"""Each unknown column is compared with the known ones, which takes a while; no table of a session has more."""
+
 
 def read_csv(path: Path) -> Session:
     """Load a `.csv` session. Lines starting with `#` are comments, an empty cell is NaN.
@@ -64,6 +67,8 @@ def _header(path: Path, file: TextIO) -> tuple[list[str], int]:
     if not line:
         raise DataError(f"{path}: is empty; expected a header with {', '.join(REQUIRED)}")
     words = [word.strip() for word in line.split(",")]
+    if len(words) > MOST_COLUMNS:
+        raise DataError(f"{path}:{number}: has {len(words)} columns, more than {MOST_COLUMNS}: this is no session")
     names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
     known = f"columns are {', '.join(COLUMNS)}"
     for column, name in enumerate(names, 1):

@@ -115,6 +115,14 @@ def test_a_mistake_in_an_effect_of_the_command_line_is_told(text: str, words: st
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize("text", ["x" * 100_000, f"scale_factor:{'y' * 100_000}=1", "scale_factor:,a" * 10_000])
+def test_what_is_said_of_an_effect_is_short(text: str) -> None:
+    """However long what the command line gives."""
+    with pytest.raises(FileError) as caught:
+        parse_effect(text)
+    assert len(str(caught.value)) < 2000
+
+
 def test_the_finest_encoder_has_room_for_180_turns_either_way() -> None:
     """Its counts over that many turns fit the 32 bits of the wire."""
     assert 180 * ENCODER_CPR_MOST < 2**31

@@ -192,7 +192,13 @@ def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"), [("[" * 50_000, "blocks within blocks"), ("a" * 5_000_000, "is longer than")]
+    ("text", "said"),
+    [
+        ("[" * 50_000, "blocks within blocks"),
+        ("{a: " * 40 + "}" * 40, "blocks within blocks"),
+        ("- " * 30_000, "blocks within blocks"),
+        ("a" * 5_000_000, "is longer than"),
+    ],
 )
 def test_a_file_that_was_made_to_hurt_is_refused(tmp_path: Path, text: str, said: str) -> None:
     """In a line, like any other mistake."""

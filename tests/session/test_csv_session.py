@@ -68,6 +68,7 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
         ("t_device_s,rate_dps\n0,1\n1,fast\n", "s.csv:3: rate_dps is 'fast', expected a number"),
         ("t_device_s,rate_dps\n0,1\n\n1\n", "s.csv:4: has 1 values, the header has 2 columns"),
         ("t_device_s,rate_dps\n0,1,2\n", "rows have 3 values, the header has 2 columns"),
+        ("1," * 30_000, "s.csv:1: has 30001 columns, more than 1000: this is no session"),
         (b"\x89MCAP0\r\n\xff\x00\x01", "s.csv: is not text"),
     ],
 )
