@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.clocks.clock import SampleGap
+from gyrodrift.link.clocks.clock import ArrivalFit, SampleGap
 from gyrodrift.sample import Reading, Sample
 
 READING = Reading(None, None, 0.0)
@@ -62,6 +62,26 @@ def test_a_stall_that_ends_in_a_burst_is_no_gap() -> None:
     late = clock.stamp([READING] * 400, 122.0)
     assert clock.events == []
     assert late[-1].t_device_s - late[0].t_device_s == pytest.approx(399 * 0.005, rel=0.01)
+
+
+def test_a_stall_that_is_made_up_for_in_several_reads_is_no_gap() -> None:
+    """A first read that brings more than half of what is still due says that the rest is on its way."""
+    clock = ArrivalClock(0.0)
+    stamped(clock, batches(0.005, 20.0, 0.01, 0.001))
+    late = clock.stamp([READING] * 160, 122.0) + clock.stamp([READING] * 240, 122.01)
+    assert clock.events == []
+    assert late[-1].seq - late[0].seq == 399
+
+
+def test_late_arrivals_now_and_then_do_not_end_the_line() -> None:
+    """Only late ones in a row say that the line itself has moved."""
+    fit = ArrivalFit()
+    for index in range(2000):
+        is_late = index > 200 and index % 10 == 0
+        fit.add(index * 0.01, 100.0 + index * 0.01 + (0.2 if is_late else 0.0))
+    assert fit.is_warm
+    assert fit.slope == pytest.approx(1.0, abs=1e-9)
+    assert fit.arrival_s(0.0) == pytest.approx(100.0, abs=1e-6)
 
 
 def test_silence_without_a_burst_is_a_gap_of_its_true_length() -> None:

@@ -41,6 +41,15 @@ def test_yaw_that_is_set_anew_is_no_turn() -> None:
     assert [reading.rate_dps for reading in turning((0, 0), (1, 9000), (1, 9000), (2, 9001))] == [1.0]
 
 
+def test_a_byte_too_many_that_looks_like_a_head_costs_no_frame() -> None:
+    """The search goes on behind the first byte of what was no head."""
+    frames = [rvc_frame(index, 10 * index, 0, 0, 0, 0, 1000) for index in range(6)]
+    decoder = RvcDecoder()
+    readings = decoder.push(b"".join(frames[:3]) + b"\xaa" + b"".join(frames[3:]))
+    assert [reading.seq for reading in readings] == [1, 2, 3, 4, 5]
+    assert (decoder.counters.frames, decoder.counters.damaged) == (6, 1)
+
+
 def test_a_frame_that_stands_alone_is_not_believed() -> None:
     """One byte of checksum lets every 256th piece of noise through."""
     decoder = RvcDecoder()

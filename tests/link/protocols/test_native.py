@@ -5,6 +5,7 @@ from math import isnan
 
 import golden_frames as golden
 import pytest
+from cobs import cobs
 from golden_frames import NativeSample
 from support import near
 
@@ -40,6 +41,19 @@ def test_a_golden_sample_is_read_field_by_field(sample: NativeSample) -> None:
     else:
         assert isnan(reading.encoder_deg)
         assert isnan(reading.temp_c)
+
+
+@pytest.mark.parametrize("frame", [golden.HELLO, *golden.SAMPLES.values()], ids=range(1 + len(golden.SAMPLES)))
+def test_no_flipped_bit_passes_the_crc(frame: bytes) -> None:
+    """Of the payload or of the CRC itself, and no two bits of the CRC."""
+    body = cobs.decode(frame[:-1])
+    flips = [1 << bit for bit in range(8 * len(body))]
+    in_crc = flips[-16:]
+    for flip in [*flips, *(one ^ other for one in in_crc for other in in_crc if one < other)]:
+        damaged = (int.from_bytes(body, "little") ^ flip).to_bytes(len(body), "little")
+        decoder = NativeDecoder()
+        decoder.push(cobs.encode(damaged) + b"\0")
+        assert (decoder.counters.damaged, decoder.counters.frames) == (1, 0)
 
 
 def run(count: int, seq: int = 0, t_us: int = 0, step_us: int = 10_000) -> bytes:

@@ -3,12 +3,14 @@
 import io
 import json
 import os
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
@@ -17,7 +19,7 @@ from gyrodrift.cli import main
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap import walk
-from gyrodrift.session.mcap.layout import HEAD, MESSAGE, STILLS
+from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, MESSAGE, STILLS
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
 from gyrodrift.session.mcap.walk import ROW
 from gyrodrift.session.mcap.write import MESSAGE_HEAD, McapWriter
@@ -99,6 +101,24 @@ def test_public_readers_open_it_with_checks_on_and_decode_it() -> None:
     assert {schema.name for schema, _, _, _ in decoded if schema} == {"gyrodrift/Sample"}
     got = [(m.seq, m.t_device_s, m.t_host_s, m.rate_dps, m.encoder_deg, m.temp_c) for _, _, _, m in decoded]
     assert got == [tuple(sample)[:-1] for sample in values]
+
+
+def test_the_footer_says_where_the_summary_begins() -> None:
+    """Its first record, a schema, stands right behind the end of the data."""
+    content = recorded(steady(3))
+    (start,) = struct.unpack_from("<Q", content, len(content) - CLOSED_TAIL_BYTES + HEAD.size)
+    assert content[start] == Opcode.SCHEMA
+    assert content[start - HEAD.size - 4] == Opcode.DATA_END
+
+
+def test_what_is_said_of_rest_is_written_where_it_changes() -> None:
+    """Once, not with each sample."""
+    values = [sample._replace(still=float(i >= 10)) for i, sample in enumerate(steady(20))]
+    stills = make_reader(io.BytesIO(recorded(values))).iter_messages(topics=[STILLS.name])
+    assert [json.loads(message.data) for _, _, message in stills] == [
+        {"sample": 0, "still": 0.0},
+        {"sample": 10, "still": 1.0},
+    ]
 
 
 def test_a_file_torn_at_any_byte_of_its_end_keeps_every_whole_sample(tmp_path: Path) -> None:
