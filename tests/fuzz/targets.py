@@ -1,6 +1,5 @@
 """What is fuzzed: each target takes any bytes, and raises where something other than an error of ours comes of them."""
 
-import json
 import shutil
 import struct
 from collections.abc import Callable
@@ -8,11 +7,12 @@ from contextlib import suppress
 from math import isfinite, isnan
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, cast
+from typing import Any
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect
 from firmware_sim.yaml_file import FileError
+from fuzz.client_targets import clients, sockets
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
@@ -24,10 +24,8 @@ from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.link.text.guess import guess
-from gyrodrift.outputs.gpsd import requests
-from gyrodrift.outputs.line_session import JsonSession
-from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.sample import Reading
+from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
 from gyrodrift.session.files import load_session
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.repair import repair
@@ -144,23 +142,22 @@ def journal(content: bytes) -> None:
     told(lambda: Journal(path, "fuzz", is_resumed=True))
 
 
-class Answers:
-    """A client that is sent answers, each a JSON object a line."""
-
-    def send(self, content: bytes, _messages: int = 1) -> None:
-        for line in content.splitlines():
-            assert isinstance(json.loads(line), dict)
-        assert len(content) < LONGEST_MESSAGE
-
-
-def clients(content: bytes) -> None:
-    """What clients send: lines of JSON, requests of gpsd."""
-    session = JsonSession(cast("LineClient", Answers()))
-    for line in content.split(b"\n"):
-        session.line(line)
-        with suppress(ValueError):  # is answered with an error
-            for _ in requests(line.decode(errors="replace")):
-                pass
+def memory(content: bytes) -> None:
+    """What `serve --memory` begins with."""
+    path = written("m.json", content)
+    try:
+        found = read_memory(path)
+    except MemoryDamagedError as error:
+        assert 0 < len(str(error)) < LONGEST_MESSAGE  # noqa: PT017 - likewise
+        return
+    known = FILTERS["restlevel"]
+    assert found is not None
+    assert known.memory is not None
+    with suppress(ValueError):  # is told, and the memory is begun anew
+        state = known.memory.begun(known.params(), known.memory.read(found.knowledge), found.age_s(2e9), 25.0)
+        for index in range(100):
+            known.step(known.coefficients(known.params()), state, 0.01 * index, 0.1 * (index % 3))
+        assert isfinite(state.yaw_deg)
 
 
 def told(act: Callable[[], Any]) -> None:
@@ -185,5 +182,5 @@ def forget() -> None:
 
 TARGETS: dict[str, Target] = {
     each.__name__: each
-    for each in (decoders, detector, text, columns, clocks, config, rig, mcap, csv, journal, clients)
+    for each in (decoders, detector, text, columns, clocks, config, rig, mcap, csv, journal, memory, clients, sockets)
 }

@@ -46,4 +46,4 @@ def test_what_is_kept_breaks_nothing(path: Path) -> None:
 @given(seed=st.integers(0, 1 << 32), content=st.one_of(st.none(), st.binary(max_size=400)))
 def test_what_chance_makes_breaks_nothing(name: str, seed: int, content: bytes | None) -> None:
     """Any bytes, and what is kept with some changes."""
-    assert_target_holds(name, mutated(SEEDS[name], Random(seed)) if content is None else content)
+    assert_target_holds(name, mutated(name, SEEDS[name], Random(seed)) if content is None else content)

@@ -1,0 +1,52 @@
+"""Fuzzing guided by coverage (atheris): inputs that reach new places of the code are kept and changed again."""
+
+import resource
+import sys
+from random import Random
+
+import atheris
+
+from fuzz.command import CORPUS, FOUND, KEPT
+
+LONGEST_HANG_S = 120
+"""An input that waits for so long breaks the target, as one does that takes LONGEST_CALL_S of processor time."""
+
+MOST_BYTES = 500 << 20
+BYTES_SHARE = 0.3
+"""Of the changes are those of libFuzzer, which knows what the code has compared; the others are ours."""
+
+PACKAGES = ["gyrodrift", "firmware_sim", "mcap", "mcap_ros2", "yaml"]
+
+
+def run(name: str, seconds: int, seed: int) -> int:
+    """Fuzz one target for so many seconds of processor time; ends the process."""
+    with atheris.instrument_imports(include=PACKAGES):
+        from fuzz.targets import TARGETS  # noqa: PLC0415 - is instrumented while it is imported
+    from fuzz.limits import Limited, ending  # noqa: PLC0415 - imports no target before
+    from fuzz.mutate import changed  # noqa: PLC0415 - likewise
+
+    def mutate(content: bytes, most_bytes: int, mutation_seed: int) -> bytes:
+        random = Random(mutation_seed)
+        if random.random() < BYTES_SHARE:
+            made: bytes = atheris.Mutate(content, most_bytes)
+            return made
+        return changed(name, content, random)[:most_bytes]
+
+    base_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss << 10
+    options = {
+        "seed": seed % (1 << 31) or 1,
+        "timeout": LONGEST_HANG_S,
+        "rss_limit_mb": (base_bytes + MOST_BYTES) >> 20,
+        "max_len": 1 << 16,
+        "len_control": 0,
+        "use_counters": 0,  # how often a place is reached is not worth an input that is kept
+        "artifact_prefix": f"{FOUND}/{name}-",
+    }
+    words = [f"-{key}={value}" for key, value in options.items()]
+    atheris.Setup(
+        [sys.argv[0], *words, str(KEPT / name), str(CORPUS / name)],
+        ending(Limited(TARGETS[name], seconds)),
+        custom_mutator=mutate,
+    )
+    atheris.Fuzz()
+    return 0

@@ -1,0 +1,46 @@
+"""What an input may cost, and how long a target is fuzzed: both in processor time, which other work does not change."""
+
+import os
+import time
+from collections.abc import Callable
+
+LONGEST_CALL_S = 1.0
+"""64 kB are read in a tenth of it, without instrumentation."""
+
+
+class Limited:
+    """A target with an assertion on its processor time; `is_over` once all calls have had `seconds` of it."""
+
+    def __init__(self, target: Callable[[bytes], None], seconds: float) -> None:
+        self.runs = 0
+        self._target, self._seconds = target, seconds
+        self._begun_s = time.process_time()
+
+    def __call__(self, content: bytes) -> None:
+        """Run the target."""
+        begun_s = time.process_time()
+        self._target(content)
+        taken_s = time.process_time() - begun_s
+        assert taken_s < LONGEST_CALL_S, f"{len(content)} bytes took {taken_s:.1f} s of processor time"
+        self.runs += 1
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is up."""
+        return time.process_time() - self._begun_s >= self._seconds
+
+    def tell(self) -> None:
+        """Print how far it came."""
+        print(f"{self.runs} runs in {time.process_time() - self._begun_s:.0f} s", flush=True)
+
+
+def ending(limited: Limited) -> Callable[[bytes], None]:
+    """The target for a fuzzer that never returns: the process ends with status 0 when the time is up."""
+
+    def run(content: bytes) -> None:
+        limited(content)
+        if limited.is_over:
+            limited.tell()
+            os._exit(0)
+
+    return run
