@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device that speaks in real time: three processes keep two processors busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench evaluate faults soak overload crash fuzz audit pictures clean
+.PHONY: demo test types tests bench evaluate faults soak overload crash fuzz mutate audit pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -42,11 +42,16 @@ soak: $(VENV)/ready-to-test
 overload: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.robustness overload
 
-# Whatever comes from outside, for FUZZ_S seconds: guided by coverage where atheris has a wheel, by chance elsewhere.
+# Whatever comes from outside, for FUZZ_S seconds of processor time: guided by coverage where atheris has a wheel, by
+# chance elsewhere.
 FUZZ_S := 1800
 fuzz: $(VENV)/ready-to-test
 	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are made by chance" >&2
 	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_S)
+
+# Deliberate faults, each of which some test has to catch; FAULTS names areas or faults.
+mutate: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.mutate $(FAULTS)
 
 # Every writer killed at random moments, KILLS times each.
 KILLS := 20

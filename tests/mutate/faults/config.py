@@ -1,0 +1,54 @@
+"""Faults of the config."""
+
+from mutate.fault import Fault
+
+FAULTS = (
+    Fault(
+        "config/same-second-missed",
+        "gyrodrift/config/watch.py",
+        "    return status.st_mtime_ns, status.st_ino, status.st_size\n",
+        "    return status.st_mtime_ns, 0, status.st_size\n",
+        "A file of the same size that is renamed over the config with the old time is not seen.",
+        ("tests/config/test_watch.py",),
+    ),
+    Fault(
+        "config/mistake-told-over-and-over",
+        "gyrodrift/config/watch.py",
+        "        self._seen = found\n        self.config = load_config(self.path)\n        return self.config",
+        "        self.config = load_config(self.path)\n        self._seen = found\n        return self.config",
+        "A file with mistakes is told at every tick.",
+        ("tests/config/test_watch.py",),
+    ),
+    Fault(
+        "config/gone-at-once",
+        "gyrodrift/config/watch.py",
+        "        return self._in_vain >= GONE_LOOKS\n",
+        "        return self._in_vain > 0\n",
+        "An editor that renames makes the config gone for a moment.",
+        ("tests/config/test_watch.py",),
+    ),
+    Fault(
+        "config/first-mistake-only",
+        "gyrodrift/config/model.py",
+        "is_told = number < MOST_PROBLEMS",
+        "is_told = number < 1",
+        "Of many mistakes only the first is explained.",
+        ("tests/config/test_model.py",),
+    ),
+    Fault(
+        "config/change-not-told",
+        "gyrodrift/config/model.py",
+        "        return [*changed, *gone, *new]\n",
+        "        return [*changed, *new]\n",
+        "An output that a new config closes is not told.",
+        ("tests/config/test_model.py", "tests/config/test_outputs.py"),
+    ),
+    Fault(
+        "config/block-defaults",
+        "gyrodrift/config/model.py",
+        "        return default if given is None else given\n",
+        "        return default if given is not None else default\n",
+        "Parameters of the config are ignored.",
+        ("tests/config/test_model.py",),
+    ),
+)

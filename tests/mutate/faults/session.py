@@ -1,0 +1,97 @@
+"""Faults of session files: writing, reading, repair, CSV, and files of others."""
+
+from mutate.fault import Fault
+
+MCAP, TESTS = "gyrodrift/session/mcap", "tests/session/mcap"
+FOREIGN = "tests/session/foreign"
+
+FAULTS = (
+    Fault(
+        "session/data-crc-not-added",
+        f"{MCAP}/write.py",
+        "        self.crc = zlib.crc32(content, self.crc)\n",
+        "        self.crc = zlib.crc32(content)\n",
+        "The CRC of a recording is that of its last piece.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/summary-start",
+        f"{MCAP}/write.py",
+        "        start = self.size + len(data_end)\n",
+        "        start = self.size\n",
+        "The footer points at the end of the data instead of the summary.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/first-time-kept",
+        f"{MCAP}/write.py",
+        "self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)",
+        "self.first_ns, self.last_ns = first_ns, last_ns",
+        "The statistics tell the time of the last message as that of the first.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/sequence-not-cut",
+        f"{MCAP}/write.py",
+        "                seq & 0xFFFFFFFF,\n",
+        "                seq,\n",
+        "A counter beyond 32 bits, or none, ends the recording.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/flush-keeps-rows",
+        f"{MCAP}/write.py",
+        "            self._rows.clear()\n",
+        "",
+        "Each flush writes all samples once more.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/still-repeated",
+        f"{MCAP}/write.py",
+        "        self._still = still\n        text =",
+        "        text =",
+        "What is said of rest is written with each sample.",
+        (f"{TESTS}/test_mcap_session.py",),
+    ),
+    Fault(
+        "session/repair-not-truncated",
+        f"{MCAP}/repair.py",
+        "    file.truncate(end)\n",
+        "",
+        "Torn bytes may stay behind the end of a repaired file.",
+        (f"{TESTS}/test_repair.py",),
+    ),
+    Fault(
+        "session/repair-without-lock",
+        f"{MCAP}/repair.py",
+        "            lock(path, file)\n",
+        "",
+        "A recording is repaired while it is being written.",
+        (f"{TESTS}/test_repair.py",),
+    ),
+    Fault(
+        "session/torn-zeros-whole",
+        f"{MCAP}/walk.py",
+        "        return end <= self.zeros_at or end == self.size\n",
+        "        return end <= self.size\n",
+        "A sample whose end is the zeros of a power cut is taken for whole.",
+        (f"{TESTS}/test_repair.py",),
+    ),
+    Fault(
+        "session/tail-written-over",
+        f"{MCAP}/repair.py",
+        '        saved = path.with_name(f"{path.name}.tail_{number}")\n    with saved.open("xb") as copy:',
+        '        break\n    with saved.open("wb") as copy:',
+        "A second repair writes over the tail that the first one kept.",
+        (f"{TESTS}/test_repair.py",),
+    ),
+    Fault(
+        "session/csv-line-number",
+        "gyrodrift/session/csv.py",
+        "        line = header_line + reader.line_num\n",
+        "        line = reader.line_num\n",
+        "A mistake in a table is told with the wrong line.",
+        ("tests/session/test_csv_session.py",),
+    ),
+)
