@@ -1,0 +1,174 @@
+"""The way to the outputs' process: nothing waits for it, whether it starts, is stopped, dies or has to go."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+import structlog
+from outputs_support import address_of, connected, corrected, csv_at_100_hz, events, serving
+from support import PATIENCE_S, Command, never
+
+from gyrodrift.config.outputs import output_of
+from gyrodrift.outputs.status import ServiceStatus
+from gyrodrift.service import output_feed
+from gyrodrift.service.output_feed import OutputFeed
+
+TCP = output_of("tcp:port=0")
+HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
+
+
+@dataclass
+class Fed:
+    """A feed on a clock that the test moves; its process is a real one."""
+
+    now_s: float = 100.0
+    feed: OutputFeed = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.feed = OutputFeed(structlog.get_logger(), "error", "json", lambda: self.now_s)
+        self.feed.state = ServiceStatus
+
+    def until(self, is_so: Callable[[], bool], step_s: float = 0.0) -> None:
+        """Let the loop come round until something is so."""
+        until_s = time.monotonic() + PATIENCE_S
+        while not is_so():
+            assert time.monotonic() < until_s
+            self.now_s += step_s
+            self.feed.tick(self.now_s)
+            time.sleep(0.01)
+
+    def opened(self) -> None:
+        """Once the outputs are open."""
+        self.until(lambda: all(each.address for each in self.feed.statuses()))
+
+    def stopped(self) -> int:
+        """The process, which does nothing any more."""
+        pid = self.feed.pid
+        assert pid is not None
+        os.kill(pid, signal.SIGSTOP)
+        return pid
+
+
+@pytest.fixture
+def fed() -> Iterator[Fed]:
+    fed = Fed()
+    yield fed
+    fed.feed.finish()
+    fed.now_s += 2.0 * output_feed.END_S
+    fed.feed.close()
+
+
+@pytest.fixture
+def logged() -> Iterator[list[Any]]:
+    with structlog.testing.capture_logs() as events:
+        yield events
+
+
+def test_a_stopped_process_that_has_to_go_is_left_alone_and_killed_when_its_time_is_over(fed: Fed) -> None:
+    """And the next one begins when it is gone, with what is wanted then."""
+    fed.feed.want([TCP])
+    fed.opened()
+    pid = fed.stopped()
+    fed.feed.want([])
+    fed.feed.want([TCP])
+    for _ in range(10):
+        fed.feed.tick(fed.now_s)
+    assert fed.feed.pid == pid
+    fed.until(lambda: fed.feed.pid != pid, step_s=0.25)
+    fed.opened()
+    assert fed.feed.pid not in {None, pid}
+
+
+def test_a_process_that_is_not_wanted_any_more_ends_by_itself(fed: Fed, logged: list[Any]) -> None:
+    """That is no death."""
+    fed.feed.want([TCP])
+    fed.opened()
+    fed.feed.want([])
+    fed.until(lambda: fed.feed.pid is None)
+    assert [each["event"] for each in logged] == []
+
+
+def test_what_waits_for_a_stopped_process_is_bounded(fed: Fed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Samples, events, states and lists of what is wanted; the last list arrives."""
+    monkeypatch.setattr(output_feed, "LONGEST_QUEUE_BYTES", 100_000)
+    fed.feed.want([TCP])
+    fed.opened()
+    pid = fed.stopped()
+    for number in range(20_000):
+        fed.feed.take([corrected(number)])
+        fed.feed.hear("gap", {"missing": number})
+        if number % 100 == 0:
+            fed.feed.want([TCP, output_of(f"tcp:port=0,rate_hz={1 + number}")])
+            fed.now_s += 1.0
+            fed.feed.tick(fed.now_s)
+    assert fed.feed._queue_bytes == sum(map(len, fed.feed._queue)) <= 100_000
+    assert fed.feed.dropped > 0
+    os.kill(pid, signal.SIGCONT)
+    fed.opened()
+    assert fed.feed.statuses()[1].output == "tcp:port=0,rate_hz=19901.0"
+
+
+def test_a_process_that_cannot_be_started_is_told_and_tried_again(
+    fed: Fed, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
+) -> None:
+    """No memory, no descriptors: the service goes on."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(11, "Resource temporarily unavailable")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(subprocess, "Popen", refuse)
+        fed.feed.want([TCP])
+    assert [(each["event"], each["reason"]) for each in logged] == [
+        ("outputs_not_started", "Resource temporarily unavailable")
+    ]
+    fed.until(lambda: fed.feed.pid is not None, step_s=0.25)
+    fed.opened()
+
+
+def children(serve: Command) -> list[int]:
+    return [int(each) for each in _children_of(serve.process.pid).read_text().split()]
+
+
+def _children_of(pid: int) -> Path:
+    return Path(f"/proc/{pid}/task/{pid}/children")
+
+
+def test_a_reload_that_removes_the_last_output_waits_for_nobody(port: Path, tmp_path: Path) -> None:
+    """Samples go on while the process of the outputs is stopped; later the outputs can be had again."""
+    config = tmp_path / "c.yaml"
+    with_output = f"{HDR}outputs: [{{name: tcp, port: 0}}]\n"
+    config.write_text(with_output)
+    with serving(port, "--config", config) as (serve, device):
+        with connected(address_of(serve, "tcp")) as silent:
+            silent.until("HELLO")
+            (child,) = children(serve)
+            os.kill(child, signal.SIGSTOP)
+            config.write_text(HDR)
+            serve.until_log("config_applied")
+            device.send_all(csv_at_100_hz(201), never)
+            assert [line["seq"] for line in serve.take_lines(200)] == list(range(200))
+            config.write_text(with_output)
+            serve.until(lambda it: len(events(it, "output_open", "tcp")) == 2, "the output again")
+            assert child not in children(serve)
+        assert serve.stop() == 0
+
+
+def test_a_stopped_process_of_outputs_does_not_hold_up_the_end(port: Path) -> None:
+    """It is killed; two seconds are promised, and a loaded machine gets more."""
+    with serving(port, "--output", "tcp:port=0") as (serve, device):
+        address_of(serve, "tcp")
+        device.send_all(csv_at_100_hz(101), never)
+        serve.take_lines(100)
+        (child,) = children(serve)
+        os.kill(child, signal.SIGSTOP)
+        begun_s = time.monotonic()
+        assert serve.stop() == 0
+        assert time.monotonic() - begun_s < 6.0
+        assert not Path(f"/proc/{child}").exists()
