@@ -1,9 +1,11 @@
 """The output mqtt with a real broker, mosquitto, and its own client, mosquitto_sub."""
 
 import json
+import os
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +15,7 @@ import pytest
 from broker_support import broker, need_mosquitto
 from clients_support import python_client
 from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving
-from support import free_port, never
+from support import PATIENCE_S, free_port, never
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs.home_assistant import Topics, discovery
@@ -122,6 +124,21 @@ def test_the_last_will_speaks_for_a_process_that_was_killed(number: int, port: P
             assert next(lines) == "offline"
             serve.until(lambda it: len(events(it, "output_open", "mqtt")) == 2, "second opening")
             assert next(lines) == "online"
+
+
+def test_who_subscribes_after_the_kill_learns_it_from_the_retained_last_will(
+    number: int, port: Path, tmp_path: Path
+) -> None:
+    """Home Assistant that starts later; the service is stopped, so that no other outputs come back."""
+    with broker(number, tmp_path), serving(port, "--output", f"mqtt:port={number},id=bench") as (serve, _):
+        path_of(serve, "mqtt")
+        assert heard(number, AVAILABILITY, 1) == ["1 online"]
+        (child,) = Path(f"/proc/{serve.process.pid}/task/{serve.process.pid}/children").read_text().split()
+        serve.process.send_signal(signal.SIGSTOP)
+        os.kill(int(child), signal.SIGKILL)
+        until_s = time.monotonic() + PATIENCE_S
+        while (found := heard(number, AVAILABILITY, 1)) != ["1 offline"]:
+            assert time.monotonic() < until_s, found
 
 
 def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Path) -> None:
