@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -12,13 +13,15 @@ from typing import Any
 import pytest
 import structlog
 from outputs_support import address_of, connected, corrected, csv_at_100_hz, events, serving
-from support import PATIENCE_S, Command, never
+from support import PATIENCE_S, Command, free_port, never
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.service import output_feed
+from gyrodrift.service.control_client import ControlClient
 from gyrodrift.service.output_feed import OutputFeed
 
+RELOADS = 15
 TCP = output_of("tcp:port=0")
 HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 
@@ -172,3 +175,42 @@ def test_a_stopped_process_of_outputs_does_not_hold_up_the_end(port: Path) -> No
         assert serve.stop() == 0
         assert time.monotonic() - begun_s < 6.0
         assert not Path(f"/proc/{child}").exists()
+
+
+def test_quick_reloads_leave_the_outputs_of_the_last_config(port: Path, tmp_path: Path) -> None:
+    """Kinds that take turns on two ports, none in between; every line is there."""
+    config, control, ports = tmp_path / "c.yaml", tmp_path / "control", (free_port(), free_port())
+    config.write_text(HDR)
+    with serving(port, "--config", config, "--control", control) as (serve, device):
+        serve.until(lambda _: control.exists(), "control socket")
+        with ControlClient(control, PATIENCE_S) as client:
+            for number in range(RELOADS):
+                config.write_text(HDR + "outputs: [" + ", ".join(_some_outputs(number, ports)) + "]\n")
+                assert client.ask("reload")["ok"]
+                device.send_all(csv_at_100_hz(10, first=10 * number), never)
+            wanted = [f"foxglove:port={ports[1]}"]
+            config.write_text(f"{HDR}outputs: [{{name: foxglove, port: {ports[1]}}}]\n")
+            client.ask("reload")
+            serve.until(lambda _: opened(client) == wanted, "the last outputs")
+            device.send_all(csv_at_100_hz(10, first=10 * RELOADS), never)
+            assert [line["seq"] for line in serve.take_lines(10 * RELOADS)] == list(range(10 * RELOADS))
+        assert is_listened_on(ports[1])
+        serve.until(lambda _: not is_listened_on(ports[0]), "end of the output on the first port")
+        assert serve.stop() == 0
+
+
+def is_listened_on(number: int) -> bool:
+    with socket.socket() as trial:
+        return trial.connect_ex(("127.0.0.1", number)) == 0
+
+
+def _some_outputs(number: int, ports: tuple[int, int]) -> list[str]:
+    kinds = ("web", "foxglove", "tcp", "rosbridge")
+    count = number % 3
+    return [f"{{name: {kinds[(number + i) % 4]}, port: {ports[i]}}}" for i in range(count)]
+
+
+def opened(client: ControlClient) -> list[str]:
+    """Outputs that the status has an address of, where it has no others."""
+    outputs = client.ask("status")["outputs"]
+    return [each["output"] for each in outputs] if all(each["address"] for each in outputs) else []
