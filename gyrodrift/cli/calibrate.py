@@ -18,7 +18,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, options
+from gyrodrift.cli import INTERRUPTED, numbers, options
 from gyrodrift.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
@@ -41,15 +41,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="config that the calibration is put into (default: none)"
     )
-    parser.add_argument("--turns", type=int, default=1, metavar="N", help="whole turns at a time")
-    parser.add_argument("--repeats", type=int, default=10, metavar="N", help="turn each direction N times at most")
+    parser.add_argument("--turns", type=numbers.whole(1000), default=1, metavar="N", help="whole turns at a time")
     parser.add_argument(
-        "--spread", type=float, default=0.1, metavar="PERCENT", help="standard error of the scale that is small enough"
+        "--repeats", type=numbers.whole(1000), default=10, metavar="N", help="turn each direction N times at most"
     )
-    parser.add_argument("--rest", type=float, default=10.0, metavar="S", help="length of the rest, s of device time")
+    parser.add_argument(
+        "--spread",
+        type=numbers.number(100.0),
+        default=0.1,
+        metavar="PERCENT",
+        help="standard error of the scale that is small enough",
+    )
+    parser.add_argument(
+        "--rest", type=numbers.seconds, default=10.0, metavar="S", help="length of the rest, s of device time"
+    )
     parser.add_argument(
         "--temperature",
-        type=float,
+        type=numbers.number(1e5, "minutes, or 0 for none", least=0.0),
         default=0.0,
         metavar="MIN",
         help="let it warm for MIN minutes at rest, for the slope of the bias (default: none)",
@@ -62,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate; 0 when everything is written."""
-    baud = options.baud(arguments.baud)
+    baud = numbers.baud(arguments.baud)
     plan = _plan(arguments)
     if arguments.config is not None:
         _check_place(arguments.config, force=arguments.force)
@@ -100,12 +108,8 @@ def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
     from gyrodrift.calibrate.guide import CalibrationPlan
     from gyrodrift.calibrate.scale import LEAST
 
-    for name in ("turns", "spread", "rest"):
-        options.positive(f"--{name}", getattr(arguments, name))
     if arguments.repeats < LEAST:
         raise UsageError(f"--repeats {arguments.repeats}: fewer than {LEAST} tell nothing of how exact they are")
-    if not 0.0 <= arguments.temperature < float("inf"):
-        raise UsageError(f"--temperature {arguments.temperature:g}: expected minutes, or 0 for none")
     return CalibrationPlan(
         turns=arguments.turns,
         most=arguments.repeats,

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.errors import visible
 from gyrodrift.files import check_inputs_kept, check_writable
 
@@ -48,16 +48,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder for compare.json and report.html (default: none)"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the searches (default 0)")
+    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="of the searches (default 0)")
     options.add_iterations_option(parser, "evaluations for each method, with --train")
     options.add_jobs_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare; 0 when everything is written."""
-    for name in ("iterations", "jobs"):
-        options.positive(f"--{name}", getattr(arguments, name))
-    options.check_seed(arguments.seed)
     if arguments.out is not None:
         check_writable(arguments.out)
     options.hold_product_threads()

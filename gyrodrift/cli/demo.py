@@ -8,7 +8,7 @@ import argparse
 import signal
 from pathlib import Path
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.errors import UsageError
 from gyrodrift.files import check_inputs_kept, check_writable
 
@@ -21,7 +21,7 @@ gyrodrift demo --svg demo.svg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--duration", type=float, default=60.0, metavar="S", help="how long, s (default 60)")
+    parser.add_argument("--duration", type=numbers.seconds, default=60.0, metavar="S", help="how long, s (default 60)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="config of serve (default: the shipped one)")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig of the simulator (default: the shipped one)")
     parser.add_argument(
@@ -31,8 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PROFILE",
         help="motion: a shipped profile or a file",
     )
-    parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="times real time (default 1)")
-    parser.add_argument("--seed", type=int, default=1, help="of the simulated noise (default 1)")
+    parser.add_argument(
+        "--speed", type=numbers.number(1e6), default=1.0, metavar="X", help="times real time (default 1)"
+    )
+    parser.add_argument("--seed", type=numbers.seed, default=1, help="of the simulated noise (default 1)")
     parser.add_argument(
         "--svg",
         type=Path,
@@ -43,8 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when its summary is printed."""
-    options.positive("--duration", arguments.duration)
-    options.positive("--speed", arguments.speed)
     if arguments.svg is not None:
         _check_picture(arguments)
     from gyrodrift.demo.show import run_demo

@@ -10,7 +10,7 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers
 
 if TYPE_CHECKING:
     from gyrodrift.link.listening import HeardPort
@@ -26,20 +26,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--listen", action="store_true", help="open each port that is free, and tell what speaks there")
     parser.add_argument(
-        "--timeout", type=float, default=10.0, metavar="S", help="listen S seconds for something that can be decoded"
+        "--timeout",
+        type=numbers.seconds,
+        default=10.0,
+        metavar="S",
+        help="listen S seconds for something that can be decoded",
     )
     parser.add_argument("--json", action="store_true", help="one JSON array instead, with an object a port")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """List them; 0 even where there are none."""
-    timeout_s = options.positive("--timeout", arguments.timeout)
     from gyrodrift.link.link import LinkOptions
-    from gyrodrift.link.listening import USUAL_S, listen_at, look_at
+    from gyrodrift.link.listening import listen_at, look_at
     from gyrodrift.link.port import serial_ports
 
     ports = serial_ports()
-    asked = LinkOptions(port="", timeout_s=timeout_s or USUAL_S)
+    asked = LinkOptions(port="", timeout_s=arguments.timeout)
     heard = listen_at(ports, asked) if arguments.listen else look_at(ports)
     if arguments.json:
         print(json.dumps([_as_json(each) for each in heard]))

@@ -51,7 +51,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 when everything is written, whatever the verdict."""
-    options.positive("--jobs", arguments.jobs)
     check_writable(arguments.out)
     options.hold_product_threads()
     with options.progress_of(arguments) as waiting:

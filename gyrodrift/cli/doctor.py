@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
@@ -37,7 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_link_options(parser, default_port=options.AUTO_PORT)
     parser.add_argument(
-        "--seconds", type=float, default=30.0, metavar="S", help="listen for S seconds; noise wants 30 of them"
+        "--seconds",
+        type=numbers.seconds,
+        default=30.0,
+        metavar="S",
+        help="listen for S seconds; noise wants 30 of them",
     )
     parser.add_argument(
         "--sensor", metavar="NAME", help="compare with the data sheet of this sensor (default: as named)"
@@ -50,8 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Look, listen, tell; 3 where something is as severe as --fail-on."""
-    seconds = options.positive("--seconds", arguments.seconds) or 30.0
-    baud = options.baud(arguments.baud)
+    seconds = arguments.seconds
+    baud = numbers.baud(arguments.baud)
     options.hold_product_threads()
     from gyrodrift.doctor.checks.registry import examine
     from gyrodrift.doctor.finding import Severity, worst

@@ -2,12 +2,12 @@
 
 import argparse
 import os
-import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError
 from gyrodrift.filters.registry import DEFAULT, FILTERS
@@ -20,15 +20,12 @@ if TYPE_CHECKING:
     from gyrodrift.progress import Progress
     from gyrodrift.session.session import Session
 
-SIZES = {"kb": 1000, "mb": 1_000_000, "gb": 1_000_000_000}
 AUTO_PORT = "auto"
 PACKAGES = "packages"
 """The first thing that is waited for."""
 
 ITERATIONS = 3000
 """Evaluations of a search where nothing is said: the same budget wherever methods are tuned."""
-
-TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 
 def add_link_options(parser: argparse.ArgumentParser, default_port: str | None = None) -> None:
@@ -63,7 +60,7 @@ def add_link_options(parser: argparse.ArgumentParser, default_port: str | None =
     )
     parser.add_argument(
         "--timeout",
-        type=float,
+        type=numbers.number(numbers.MOST_SECONDS, "seconds, 0 or more", least=0.0),
         default=10.0,
         metavar="S",
         help="give up where nothing decodable came within S seconds of the start; 0 waits for ever (default 10)",
@@ -84,8 +81,6 @@ def link_target(
     """
     from gyrodrift.link.link import LinkOptions
 
-    if not arguments.timeout >= 0.0:  # neither is NaN
-        raise UsageError(f"--timeout {arguments.timeout:g}: expected seconds, 0 or more")
     named = columns if reads_columns_of_config(arguments) else arguments.columns
     asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, named)
     if asked.port != AUTO_PORT:
@@ -119,12 +114,17 @@ def log_level(arguments: argparse.Namespace) -> str:
 
 def add_jobs_option(parser: argparse.ArgumentParser) -> None:
     """The option of every command that keeps several processors busy."""
-    parser.add_argument("--jobs", type=int, metavar="N", help="at once (default: as many as there are processors)")
+    parser.add_argument(
+        "--jobs",
+        type=numbers.whole(numbers.MOST_JOBS),
+        metavar="N",
+        help="at once (default: as many as there are processors)",
+    )
 
 
 def add_iterations_option(parser: argparse.ArgumentParser, of_what: str) -> None:
     """The option of every command that searches."""
-    parser.add_argument("--iterations", type=int, default=ITERATIONS, metavar="N", help=of_what)
+    parser.add_argument("--iterations", type=numbers.whole(10**9), default=ITERATIONS, metavar="N", help=of_what)
 
 
 def add_cluster_option(parser: argparse.ArgumentParser, what: str) -> None:
@@ -261,12 +261,6 @@ def loaded_config(path: Path) -> "Config":
     return config
 
 
-def check_seed(seed: int) -> None:
-    """Refuse a seed that no generator takes."""
-    if seed < 0:
-        raise UsageError(f"--seed {seed}: expected a whole number from 0")
-
-
 def hold_product_threads() -> None:
     """Before numpy is imported: the products of the analyses are small, and its threads only get in the way."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -275,32 +269,3 @@ def hold_product_threads() -> None:
 def processes(jobs: int | None) -> int:
     """Of `--jobs`: as many as there are processors where nothing is said."""
     return jobs or len(os.sched_getaffinity(0))
-
-
-def rotation(text: str | None) -> tuple[int | None, float | None]:
-    """Bytes and seconds at which a new file begins, from `--rotate`; None for never."""
-    if text is None:
-        return None, None
-    found = re.fullmatch(r"(\d+(?:\.\d+)?) ?([A-Za-z]+)", text)
-    number, unit = (float(found[1]), found[2].lower()) if found else (0.0, "")
-    if number > 0.0 and unit in SIZES:
-        return round(number * SIZES[unit]), None
-    if number > 0.0 and unit in TIMES_S:
-        return None, number * TIMES_S[unit]
-    raise UsageError(f"--rotate {text}: expected a size such as 100MB or 2GB, or a time such as 90s, 30min or 1h")
-
-
-def baud(text: str) -> int | None:
-    """A line rate; None for `auto`."""
-    if text == "auto":
-        return None
-    if not text.isdigit() or int(text) == 0:
-        raise UsageError(f"--baud {text}: expected a rate in baud such as 115200, or auto")
-    return int(text)
-
-
-def positive(name: str, value: float | None) -> float | None:
-    """A number above 0, or None where it was not given."""
-    if value is not None and not 0.0 < value < float("inf"):
-        raise UsageError(f"{name} {value:g}: expected a number above 0")
-    return value

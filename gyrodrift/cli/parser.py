@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, shortened
 from gyrodrift.nearest import nearest, question
 
 RENAMED = {"--threads": "--jobs"}
@@ -13,6 +13,9 @@ RENAMED = {"--threads": "--jobs"}
 
 NEAREST = 2
 """So many that are known are offered for one that is not."""
+
+LONGEST_QUOTE = 40
+"""Characters of a value that is not understood."""
 
 NUMBER = re.compile(r"-\.?\d")
 UNTOLD: tuple[object, ...] = (None, False, "", [], argparse.SUPPRESS)
@@ -84,6 +87,14 @@ class Parser(argparse.ArgumentParser):
         sought = f"-{word}" if re.fullmatch(r"-\w", word) else word
         meant = begun_or_near(sought, [option for option in known if option.startswith("--")])
         return f"{word}: {self._name or 'gyrodrift'} has no such option; {meant or self._see}"
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """What an option does not take is told like any other mistake: the option, the value, what is expected."""
+        try:
+            return super()._get_value(action, arg_string)
+        except argparse.ArgumentError as error:
+            name = "/".join(action.option_strings) or action.metavar or action.dest
+            raise UsageError(f"{name} {shortened(arg_string, LONGEST_QUOTE)}: {error.message}") from error
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.unwaiting import send_within
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_link_options(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument(
-        "--duration", type=float, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
+        "--duration", type=numbers.seconds, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
     )
     options.add_filter_options(
         parser,
@@ -53,9 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record until a signal comes or the time is over; 0 then."""
-    options.positive("--duration", arguments.duration)
-    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
-    baud = options.baud(arguments.baud)
+    rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
+    baud = numbers.baud(arguments.baud)
 
     from gyrodrift.files import check_writable
     from gyrodrift.link.events import LinkEvents

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED
+from gyrodrift.cli import INTERRUPTED, numbers
 from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
@@ -35,9 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
     parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="what the device speaks")
     parser.add_argument("--raw", action="store_true", help="the bytes as they came, from a recording made with --raw")
-    parser.add_argument("--speed", default="1", metavar="X", help="times real time, or max (default 1)")
+    parser.add_argument("--speed", type=_speed, default="1", metavar="X", help="times real time, or max (default 1)")
     parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")
-    parser.add_argument("--lsb", type=float, default=0.01, metavar="DPS", help="native: deg/s per count (default 0.01)")
+    parser.add_argument(
+        "--lsb",
+        type=numbers.number(10.0, "deg/s per count, above 0 and up to 10"),
+        default=0.01,
+        metavar="DPS",
+        help="native: deg/s per count (default 0.01)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.player import play, stopped_by_signals
     from firmware_sim.pty import LinkInUseError, PtyDevice
 
-    speed = _speed(arguments.speed)
+    speed: float | None = arguments.speed
     frames, hello = _raw(arguments) if arguments.raw else _encoded(arguments)
     try:
         device = PtyDevice(arguments.link, hello)
@@ -86,8 +92,6 @@ def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     from gyrodrift.session.files import load_session
     from gyrodrift.simulation.replay import PlayedSession, base_of
 
-    if not 0.0 < arguments.lsb <= 10.0:
-        raise UsageError(f"--lsb {arguments.lsb:g}: expected deg/s per count, above 0 and up to 10")
     session = load_session(arguments.session)
     recording = PlayedSession(session, is_looping=arguments.loop)
     encoder, base = ENCODERS[arguments.protocol], base_of(recording, arguments.lsb)
@@ -97,10 +101,4 @@ def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
 def _speed(text: str) -> float | None:
     if text == "max":
         return None
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = 0.0
-    if not 0.0 < speed < float("inf"):
-        raise UsageError(f"--speed {text}: expected a number above 0, or max")
-    return speed
+    return numbers.number(1e6, "a number above 0, or max")(text)

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_link_options(parser)
     options.add_filter_options(parser, "YAML with a filter and its parameters; followed while serve runs")
     parser.add_argument(
-        "--rate", type=float, metavar="HZ", help="at most HZ lines a second of device time (default: all)"
+        "--rate", type=numbers.number(1e6), metavar="HZ", help="at most HZ lines a second of device time (default: all)"
     )
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="write what the device sends into this folder too (default: none)"
@@ -90,9 +90,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes; 0 then."""
-    rate_hz = options.positive("--rate", arguments.rate)
-    options.rotation(arguments.rotate)
-    baud = options.baud(arguments.baud)
+    rate_hz = arguments.rate
+    numbers.rotation(arguments.rotate)
+    baud = numbers.baud(arguments.baud)
     asked = _outputs(arguments.output)
     watch = None
     if arguments.config is not None:
@@ -178,7 +178,7 @@ def _recording(
     from gyrodrift.recording.recorder import RecordOptions
     from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
 
-    rotate_bytes, rotate_s = options.rotation(arguments.rotate)
+    rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
     what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
     config = None if filtering.watch is None else filtering.watch.config
     about, mode = ({}, 0o666) if config is None else (options.config_tables(arguments.config, config), config.mode)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import options
+from gyrodrift.cli import numbers, options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
@@ -38,9 +38,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PROFILE",
         help="motion: a shipped profile or a file (default: turntable)",
     )
-    parser.add_argument("--sessions", type=int, metavar="N", help="how many (default 1; 10 of each hard case)")
-    parser.add_argument("--minutes", type=float, default=10.0, metavar="M", help="length of each (default 10)")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything random (default 0)")
+    parser.add_argument(
+        "--sessions", type=numbers.whole(10**6), metavar="N", help="how many (default 1; 10 of each hard case)"
+    )
+    parser.add_argument(
+        "--minutes", type=numbers.number(1e6), default=10.0, metavar="M", help="length of each (default 10)"
+    )
+    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="of everything random (default 0)")
     parser.add_argument(
         "--effect",
         type=options.effect,
@@ -59,9 +63,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when everything is written."""
-    options.positive("--minutes", arguments.minutes)
-    options.positive("--sessions", arguments.sessions)
-    options.check_seed(arguments.seed)
     if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
         raise UsageError(
             "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"

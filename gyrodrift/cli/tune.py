@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, options
+from gyrodrift.cli import INTERRUPTED, numbers, options
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
@@ -46,8 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all (default: none)"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of split and search (default 0)")
-    parser.add_argument("--seeds", type=int, default=1, metavar="K", help="search K times, keep the best (default 1)")
+    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="of split and search (default 0)")
+    parser.add_argument(
+        "--seeds", type=numbers.whole(1000), default=1, metavar="K", help="search K times, keep the best (default 1)"
+    )
     options.add_iterations_option(parser, "evaluations of the cost")
     parser.add_argument(
         "--method",
@@ -69,9 +71,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 when everything is written."""
-    for name in ("iterations", "seeds", "jobs"):
-        options.positive(f"--{name}", getattr(arguments, name))
-    options.check_seed(arguments.seed)
     _check_place(arguments.out, arguments.report)
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)

@@ -63,7 +63,7 @@ EXPECTED = (
     f" encoder :deg or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of them :- for the"
     f" other sign, as in {EXAMPLE}"
 )
-PER = re.compile(r"(lsb|counts)/(\d+(?:\.\d*)?)")
+PER = re.compile(r"(lsb|counts)/([0-9]{1,12}(?:\.[0-9]{0,12})?)")
 
 
 @dataclass(frozen=True, slots=True)

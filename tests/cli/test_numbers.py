@@ -1,0 +1,119 @@
+"""Numbers on a command line: whatever stands there for one, a mistake is one line and status 2."""
+
+import argparse
+
+import pytest
+
+from gyrodrift.cli import COMMANDS, main, numbers, parser_of
+from gyrodrift.errors import UsageError
+
+NO_NUMBERS = (
+    *("", " ", "x", "²", "٣", "\uff11\uff12", "1_000", "0x10", "1e", "1,5", "1 2", "\x00"),
+    *(
+        "nan",
+        "NaN",
+        "inf",
+        "-inf",
+        "infinity",
+        "1e400",
+        "-1e400",
+        "-1",
+        "9" * 5000,
+        "9" * 400,
+        "1" + "0" * 39,
+    ),
+)
+NUMERIC = (
+    *("--timeout", "--jobs", "--iterations", "--seed", "--seeds", "--turns", "--repeats", "--spread", "--rest"),
+    *("--temperature", "--duration", "--seconds", "--sessions", "--minutes", "--speed", "--lsb", "--rate"),
+)
+
+
+def numeric_options() -> list[tuple[str, str]]:
+    """Of all commands, those whose values become numbers."""
+    found = []
+    for command in COMMANDS:
+        for action in parser_of(command)._actions:
+            name = next((name for name in action.option_strings if name in NUMERIC), None)
+            if name is not None:
+                found.append((command, name))
+    return found
+
+
+def test_the_options_that_are_numbers_are_known() -> None:
+    """One with a reader of numbers that is not listed here would go untested, and so would `int` and `float`."""
+    for command in COMMANDS:
+        for action in parser_of(command)._actions:
+            if not isinstance(action.type, argparse.FileType) and action.type is not None:
+                assert action.type not in (int, float), (command, action.option_strings)
+                is_number = getattr(action.type, "__module__", "") == numbers.__name__
+                assert not is_number or set(action.option_strings) & set(NUMERIC), (command, action.option_strings)
+
+
+@pytest.mark.parametrize(("command", "option"), numeric_options())
+def test_what_is_no_number_is_one_line(command: str, option: str) -> None:
+    """It names the option and quotes no more than the beginning of what was given."""
+    parser = parser_of(command)
+    for value in NO_NUMBERS:
+        with pytest.raises(UsageError) as told:
+            parser.read([f"{option}={value}"])
+        message = str(told.value)
+        assert message.startswith(f"{option} ")
+        assert "expected" in message
+        assert "\n" not in message
+        assert len(message) < 200
+
+
+@pytest.mark.parametrize("value", [*NO_NUMBERS, "0", "1.5", "-9600"], ids=lambda value: repr(value[:12]))
+def test_what_is_no_line_rate_is_one_line(value: str) -> None:
+    """Likewise."""
+    with pytest.raises(UsageError, match=r"--baud .*: expected a rate in baud") as told:
+        numbers.baud(value)
+    assert len(str(told.value)) < 200
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["serve", "--port", "/dev/null", "--baud", "²"],
+        ["serve", "--port", "/dev/null", "--baud", "9" * 5000],
+        ["record", "--port", "/dev/null", "--out", "sessions", "--baud", "²"],
+        ["record", "--port", "/dev/null", "--out", "sessions", "--rotate", "9" * 400 + "h"],
+        ["serve", "--port", "/dev/null", "--record", "sessions", "--rotate", "9" * 400 + "GB"],
+        ["calibrate", "--port", "/dev/null", "--baud", "9" * 5000],
+        ["doctor", "--port", "/dev/null", "--baud", "²"],
+        ["replay", "x.csv", "--link", "y", "--speed", "9" * 5000],
+    ],
+    ids=lambda words: f"{words[0]} {words[-2]}",
+)
+def test_commands_end_with_2_and_one_line(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Before a port is opened or a folder is made."""
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"gyrodrift: {words[-2]} ")
+    assert told.count("\n") == 1
+    assert len(told) < 200
+
+
+@pytest.mark.parametrize("unit", ["", "h", "GB", " min", "kB", "parsecs"])
+@pytest.mark.parametrize("value", [*NO_NUMBERS, "0", "0.0"], ids=lambda value: repr(value[:12]))
+def test_what_is_no_rotation_is_refused(value: str, unit: str) -> None:
+    """Whatever unit stands behind it."""
+    with pytest.raises(UsageError, match=r"--rotate .*: expected a size such as") as told:
+        numbers.rotation(value + unit)
+    assert len(str(told.value)) < 200
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("100MB", (100_000_000, None)), ("0.5kB", (500, None)), ("1.5h", (None, 5400.0)), ("90 s", (None, 90.0))],
+)
+def test_sizes_and_times_are_read(text: str, expected: tuple[int | None, float | None]) -> None:
+    """In any case of letters, with or without a blank."""
+    assert numbers.rotation(text) == expected
+
+
+def test_a_number_beyond_what_an_option_can_mean_is_told_with_the_most(capsys: pytest.CaptureFixture[str]) -> None:
+    """Not carried out, for years."""
+    assert main(["simulate", "--out", "x", "--minutes", "1e9"]) == 2
+    assert capsys.readouterr().err == "gyrodrift: --minutes 1e9: expected a number above 0, 1000000 at most\n"
