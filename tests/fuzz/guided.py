@@ -23,7 +23,7 @@ def run(name: str, seconds: int, seed: int) -> int:
     with atheris.instrument_imports(include=PACKAGES):
         from fuzz.targets import TARGETS  # noqa: PLC0415 - is instrumented while it is imported
     from fuzz.limits import Limited, ending  # noqa: PLC0415 - imports no target before
-    from fuzz.mutate import changed  # noqa: PLC0415 - likewise
+    from fuzz.mutate import LONGEST, changed  # noqa: PLC0415 - likewise
 
     def mutate(content: bytes, most_bytes: int, mutation_seed: int) -> bytes:
         random = Random(mutation_seed)
@@ -37,7 +37,7 @@ def run(name: str, seconds: int, seed: int) -> int:
         "seed": seed % (1 << 31) or 1,
         "timeout": LONGEST_HANG_S,
         "rss_limit_mb": (base_bytes + MOST_BYTES) >> 20,
-        "max_len": 1 << 16,
+        "max_len": LONGEST,
         "len_control": 0,
         "use_counters": 0,  # how often a place is reached is not worth an input that is kept
         "artifact_prefix": f"{FOUND}/{name}-",

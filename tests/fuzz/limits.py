@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 LONGEST_CALL_S = 1.0
-"""64 kB are read in a tenth of it, without instrumentation."""
+"""32 kB take a tenth of it, without instrumentation."""
 
 
 class Limited:

@@ -13,7 +13,7 @@ from fuzz.texts import changed_cell, changed_json, changed_packed, changed_scala
 
 EDGES = (b"\x00", b"\xff", b"\x7f", b"\x80", b"\n", b",", b"[", b"{", b'"', b"-", b"1e999", b"nan", b"inf", b"9" * 40)
 NUMBERS = tuple(value.to_bytes(size, "little") for size in (2, 4, 8) for value in (1, (1 << 8 * size - 1) - 1))
-LONGEST = 1 << 16
+LONGEST = 1 << 15
 
 Mutator = Callable[[bytes, Random], bytes]
 """From an input to another one; it gives the input itself where there is nothing that it could change."""
