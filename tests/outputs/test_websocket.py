@@ -1,18 +1,21 @@
 """The WebSocket server that outputs build on, with a real client and with hostile ones."""
 
+import gc
 import socket
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import ClassVar
+from weakref import WeakSet
 
 import pytest
 from outputs_support import HubThread, corrected, hub
 from support import PATIENCE_S
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
-from gyrodrift.outputs.net.limits import Limits
+from gyrodrift.outputs.net.limits import Allowance, Limits
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import Port
 from gyrodrift.outputs.output import Output, OutputHost
@@ -28,8 +31,13 @@ class EchoOptions:
 
 
 class EchoSession:
+    """`alive` has the clients that something still holds."""
+
+    alive: ClassVar[WeakSet[WebSocketClient]] = WeakSet()
+
     def __init__(self, client: WebSocketClient) -> None:
         self._client = client
+        self.alive.add(client)
 
     def message(self, content: str | bytes) -> None:
         if content == "bad":
@@ -146,6 +154,42 @@ def test_too_many_connections_are_cut_off_before_their_handshake(echo: Echo) -> 
         assert is_closed(crowd[-1])
         client.send("still here")
         assert client.recv(PATIENCE_S) == "still here"
+
+
+def test_as_many_clients_as_the_limit_come_in_and_no_more(echo: Echo) -> None:
+    """One more is cut off, whoever it is."""
+    _, address = echo
+    with ExitStack() as there:
+        for _ in range(LIMITS.clients):
+            client = there.enter_context(joined(address))
+            client.send("in")
+            assert client.recv(PATIENCE_S) == "in"
+        with pytest.raises((OSError, EOFError, WebSocketException)):
+            joined(address)
+
+
+def test_clients_that_are_gone_leave_nothing_behind(echo: Echo) -> None:
+    """One after the other, and more of them than may be there at a time."""
+    _, address = echo
+    for number in range(3 * LIMITS.clients):
+        with joined(address) as client:
+            client.send(str(number))
+            assert client.recv(PATIENCE_S) == str(number)
+    until_s = time.monotonic() + PATIENCE_S
+    while EchoSession.alive and time.monotonic() < until_s:
+        time.sleep(0.01)
+        gc.collect()
+    assert len(EchoSession.alive) == 0
+
+
+def test_who_was_silent_for_an_hour_may_not_send_an_hours_messages() -> None:
+    """The allowance holds one second's."""
+    now_s = 0.0
+    allowance = Allowance(10.0, lambda: now_s)
+    now_s = 3600.0
+    assert [allowance.take() for _ in range(11)] == [True] * 10 + [False]
+    now_s += 0.125
+    assert [allowance.take() for _ in range(2)] == [True, False]
 
 
 def test_a_client_that_does_not_read_loses_the_oldest_and_is_told(echo: Echo) -> None:

@@ -12,6 +12,7 @@ import pytest
 from mcap.reader import make_reader
 from support import PATIENCE_S, Command, are_recorded, never, ours, speaking_on
 
+from gyrodrift.service.signals import StopSignal
 from gyrodrift.session.mcap.read import read_mcap
 
 HANGS = """
@@ -51,6 +52,24 @@ def test_a_disk_that_hangs_keeps_nobody_who_asks_again(command: str, port: Path,
             process.wait()
     (path,) = out.glob("*.mcap")
     assert read_mcap(path).rate_dps.tolist() == [float(i) for i in range(200)]
+
+
+def test_afterwards_signals_do_what_they_did_before() -> None:
+    """And no descriptor is left; while it listens, one signal sets the flag and wakes the loop."""
+    handled: list[int] = []
+    before = signal.signal(signal.SIGTERM, lambda number, _: handled.append(number))
+    try:
+        with StopSignal() as stop:
+            signal.raise_signal(signal.SIGTERM)
+            assert stop.is_set
+            assert os.read(stop.fd, 1) == bytes([signal.SIGTERM])
+        assert not handled
+        signal.raise_signal(signal.SIGTERM)
+        assert handled == [signal.SIGTERM]
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            os.fstat(stop.fd)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def test_two_signals_in_a_moment_are_one(port: Path) -> None:

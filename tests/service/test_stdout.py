@@ -94,14 +94,15 @@ def test_thinning_goes_on_after_a_hole(pipe: Pipe) -> None:
     assert [json.loads(line)["t_s"] for line in lines] == [0.0, 0.1, 60.0, 60.1]
 
 
+@pytest.mark.parametrize("batch", [1, 50])
 def test_a_reader_who_sleeps_loses_the_oldest_whole_lines_and_is_told_how_many(
-    pipe: Pipe, monkeypatch: pytest.MonkeyPatch
+    batch: int, pipe: Pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The output never waits, and what arrives is whole."""
     monkeypatch.setattr(stdout, "LONGEST_QUEUE_BYTES", 50_000)
     output = JsonLines(pipe[1])
-    for i in range(10_000):
-        output.take([corrected(i)])
+    for first in range(0, 10_000, batch):
+        output.take([corrected(i) for i in range(first, first + batch)])
     read = b""
     while output.wakes():
         read += os.read(pipe[0], 1 << 16)
@@ -179,3 +180,42 @@ def test_a_terminal_that_nobody_reads_takes_what_it_has_room_for_and_no_more() -
     finally:
         os.close(controller)
         os.close(terminal)
+
+
+def test_a_terminal_that_took_half_a_line_gets_the_other_half(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where lines behind it are dropped meanwhile."""
+    monkeypatch.setattr(stdout, "LONGEST_QUEUE_BYTES", 2000)
+    controller, terminal = os.openpty()
+    try:
+        output = JsonLines(terminal)
+        for i in range(2000):
+            output.take([corrected(i)])
+        read = b""
+        while output.wakes() or b'"seq":1999' not in read:
+            output.take([])
+            read += os.read(controller, 1 << 16)
+        seqs = [json.loads(line)["seq"] for line in read.splitlines()]
+    finally:
+        os.close(controller)
+        os.close(terminal)
+    assert output.dropped > 0
+    assert len(seqs) == 2000 - output.dropped
+
+
+def test_a_reader_who_goes_on_at_the_end_gets_every_line(pipe: Pipe) -> None:
+    """It has fallen behind by more than the pipe holds."""
+    output, read = JsonLines(pipe[1]), bytearray()
+
+    def drain() -> None:
+        while not read.endswith(b"\0"):
+            read.extend(os.read(pipe[0], 1 << 16))
+
+    output.take([corrected(i) for i in range(3000)])
+    assert output.wakes()
+    reader = threading.Thread(target=drain)
+    reader.start()
+    output.close()
+    os.write(pipe[1], b"\0")
+    reader.join()
+    assert output.dropped == 0
+    assert read.count(b"\n") == 3000

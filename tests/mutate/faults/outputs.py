@@ -11,7 +11,7 @@ FAULTS = (
         "OFFLINE, AT_LEAST_ONCE, retain=True),",
         "OFFLINE, AT_LEAST_ONCE, retain=False),",
         "Who subscribes after a crash still reads that the service is online.",
-        (f"{TESTS}/test_mqtt.py::test_the_last_will_speaks_for_a_process_that_was_killed",),
+        (f"{TESTS}/test_mqtt.py::test_who_subscribes_after_the_kill_learns_it_from_the_retained_last_will",),
     ),
     Fault(
         "outputs/mqtt-no-farewell",
@@ -19,7 +19,7 @@ FAULTS = (
         "                if is_connected:\n",
         "                if not is_connected:\n",
         "A service that ends cleanly is still online at the broker.",
-        (f"{TESTS}/test_mqtt.py",),
+        (f"{TESTS}/test_mqtt.py::test_home_assistant_finds_the_service_and_every_topic_it_names",),
     ),
     Fault(
         "outputs/websocket-client-leak",
@@ -48,15 +48,15 @@ FAULTS = (
     Fault(
         "outputs/connections-limit-off-by-one",
         f"{OUTPUTS}/net/websocket_connection.py",
-        "        if self.now > self.most:\n",
-        "        if self.now > self.most + 1:\n",
+        "        if len(self.there) > self.most:\n",
+        "        if len(self.there) > self.most + 1:\n",
         "One connection more than the limit is taken in.",
         (f"{TESTS}/test_websocket.py",),
     ),
     Fault(
         "outputs/connections-not-counted-down",
         f"{OUTPUTS}/net/websocket_connection.py",
-        "        type(self).now -= 1\n",
+        "        self.there.discard(self)\n",
         "        pass\n",
         "After as many clients as the limit nobody gets in any more.",
         (f"{TESTS}/test_websocket.py",),
@@ -104,9 +104,17 @@ FAULTS = (
     Fault(
         "outputs/hub-output-not-closed",
         f"{OUTPUTS}/hub.py",
-        "            await asyncio.gather(*(running.close() for running in gone))\n",
-        "",
+        "            running.is_wanted = spec in self._wanted\n",
+        "            running.is_wanted = running.is_wanted or spec in self._wanted\n",
         "An output that is no longer configured stays open.",
+        (f"{TESTS}/test_hub.py::test_outputs_come_and_go_and_the_others_notice_nothing",),
+    ),
+    Fault(
+        "outputs/closed-output-keeps-port",
+        f"{OUTPUTS}/running.py",
+        "        await _closed(output, self._log)\n        return open_s\n",
+        "        return open_s\n",
+        "An output that is no longer wanted, or has failed, keeps its port and its clients.",
         (f"{TESTS}/test_hub.py::test_outputs_come_and_go_and_the_others_notice_nothing",),
     ),
     Fault(

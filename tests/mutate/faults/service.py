@@ -32,8 +32,8 @@ FAULTS = (
     Fault(
         "service/stdout-close-at-once",
         f"{SERVICE}/stdout.py",
-        "while self._queue and self._poller.poll(LAST_WAIT_MS):",
-        "while self._queue and self._poller.poll(0) and False:",
+        "        until_s = time.monotonic() + LAST_S\n",
+        "        until_s = time.monotonic()\n",
         "Lines that wait at the end are never written.",
         (
             f"{TESTS}/test_stdout.py",
@@ -46,7 +46,7 @@ FAULTS = (
         "        for number, handler in self._old_handlers.items():\n            signal.signal(number, handler)\n",
         "",
         "Signals are swallowed after the service has ended.",
-        (f"{TESTS}/test_signals.py",),
+        (f"{TESTS}/test_signals.py::test_afterwards_signals_do_what_they_did_before",),
     ),
     Fault(
         "service/signal-pipe-open",
@@ -54,7 +54,7 @@ FAULTS = (
         "        os.close(self.fd)\n        os.close(self._write_fd)",
         "        os.close(self._write_fd)",
         "The pipe of signals stays open.",
-        (f"{TESTS}/test_signals.py",),
+        (f"{TESTS}/test_signals.py::test_afterwards_signals_do_what_they_did_before",),
     ),
     Fault(
         "service/second-signal-ignored",
@@ -62,7 +62,7 @@ FAULTS = (
         "        if now_s - self._asked_s >= REPEAT_S:\n",
         "        if now_s - self._asked_s >= 60.0 * REPEAT_S:\n",
         "Who asks again has to wait for a disk that hangs.",
-        (f"{TESTS}/test_signals.py",),
+        (f"{TESTS}/test_signals.py::test_a_disk_that_hangs_keeps_nobody_who_asks_again",),
     ),
     Fault(
         "service/control-descriptor-open",
@@ -75,16 +75,16 @@ FAULTS = (
     Fault(
         "service/control-limit-off-by-one",
         f"{SERVICE}/control.py",
-        "        if len(self._clients) >= MOST_CLIENTS:",
-        "        if len(self._clients) > MOST_CLIENTS:",
+        "        if len(self._clients) >= MOST_CLIENTS and",
+        "        if len(self._clients) > MOST_CLIENTS and",
         "One client more than the limit is taken in.",
         (f"{TESTS}/test_control.py",),
     ),
     Fault(
         "service/control-endless-command",
         f"{SERVICE}/control.py",
-        "        if len(client.asked) > LONGEST_COMMAND:",
-        "        if len(client.asked) > LONGEST_COMMAND << 20:",
+        "or len(self.asked) > LONGEST_COMMAND)",
+        "or len(self.asked) > LONGEST_COMMAND << 20)",
         "A client that never ends its line fills the memory.",
         (f"{TESTS}/test_control.py",),
     ),
@@ -147,9 +147,9 @@ FAULTS = (
     Fault(
         "service/feed-not-restarted",
         f"{SERVICE}/output_feed.py",
-        "                self._start(now_s)\n            return\n",
-        "                pass\n            return\n",
-        "Outputs whose process died never come back.",
+        "        self._start_s = now_s + self._restart_s\n",
+        "        self._start_s = now_s + 1e3 * self._restart_s\n",
+        "Outputs whose process died come back after minutes: seconds are taken for milliseconds.",
         (f"{TESTS}/test_serve_outputs.py::test_a_process_of_outputs_that_dies_takes_no_sample_with_it",),
     ),
     Fault(
