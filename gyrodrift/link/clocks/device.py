@@ -10,6 +10,9 @@ from gyrodrift.sample import Reading, Sample
 STEP_US = 1_000_000
 """The longest step that is believed of a device whose period is not known yet."""
 
+FORWARD_SAMPLES = 64
+"""A longer hole right behind an odd step bears it out no more: the counter may have begun anew as well."""
+
 REPEATED_PERIODS = 8.0
 """A link may repeat the last few readings; what goes back further comes of a clock and a counter that began anew."""
 
@@ -119,9 +122,7 @@ class DeviceClock:
         elif suspect is None or (is_usual and step_us <= RETURN_PERIODS * self.period_s * 1e6):
             self.glitches += suspect is not None
             self._accept(last, reading, step_us, arrival_s, samples)
-        elif self._continues(suspect, reading) or is_one_pace(
-            step_between(last, suspect), step_between(suspect, reading)
-        ):
+        elif self._continues(suspect, reading) or (not is_usual and _is_forward(suspect, reading)):
             self._settle(last, suspect, arrival_s, samples)
             self._classify(suspect, reading, arrival_s, samples)
         else:
@@ -228,3 +229,12 @@ class DeviceClock:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
         _, _, rate_dps, encoder_deg, temp_c, still = reading
         return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)
+
+
+def _is_forward(suspect: Reading, reading: Reading) -> bool:
+    """Whether counter and clock both went on from a step that is waited for, by no more than STEP_US a sample.
+
+    Frames that are lost while a device is set to a slower rate make steps of both rates.
+    """
+    step_us, counted = step_between(suspect, reading)
+    return 0 < counted < FORWARD_SAMPLES and 0 < step_us <= STEP_US * counted

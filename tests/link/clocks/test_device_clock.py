@@ -293,3 +293,16 @@ def test_a_rate_that_changes_while_frames_are_lost_costs_no_sample() -> None:
     bench.count += 7
     samples += bench.read(step_us=500_000)
     assert [sample.seq for sample in samples] == [100, 104, 112]
+
+
+def test_a_step_of_which_a_part_is_at_the_old_rate_costs_no_sample() -> None:
+    """The first sample of the slow rate is lost, and two behind the second one too."""
+    bench = Bench()
+    bench.read(100)
+    bench.skip(1)
+    bench.ticks_us += 490_000
+    samples = bench.read(step_us=1_500_000)
+    bench.count += 2
+    samples += bench.read(3, step_us=500_000)
+    assert [sample.seq for sample in samples] == [101, 104, 105, 106]
+    assert bench.clock.glitches == 0
