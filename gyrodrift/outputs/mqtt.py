@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
+from gyrodrift.files import UnreadableError, read_ordinary
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import FIELDS, known
@@ -38,6 +39,8 @@ ANSWER_S = 10.0
 FAREWELL_S = 1.0
 LINK_EVERY_S = 10.0
 AT_LEAST_ONCE = 1
+LONGEST_PASSWORD_BYTES = 64 << 10
+"""MQTT 3.1.1, 3.1.3.5: its length has 16 bits."""
 
 Text = Annotated[str, MaxLen(1024)]
 
@@ -215,8 +218,10 @@ class MqttOutput(Output[MqttOptions]):
         if not self.options.password_file:
             return self.options.password.reveal()
         try:
-            return Path(self.options.password_file).read_text(encoding="utf-8").rstrip("\r\n")
-        except (OSError, UnicodeDecodeError) as error:
+            return (
+                read_ordinary(Path(self.options.password_file), LONGEST_PASSWORD_BYTES).content.decode().rstrip("\r\n")
+            )
+        except (OSError, UnreadableError, UnicodeDecodeError) as error:
             raise OutputError(f"cannot read password_file={self.options.password_file}: {error}") from error
 
     def _tls(self) -> ssl.SSLContext | None:

@@ -8,9 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.errors import UsageError
-from gyrodrift.files import write_whole
+from gyrodrift.files import UnreadableError, read_ordinary, write_whole
 
 VERSION = 1
+
+LONGEST_BYTES = 1 << 20
+"""A memory is a few kilobytes."""
+
 CLOCK_UNSET_S = 86_400.0
 """The age of a memory that was written later than now: the clock of one of the two was not set."""
 
@@ -60,13 +64,13 @@ def read_memory(path: Path) -> MemoryFile | None:
         Where it cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_ordinary(path, LONGEST_BYTES).content.decode()
     except FileNotFoundError:
         return None
     except UnicodeDecodeError as error:
         raise MemoryDamagedError("it is no text") from error
-    except OSError as error:
-        raise UsageError(f"--memory {path}: cannot be read: {error.strerror}") from error
+    except UnreadableError as error:
+        raise UsageError(f"--memory {path}: {error}") from error
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gyrodrift.errors import DataError, UsageError
-from gyrodrift.files import whole_file, write_whole
+from gyrodrift.files import UnreadableError, check_ordinary, whole_file, write_whole
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
@@ -22,6 +22,10 @@ def load_session(path: Path) -> Session:
         raise DataError(f"{path}: there is no such session")
     if path.is_dir():
         raise DataError(f"{path}: this is a folder; give one session in it")
+    try:
+        check_ordinary(path)
+    except UnreadableError as error:
+        raise DataError(f"{path}: {error}: this is no session") from error
     if path.suffix == ".csv":
         from gyrodrift.session.csv import read_csv  # noqa: PLC0415 - each format costs only who reads it
 

@@ -1,9 +1,7 @@
 """The response tables of all sessions: simulated here, in processes of this machine, or by the workers of a cluster."""
 
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +14,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
+from gyrodrift.parallel import fork_pool
 from gyrodrift.progress import OnProgress
 
 REPLAYED = "sessions replayed"
@@ -75,7 +74,7 @@ def response_tables(
     if jobs == 1:
         return _counted((_table(plan, number) for number in numbers), len(numbers), progress)
     # A forked process has the plan as it is: sessions are neither sent nor read again.
-    with ProcessPoolExecutor(min(jobs, len(numbers)), get_context("fork"), _hold, (plan,)) as pool:
+    with fork_pool(min(jobs, len(numbers)), _hold, plan) as pool:
         return _counted(pool.map(_held_table, numbers), len(numbers), progress)
 
 

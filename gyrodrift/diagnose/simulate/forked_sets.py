@@ -1,8 +1,6 @@
 """Whole sets of candidates, simulated in all sessions at once by processes of this machine."""
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from types import TracebackType
 from typing import NamedTuple, Self
 
@@ -13,6 +11,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of, with_events
+from gyrodrift.parallel import fork_pool
 
 
 class _Held(NamedTuple):
@@ -38,7 +37,7 @@ class ForkedSets:
         self._known: dict[Sent, SimulatedSet] = {}
         self._own = _Held(subjects, tables, {key(candidate): candidate for candidate in tried})
         jobs = min(jobs, len(subjects))
-        self._pool = None if jobs == 1 else ProcessPoolExecutor(jobs, get_context("fork"), _hold, (self._own,))
+        self._pool = None if jobs == 1 else fork_pool(jobs, _hold, self._own)
 
     def __enter__(self) -> Self:
         """As it is."""

@@ -1,0 +1,49 @@
+"""What takes a file, given a pipe, a device or a socket: one clear line, at once."""
+
+import os
+import socket
+from pathlib import Path
+
+import pytest
+
+from gyrodrift.errors import DataError, UsageError
+from gyrodrift.files import UnreadableError, read_ordinary
+from gyrodrift.service.memory_file import LONGEST_BYTES, read_memory
+from gyrodrift.session.files import load_session
+
+
+@pytest.fixture(params=[(kind, end) for kind in ("pipe", "zero", "socket") for end in ("", ".mcap", ".csv")])
+def odd(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """A pipe that nobody writes to, a device without an end, or a socket."""
+    kind, ending = request.param
+    path = tmp_path / f"odd{ending}"
+    match kind:
+        case "pipe":
+            os.mkfifo(path)
+        case "zero":
+            path.symlink_to("/dev/zero")
+        case _:
+            with socket.socket(socket.AF_UNIX) as listening:
+                listening.bind(str(path))
+    return path
+
+
+def test_what_is_no_ordinary_file_is_refused_at_once(odd: Path) -> None:
+    """Nothing waits for a writer, and nothing is read without an end."""
+    with pytest.raises(DataError, match="is no ordinary file"):
+        load_session(odd)
+    with pytest.raises(UsageError, match=r"--memory .*: is no ordinary file"):
+        read_memory(odd)
+
+
+def test_a_folder_and_a_huge_file_are_no_memory(tmp_path: Path) -> None:
+    """No more than its bound is read of a file."""
+    with pytest.raises(UsageError, match="Is a directory"):
+        read_memory(tmp_path)
+    huge = tmp_path / "huge"
+    with huge.open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(UsageError, match="is larger than 1024 KiB"):
+        read_memory(huge)
+    with pytest.raises(UnreadableError):
+        read_ordinary(huge, LONGEST_BYTES)

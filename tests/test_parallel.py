@@ -1,0 +1,43 @@
+"""Workers and the process that forked them."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+PATIENCE_S = 60.0
+
+PROGRAM = """
+import os, sys, time
+from gyrodrift.parallel import workers
+
+def work(number):
+    with open(f"{sys.argv[1]}/{os.getpid()}", "w"):
+        time.sleep(600)
+
+with workers(2) as pool:
+    list(pool.map(work, range(2)))
+"""
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process runs; one that has ended and was not waited for does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in {"Z", "X"}
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_workers_end_when_the_process_that_forked_them_is_killed(tmp_path: Path) -> None:
+    """By a signal that it cannot hear of."""
+    until_s = time.monotonic() + PATIENCE_S
+    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as parent:
+        while len(os.listdir(tmp_path)) < 2 and time.monotonic() < until_s:  # noqa: PTH208
+            time.sleep(0.01)
+        workers = [int(name.name) for name in tmp_path.iterdir()]
+        parent.kill()
+    while any(map(is_alive, workers)) and time.monotonic() < until_s:
+        time.sleep(0.01)
+    assert len(workers) == 2
+    assert not any(map(is_alive, workers))
