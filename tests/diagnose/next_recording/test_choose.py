@@ -57,22 +57,26 @@ def test_a_dead_band_is_looked_for_near_zero() -> None:
     assert "it tells whether there is deadband with probability" in sentence(found, "next.yaml")
 
 
-def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again() -> None:
-    """Of a choice whose own motion tells less."""
+@pytest.fixture(scope="module")
+def indistinct() -> NextRecording:
+    """Of two causes that do the same by definition."""
     asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
-    found = next_recording_of(asked, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
+    return next_recording_of(asked, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
+
+
+def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again(indistinct: NextRecording) -> None:
+    """Of a choice whose own motion tells less."""
+    found = indistinct
     assert found.again is not None
     better = replace(found, again=replace(found.again, information=found.predicted.information + 0.1))
     assert sentence(better, "next.yaml").startswith("Record 1 min more of the same: it tells scale_factor from")
 
 
-def test_what_nothing_shows_is_said_to_be_so() -> None:
+def test_what_nothing_shows_is_said_to_be_so(indistinct: NextRecording) -> None:
     """Two causes that do the same by definition stay as probable as they were, and the sentence says so."""
-    asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
-    found = next_recording_of(asked, MINUTES, seed=3)
-    assert found.predicted.probability == pytest.approx(0.5, abs=0.1)
-    assert not found.is_worth_it
-    assert sentence(found, "next.yaml").startswith("No motion of 2 min tells scale_factor from scale_factor")
+    assert indistinct.predicted.probability == pytest.approx(0.5, abs=0.1)
+    assert not indistinct.is_worth_it
+    assert sentence(indistinct, "next.yaml").startswith("No motion of 1 min tells scale_factor from scale_factor")
 
 
 def test_the_same_question_has_the_same_answer() -> None:
