@@ -21,6 +21,9 @@ from gyrodrift.outputs.rosbridge_session import RosbridgeSession
 LONGEST_ANSWER = 200_000
 """A message of 64 kB may be repeated in an answer, each of its characters as `\\u0000`, but not more than once."""
 
+MOST_MESSAGES = 200
+"""Of a client in a second."""
+
 TOPICS = {"/gyrodrift/yaw_deg": "double", "/gyrodrift/is_connected": "boolean"}
 CHANNELS = [FoxgloveChannel(1, "/gyro", {"title": "Gyro"}), FoxgloveChannel(2, "/link", {"title": "Link"})]
 
@@ -70,7 +73,7 @@ def sockets(content: bytes) -> None:
         TableSession(client, TOPICS, {0: b"\x94\x00\x00\x01\x00"}, lambda: 1.0, forget, forget),
     ]
     for session in sessions:
-        for message in (content, *content.decode(errors="replace").split("\n")):
+        for message in (content, *content.decode(errors="replace").split("\n")[:MOST_MESSAGES]):
             with suppress(ValueError):
                 session.message(message)
         session.closed()
