@@ -19,6 +19,9 @@ MOST_OUTPUTS = 100
 Report = Callable[[Key, str], None]
 """Called with the key of what is wrong, within an output, and what is wrong with it."""
 
+MOST_WORDS = 100
+"""Of an argument of `--output`: some times as many as any output has options."""
+
 
 def outputs_in(given: Any, report: Report) -> tuple[OutputSpec, ...]:
     """Of the value of `outputs:`, a list of blocks with a name; the same output with the same options counts once."""
@@ -70,9 +73,12 @@ def output_of(argument: str) -> OutputSpec:
         With every mistake.
     """
     name, _, rest = argument.partition(":")
+    words = [word for word in rest.split(",") if word]
+    if len(words) > MOST_WORDS:
+        raise UsageError(f"--output {shown_key(name)}: has {len(words)} options, more than any output has")
     given: dict[str, Any] = {"name": name}
     problems: list[str] = []
-    for word in filter(None, rest.split(",")):
+    for word in words:
         key, equals, text = word.partition("=")
         is_public = _is_public(name, given.keys() - {"name"})
         if equals and (is_public or key in _keys(name)):
@@ -89,7 +95,8 @@ def output_of(argument: str) -> OutputSpec:
 
     spec = output_in(given, report)
     if problems or spec is None:
-        raise UsageError("\n".join(f"--output {_shown(argument)}: {problem}" for problem in problems))
+        shown = _shown(argument)
+        raise UsageError("\n".join(f"--output {shown}: {problem}" for problem in problems))
     return spec
 
 

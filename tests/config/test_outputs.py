@@ -92,6 +92,13 @@ def test_a_mistake_on_the_command_line_is_one_line(argument: str, expected: str)
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("words", ['"x":1,' * 5000, "tcp:" + ",".join(f"k{i}=1" for i in range(5000))])
+def test_an_argument_of_thousands_of_options_is_refused_at_once(words: str) -> None:
+    """Without a look at each of them."""
+    with pytest.raises(UsageError, match=r"--output .*: has 5000 options, more than any output has"):
+        output_of(words)
+
+
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_every_option_is_explained(name: str) -> None:
     """For --list-outputs."""
