@@ -11,7 +11,7 @@ import pytest
 from outputs_support import serving
 from support import PATIENCE_S, Command, never, speaking_on
 
-from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
+from gyrodrift.service.memory_file import CLOCK_UNSET_S, MemoryDamagedError, MemoryFile, read_memory
 
 RESTING, MOVING = 2000, 500
 
@@ -132,6 +132,13 @@ def test_a_damaged_memory_is_told_set_aside_and_begun_anew(port: Path, tmp_path:
     assert '"event": "memory_damaged"' in serve.log
     assert (tmp_path / "m.json.damaged_1").read_bytes() == damage
     assert not memory.exists()
+
+
+def test_a_memory_of_the_future_is_a_day_old() -> None:
+    """The clock of one of the two runs was not set: nobody knows how old it is."""
+    memory = MemoryFile("bench-7", "restlevel", 2000.0, {})
+    assert memory.age_s(2500.0) == 500.0
+    assert memory.age_s(1999.0) == CLOCK_UNSET_S
 
 
 @pytest.mark.parametrize("written", ["1" + "0" * 400, "NaN", "1e999", "-1e999"])

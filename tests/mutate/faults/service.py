@@ -70,7 +70,7 @@ FAULTS = (
         "        self._clients.pop(fd).connection.close()\n",
         "        self._clients.pop(fd).connection.detach()\n",
         "Each client of the control socket leaves a descriptor open.",
-        (f"{TESTS}/test_control.py",),
+        (f"{TESTS}/test_control_clients.py",),
     ),
     Fault(
         "service/control-limit-off-by-one",
@@ -78,7 +78,7 @@ FAULTS = (
         "        if len(self._clients) >= MOST_CLIENTS and",
         "        if len(self._clients) > MOST_CLIENTS and",
         "One client more than the limit is taken in.",
-        (f"{TESTS}/test_control.py",),
+        (f"{TESTS}/test_control_clients.py::test_a_ninth_client_that_leaves_at_once_is_no_matter",),
     ),
     Fault(
         "service/control-endless-command",
@@ -86,7 +86,7 @@ FAULTS = (
         "or len(self.asked) > LONGEST_COMMAND)",
         "or len(self.asked) > LONGEST_COMMAND << 20)",
         "A client that never ends its line fills the memory.",
-        (f"{TESTS}/test_control.py",),
+        (f"{TESTS}/test_control.py::test_a_mistake_is_answered_and_the_stream_goes_on",),
     ),
     Fault(
         "service/heading-sign",
@@ -94,7 +94,7 @@ FAULTS = (
         "        return (self.north_deg - yaw_deg) % 360.0",
         "        return (self.north_deg + yaw_deg) % 360.0",
         "Heading turns counter-clockwise.",
-        (f"{TESTS}/test_control.py",),
+        (f"{TESTS}/test_control.py::test_zero_and_heading_are_about_what_is_sent",),
     ),
     Fault(
         "service/refused-config-taken",
@@ -113,12 +113,12 @@ FAULTS = (
         (f"{TESTS}/test_serve.py::test_another_filter_is_taken_while_it_runs_and_yaw_goes_on",),
     ),
     Fault(
-        "service/memory-of-other-device",
+        "service/memory-of-the-future",
         f"{SERVICE}/memory_file.py",
         "        return now_s - self.written_s if now_s >= self.written_s else CLOCK_UNSET_S\n",
         "        return abs(now_s - self.written_s)\n",
         "A memory from the future is taken for a fresh one.",
-        (f"{TESTS}/test_memory.py",),
+        (f"{TESTS}/test_memory.py::test_a_memory_of_the_future_is_a_day_old",),
     ),
     Fault(
         "service/memory-not-saved-at-end",
@@ -126,7 +126,7 @@ FAULTS = (
         "        if self._writing is None:\n            self._save()\n            self._join()\n",
         "        self._join()\n",
         "What was learned in the last minute is lost at a clean end.",
-        (f"{TESTS}/test_memory.py",),
+        (f"{TESTS}/test_memory.py::test_a_restart_in_motion_knows_the_bias_and_its_recording_gives_the_same_bits",),
     ),
     Fault(
         "service/watchdog-too-slow",
