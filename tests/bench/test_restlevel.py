@@ -18,6 +18,10 @@ from gyrodrift.simulation.hard_cases import CASES, simulation
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
 
 
+RATIO_MOST = 5.5
+"""3.7 was measured (docs/results.md); half as much again is the margin of a busy machine."""
+
+
 def seconds(times_s: list[float], rates_dps: list[float], stepping: Any, c: Any, state: Any) -> float:
     """Of one step, in the mean over a session; of the processor, so that others on the machine count less."""
     start_s = time.process_time()
@@ -41,3 +45,4 @@ def test_a_step_beside_one_of_hdr() -> None:
     hdr_s, own_s = np.min(rounds, axis=0)
     rows = [("hdr", f"{hdr_s * 1e6:.2f} µs"), ("restlevel", f"{own_s * 1e6:.2f} µs, {own_s / hdr_s:.1f} times that")]
     show("A step", rows)
+    assert own_s / hdr_s < RATIO_MOST
