@@ -26,7 +26,8 @@ from gyrodrift.errors import LinkError
 from gyrodrift.files import shipped_config, write_whole
 
 FRAMES_PER_S = 10
-STARTING_S = 10.0
+STARTING_S = 60.0
+"""Deadline for a simulator that hangs; one that ends is noticed at once, and a busy machine takes its time."""
 SUMMARY_ROWS = 5
 """Below the last view: the summary and the prompt."""
 
