@@ -10,6 +10,7 @@
     │   ├── DeviceSilentError     nothing decodable within the time given
     │   └── UnitError             a device clock that is none in microseconds
     └── DataError             4   a session that cannot be read
+        ├── DamagedError          bytes that were changed or are missing since (gyrodrift.session.damage)
         └── CalibrationError      turns or a rest that calibrate nothing
 
 An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.

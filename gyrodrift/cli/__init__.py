@@ -29,7 +29,7 @@ COMMANDS = {
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "replay": "play a recorded session through a pty that looks like the device",
     "convert": "a session from .mcap to .csv or back, or for other programs",
-    "repair": "close session files whose recording was cut off",
+    "repair": "close session files that were cut off, and mend damaged ones",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
     "completion": "what a shell needs to complete commands, options and their values",
     "help": "what a command does and what it takes",

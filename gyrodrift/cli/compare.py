@@ -51,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="of the searches (default 0)")
     options.add_iterations_option(parser, "evaluations for each method, with --train")
     options.add_jobs_option(parser)
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -71,6 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
             config = [arguments.config] if arguments.config else []
             written = [arguments.out / name for name in ("compare.json", "report.html")]
             check_inputs_kept(written, [*request.paths, *request.train, *config])
+        options.check_damage([*request.paths, *request.train], allow_damage=arguments.allow_damage)
         comparison = compare(request)
     _write(arguments, comparison)
     return 0

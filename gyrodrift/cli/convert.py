@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="messages in an .mcap OUT: sample (default; this program's own), imu (sensor_msgs/msg/Imu, rad/s), json",
     )
     options.add_force_option(parser)
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -61,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_kept([target], [source], force=arguments.force)
     with options.progress_of(arguments) as progress:
         progress.evaluated(f"{source.name} read", 0, 0)
-        session = _loaded(source, topic)
+        session = _loaded(source, topic, allow_damage=arguments.allow_damage)
         if target.suffix in ENDINGS:
             _tell_left_out(arguments, session)
         _write(target, form, session, in_pieces(session, progress.evaluated))
@@ -77,11 +78,9 @@ def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]"
     return counted("samples written", pieces, samples, progress, lambda piece: len(piece.t_device_s))
 
 
-def _loaded(source: Path, topic: str | None) -> "Session":
-    from gyrodrift.session.files import load_session
-
+def _loaded(source: Path, topic: str | None, *, allow_damage: bool) -> "Session":
     if topic is None:
-        return load_session(source)
+        return options.read_session(source, allow_damage=allow_damage)
     from gyrodrift.session.foreign.read import read_foreign
 
     return read_foreign(source, topic)

@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_jobs_option(parser)
     options.add_cluster_option(parser, "replay")
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -74,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     baseline = session_paths(arguments.baseline) if arguments.baseline else []
     rigs = [arguments.rig] if arguments.rig else []
     check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
+    options.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
     jobs = options.processes(arguments.jobs)
     with options.progress_of(arguments, None if arguments.baseline else SHARES) as progress:
         withheld = frozenset(arguments.withhold)

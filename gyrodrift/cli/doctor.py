@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sensor", metavar="NAME", help="compare with the data sheet of this sensor (default: as named)"
     )
     parser.add_argument("--json", action="store_true", help="one JSON object a line instead, for each port or session")
+    options.add_damage_option(parser)
     parser.add_argument(
         "--fail-on", choices=SEVERITIES, default="error", help="the least severity that ends with status 3"
     )
@@ -67,7 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.sessions:
         from gyrodrift.session.files import session_paths
 
-        seen = [recorded(path) for path in session_paths(arguments.sessions)]
+        paths = session_paths(arguments.sessions)
+        options.check_damage(paths, allow_damage=arguments.allow_damage)
+        seen = [recorded(path) for path in paths]
     else:
         with options.progress_of(arguments) as progress:
             seen = [_heard(arguments, baud, seconds, progress)]

@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_filter_options(parser, "YAML with a filter and its parameters")
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
     options.add_force_option(parser)
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -54,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
             check_kept([arguments.out], inputs, force=arguments.force)
         config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
-        session = options.calibrated_session(arguments.session, config)
+        session = options.calibrated_session(arguments.session, config, allow_damage=arguments.allow_damage)
         chosen = config.chosen
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()

@@ -56,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects (default: restlevel)"
     )
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,6 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.session.files import session_paths
 
         paths = session_paths(arguments.sessions)
+        options.check_damage(paths, allow_damage=arguments.allow_damage)
         drawing = _drawing(arguments, paths)
         for number, path in enumerate(paths):
             progress.evaluated("sessions", number, len(paths))
@@ -83,7 +85,8 @@ def _tell(
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
-    session, raw = load_session(path), raw_size(path)
+    session = load_session(path, allow_damage=arguments.allow_damage)
+    raw = raw_size(path, allow_damage=session.damage is not None)
     description = describe(session)
     groups = groups_of(session, description, raw)
     with progress.aside():

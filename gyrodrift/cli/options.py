@@ -3,13 +3,13 @@
 import argparse
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, visible
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
@@ -153,6 +153,53 @@ def add_force_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace sessions that are there already")
 
 
+def add_damage_option(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that reads sessions."""
+    parser.add_argument(
+        "--allow-damage",
+        action="store_true",
+        help="go on with what is whole of a damaged recording (default: end with status 4)",
+    )
+
+
+def read_session(path: Path, *, allow_damage: bool) -> "Session":
+    """A session; where it is damaged and that is allowed, what is missing is told.
+
+    Raises
+    ------
+    DamagedError
+        Where it is damaged and that is not allowed.
+    """
+    from gyrodrift.session.files import load_session
+
+    session = load_session(path, allow_damage=allow_damage)
+    if session.damage is not None:
+        _tell_damage(path, str(session.damage))
+    return session
+
+
+def check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
+    """Look for damage before hours of work; where it is allowed, what is missing is told.
+
+    Raises
+    ------
+    DamagedError
+        With every recording that is damaged, where that is not allowed.
+    """
+    from gyrodrift.session.damage import DamagedError
+    from gyrodrift.session.files import damages_of
+
+    damages = damages_of(paths)
+    if damages and not allow_damage:
+        raise DamagedError(damages)
+    for path, damage in damages:
+        _tell_damage(path, str(damage))
+
+
+def _tell_damage(path: Path, damage: str) -> None:
+    print(visible(f"gyrodrift: warning: {path}: is damaged: {damage}"), file=sys.stderr)
+
+
 def withheld(text: str) -> str:
     """The name of an effect.
 
@@ -239,12 +286,11 @@ def calibration_tables(config: "Config") -> dict[str, dict[str, str]]:
     return {"calibration": {} if config.calibration is None else config.calibration.table()}
 
 
-def calibrated_session(path: Path, config: "Config") -> "Session":
+def calibrated_session(path: Path, config: "Config", *, allow_damage: bool) -> "Session":
     """A session with its rates put right: by the calibration of the config, or else by the one that it keeps."""
     from gyrodrift.session.calibrated import device_of, with_config
-    from gyrodrift.session.files import load_session
 
-    session, given = load_session(path), config.calibration
+    session, given = read_session(path, allow_damage=allow_damage), config.calibration
     if given is not None and not given.is_for(device_of(session)):
         whose = f"the calibration is one of {given.device_id} and is not applied"
         print(f"gyrodrift: warning: {path}: is of the device {device_of(session)}; {whose}", file=sys.stderr)

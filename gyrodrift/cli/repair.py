@@ -1,7 +1,9 @@
-"""Close session files (.mcap) whose recording was cut off, so that every program can open them.
+"""Close session files (.mcap) whose recording was cut off, so that every program can open them, and mend damaged ones.
 
-Recording into a folder does the same for the files in it. Samples are never touched; bytes at the end that are no
-whole record are cut off, and kept in a file ending in .tail where they are more than one torn record.
+Recording into a folder closes the files in it, too. Samples are never touched; bytes at the end that are no whole
+record are cut off, and kept in a file ending in .tail where they are more than one torn record. Of a damaged file a
+whole one is written of all that can be recovered, and the samples and seconds that cannot are told; the damaged one is
+kept beside it with the ending .damaged.
 """
 
 import argparse
@@ -36,6 +38,8 @@ def run(arguments: argparse.Namespace) -> int:
             continue
         if repaired is None:
             print(visible(f"{path}: is whole"))
+        elif repaired.damage is not None:
+            print(visible(f"{path}: mended; {repaired.damage}; as it was it is kept in {repaired.kept}"))
         else:
             saved = f", kept in {repaired.tail}" if repaired.tail else ""
             cut = f"{repaired.cut_bytes} torn bytes cut off{saved}"

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, numbers
+from gyrodrift.cli import INTERRUPTED, numbers, options
 from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DPS",
         help="native: deg/s per count (default 0.01)",
     )
+    options.add_damage_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -81,7 +82,8 @@ def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
 
     if arguments.loop:
         raise UsageError("--raw --loop: raw bytes are played once; their clock cannot go on")
-    reads = read_raw(arguments.session)
+    options.check_damage([arguments.session], allow_damage=arguments.allow_damage)
+    reads = read_raw(arguments.session, allow_damage=arguments.allow_damage)
     first = next(reads, None)
     return raw_frames(reads if first is None else chain([first], reads)), b""
 
@@ -89,10 +91,9 @@ def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
 def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     """The frames of the session in the protocol asked for, and what greets a reader."""
     from firmware_sim.wire.registry import ENCODERS
-    from gyrodrift.session.files import load_session
     from gyrodrift.simulation.replay import PlayedSession, base_of
 
-    session = load_session(arguments.session)
+    session = options.read_session(arguments.session, allow_damage=arguments.allow_damage)
     recording = PlayedSession(session, is_looping=arguments.loop)
     encoder, base = ENCODERS[arguments.protocol], base_of(recording, arguments.lsb)
     return encoder.recorded(recording, base), encoder.hello(base)

@@ -66,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_jobs_option(parser)
     options.add_cluster_option(parser, "evaluate")
+    options.add_damage_option(parser)
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
 
 
@@ -98,6 +99,7 @@ def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning
     sources, path = _sources(arguments), arguments.out.with_suffix(".progress.npz")
     reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
     check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
+    options.check_damage([source.path for source in sources], allow_damage=arguments.allow_damage)
 
     from gyrodrift.tune.search.journal import Journal
     from gyrodrift.tune.tuning import TuningRun

@@ -16,14 +16,14 @@ COUNTED = ("bytes", "damaged", "before_hello", "clipped", "device_resets", "reco
 
 
 def recorded(path: Path) -> DeviceEvidence:
-    """What a recording shows of the device.
+    """What a recording shows of the device; of a damaged one, which its caller has told of, what is whole.
 
     Raises
     ------
     DataError
         Where it cannot be read.
     """
-    session = load_session(path)
+    session = load_session(path, allow_damage=True)
     description = describe(session)
     about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))
     counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}

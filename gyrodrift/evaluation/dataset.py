@@ -76,12 +76,14 @@ class LoadedSession:
 def load_with_reference(source: Source) -> LoadedSession:
     """Read a session, its rates put right by its calibration; its first sample is the first one with a reference.
 
+    Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
+
     Raises
     ------
     DataError
         With its path, where it cannot be read or has no reference.
     """
-    session = calibrated(load_session(source.path))
+    session = calibrated(load_session(source.path, allow_damage=True))
     try:
         t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:

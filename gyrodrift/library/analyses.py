@@ -33,6 +33,7 @@ def tune(
     method: str = "race",
     ranges: Mapping[str, tuple[float, float]] | None = None,
     jobs: int | None = None,
+    allow_damage: bool = False,
 ) -> "Tuning":
     """Find the parameters of a filter from sessions with an encoder; `result.run.params` has them.
 
@@ -46,6 +47,8 @@ def tune(
         From the name of a parameter to where it is searched, least and most, in its own unit.
     jobs
         Threads; None for as many as there are processors.
+    allow_damage
+        Whether what is whole of a damaged recording is used.
 
     Raises
     ------
@@ -67,6 +70,7 @@ def tune(
     plan = Plan(_positive("iterations", iterations), _seeds(seeds), method, axes, chosen)
     held, still = set(_sessions(tests)), set(_sessions(stills))
     every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
+    _check_damage(every, allow_damage=allow_damage)
     sources = [Source(path, path in still, Split.TEST if path in held else None) for path in every]
     return _tuned(plan, sources, jobs)
 
@@ -79,6 +83,7 @@ def diagnose(
     withhold: Iterable[str] = (),
     jobs: int = 1,
     on_progress: OnProgress = untold,
+    allow_damage: bool = False,
 ) -> "Diagnosis":
     """Explain the gap between a simulated rig and recordings; `result.verdict` says which effect is missing.
 
@@ -92,6 +97,8 @@ def diagnose(
         Effects that are no candidates.
     jobs
         Processes.
+    allow_damage
+        Whether what is whole of a damaged recording is used.
 
     Raises
     ------
@@ -117,6 +124,7 @@ def diagnose(
     of_baseline = _sessions(baseline)
     jobs = _positive("jobs", jobs)
     asked = DiagnosisRequest(_sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline)
+    _check_damage([*asked.paths, *of_baseline], allow_damage=allow_damage)
     return diagnosis.diagnose(asked)
 
 
@@ -130,6 +138,7 @@ def compare(
     seed: int = 0,
     jobs: int = 1,
     on_progress: OnProgress = untold,
+    allow_damage: bool = False,
 ) -> "Comparison":
     """Run every installed method over sessions with an encoder; `result.entries` and `result.means` go together.
 
@@ -143,6 +152,8 @@ def compare(
         Of the search for each method.
     jobs
         Processes.
+    allow_damage
+        Whether what is whole of a damaged recording is used.
 
     Raises
     ------
@@ -169,6 +180,7 @@ def compare(
         jobs=_positive("jobs", jobs),
         progress=on_progress,
     )
+    _check_damage([*asked.paths, *asked.train], allow_damage=allow_damage)
     return comparison.compare(asked)
 
 
@@ -196,6 +208,15 @@ def _sessions(paths: Paths) -> list[Path]:
 
     given = [paths] if isinstance(paths, str | PathLike) else paths
     return session_paths([Path(path) for path in given])
+
+
+def _check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
+    from gyrodrift.session.damage import DamagedError
+    from gyrodrift.session.files import damages_of
+
+    damages = [] if allow_damage else damages_of(paths)
+    if damages:
+        raise DamagedError(damages)
 
 
 def _need(function: str, *packages: str) -> None:

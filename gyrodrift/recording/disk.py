@@ -32,6 +32,10 @@ class RecordingError(DataError):
     """The recording cannot go on; what was written stays."""
 
 
+class ChangedFileError(RecordingError):
+    """Another program removed, replaced or truncated the file; the disk itself is well."""
+
+
 class DiskFile:
     """A new file; what is written to it is handed to the system at once and synced every few seconds.
 
@@ -44,7 +48,8 @@ class DiskFile:
     Raises
     ------
     RecordingError
-        From `write`, `check` and `join`, where the disk is full or gone, too slow, or the file was removed.
+        From `write`, `check` and `join`, where the disk is full or gone, too slow, or another program has removed,
+        replaced or changed the file.
     """
 
     def __init__(self, path: Path, other_path: Callable[[], Path], mode: int = 0o666) -> None:
@@ -134,8 +139,11 @@ class DiskFile:
             return file
 
     def _open(self, name: str, flags: int) -> int:
-        """Open a new file that nobody may read who may not; the umask takes away more."""
-        return os.open(name, flags, self._mode)
+        """Open a new file that nobody may read who may not; the umask takes away more.
+
+        Each write goes to its end, so that a file that another program truncates has no hole that hides it.
+        """
+        return os.open(name, flags | os.O_APPEND, self._mode)
 
     def _take(self) -> bool:
         """Write one piece if there is one; False when it was the last."""
@@ -151,8 +159,7 @@ class DiskFile:
             self._synced_s, self._is_dirty = now_s, False
         if now_s - self._looked_s >= LOOK_S:
             self.left_bytes, self._looked_s = disk_left_bytes(self.path.parent), now_s
-        if os.fstat(self._file.fileno()).st_nlink == 0:
-            self._save_again()
+        self._look()
         return content is not None
 
     def _write(self, content: bytes) -> None:
@@ -163,9 +170,21 @@ class DiskFile:
             rest = rest[count:]
         self._is_dirty = True
 
+    def _look(self) -> None:
+        """See that the file still has a name, and the bytes that were written and no others."""
+        status = os.fstat(self._file.fileno())
+        if status.st_nlink == 0:
+            self._save_again()
+        why = f"{self.path}: recording stopped: another program has"
+        if status.st_size < self._written:
+            lost = self._written - status.st_size
+            raise ChangedFileError(f"{why} truncated it while it was being written: {lost} bytes of it are lost")
+        if status.st_size > self._written:
+            raise ChangedFileError(f"{why} written to it, too; gyrodrift info tells what of it is whole")
+
     def _save_again(self) -> None:
         """The file was removed while it is open: its bytes are still here, and are put back."""
-        why = f"{self.path}: recording stopped: the file was removed while it was being written"
+        before, why = self.path, f"{self.path}: recording stopped: the file was removed while it was being written"
         while not self._queue.empty():
             self._write(self._queue.get() or b"")
         try:
@@ -175,10 +194,16 @@ class DiskFile:
                 self._put_back()
         except OSError as error:
             raise RecordingError(f"{why}, and could not be put back: {error.strerror}") from error
-        raise RecordingError(f"{why}; it was put back with all that was recorded")
+        size = os.fstat(self._file.fileno()).st_size
+        if size < self._written:
+            raise ChangedFileError(f"{why}; it was truncated before: {self._written - size} bytes of it are lost")
+        where = "" if self.path == before else f" as {self.path}"
+        raise ChangedFileError(f"{why}; it was put back{where} with all that was recorded")
 
     def _put_back(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True)
+        if os.path.lexists(self.path):  # another program has put a file in its place
+            self.path = self._other_path()
         with open(self.path, "xb", opener=self._open) as copy:
             self._file.seek(0)
             shutil.copyfileobj(self._file, copy)

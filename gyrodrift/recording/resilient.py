@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from gyrodrift.errors import DataError
 from gyrodrift.files import check_writable
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.recording.disk import RecordingError
+from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.interrupted import interrupted
@@ -35,7 +36,7 @@ class ResilientRecorder:
     log: FilteringBoundLogger
     recorder: Recorder | None = field(init=False)
     unrecorded: int = 0
-    _failed_s: float = 0.0
+    _failed_s: float = -inf
     _given_up: Recorder | None = None
     _is_tried: bool = False
 
@@ -99,11 +100,15 @@ class ResilientRecorder:
                 self._fail(self.recorder, error)
 
     def _fail(self, recorder: Recorder, error: RecordingError) -> None:
-        self.log.error("recording_failed", reason=str(error), next_try_s=RETRY_S)
-        self._failed_s = time.monotonic()
+        now_s = time.monotonic()
+        is_disk_well = isinstance(error, ChangedFileError) and now_s - self._failed_s >= RETRY_S
+        self.log.error("recording_failed", reason=str(error), next_try_s=0.0 if is_disk_well else RETRY_S)
+        self._failed_s = now_s
         self.unrecorded += recorder.unflushed
         recorder.abandon()
         self._given_up, self.recorder = recorder, None
+        if is_disk_well:
+            self.recorder, self._given_up, self._is_tried = Recorder(self.options, self.link), None, True
 
     def _retry(self, now_s: float) -> None:
         """Another recorder, which tells on its own where it cannot go on; none while a disk still hangs."""
@@ -120,7 +125,7 @@ def repair_interrupted(folder: Path, log: FilteringBoundLogger) -> None:
         from gyrodrift.session.mcap.repair import repair  # noqa: PLC0415 - brings numpy, for who needs it
 
         try:
-            repaired = repair(path)
+            repaired = repair(path, rebuilds=False)
         except DataError as error:
             log.warning("not_repaired", reason=str(error))
         else:

@@ -5,18 +5,21 @@ from pathlib import Path
 
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.files import UnreadableError, check_ordinary, whole_file, write_whole
+from gyrodrift.session.damage import Damage, DamagedError
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
 
 
-def load_session(path: Path) -> Session:
+def load_session(path: Path, *, allow_damage: bool = False) -> Session:
     """Load a session by its ending.
 
     Raises
     ------
+    DamagedError
+        Where bytes of it were changed or are missing, unless what is whole is asked for with `allow_damage`.
     DataError
-        Where it is missing, of an unknown kind, or damaged.
+        Where it is missing, of an unknown kind, or no session.
     """
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
@@ -33,8 +36,33 @@ def load_session(path: Path) -> Session:
     if path.suffix == ".mcap":
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415
 
-        return read_mcap(path)
+        return read_mcap(path, allow_damage=allow_damage)
     raise DataError(_unknown_ending(path))
+
+
+def damages_of(paths: Iterable[Path]) -> list[tuple[Path, Damage]]:
+    """What is damaged in recordings, by path; what else is wrong with one is left to who reads it."""
+    found: list[tuple[Path, Damage]] = []
+    for path in paths:
+        if path.suffix == ".mcap" and not _is_intact(path):
+            try:
+                load_session(path)
+            except DamagedError as error:
+                found += error.damages
+            except DataError:
+                continue
+    return found
+
+
+def _is_intact(path: Path) -> bool:
+    """Whether a checksum says that every byte is as it was written."""
+    from gyrodrift.session.mcap.ending import Ending, ending_of  # noqa: PLC0415 - likewise
+
+    try:
+        with path.open("rb") as file:
+            return ending_of(file) is Ending.INTACT
+    except OSError:  # is told by who reads it
+        return False
 
 
 def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None = None) -> None:

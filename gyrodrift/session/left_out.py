@@ -33,7 +33,9 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
         "counter": session.seq,
     }
     found = [name for name, column in columns.items() if form == "imu" and column is not None]
-    found += _beside_samples(source, topic) if source.suffix == ".mcap" else _comments(source)
+    if session.damage is not None:
+        found.append("what is damaged")
+    found += _beside_samples(source, session, topic) if source.suffix == ".mcap" else _comments(source)
     if form == "csv" and session.metadata:
         found.append(f"metadata ({', '.join(session.metadata)})")
     return found
@@ -50,8 +52,10 @@ def _comments(source: Path) -> list[str]:
     return [_counted(lines, "comment line")] if lines else []
 
 
-def _beside_samples(source: Path, topic: str | None) -> list[str]:
+def _beside_samples(source: Path, session: Session, topic: str | None) -> list[str]:
     """What stands on other channels, and what an Imu has beside its rate about z."""
+    if session.damage is not None:  # what it holds is not known
+        return []
     contents = _contents(source)
     channels = sorted(contents.channels.values(), key=lambda channel: channel.topic)
     read = chosen_topic(source, channels, topic)

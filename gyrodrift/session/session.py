@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
+from gyrodrift.session.damage import Damage
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,8 @@ class Session:
         1 where something else than the rate said that the device stands still, 0 where it moves; likewise.
     metadata
         Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
+    damage
+        What is missing, where the file is damaged and what is whole of it was asked for.
     """
 
     name: str
@@ -37,6 +40,7 @@ class Session:
     temp_c: Floats | None = None
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     still: Floats | None = None
+    damage: Damage | None = None
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""

@@ -235,6 +235,18 @@ def test_a_folder_that_vanishes_is_told_and_the_file_is_put_back(port: Path, out
     assert len(session.rate_dps) >= 299
 
 
+def test_a_recording_that_another_program_truncates_ends_with_an_error(port: Path, out: Path) -> None:
+    """Not as if all were well; what is left of the file is told of by info."""
+    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
+        device.wait_for_reader(never)
+        device.send_all(lines(300), never)
+        record.until(lambda _: are_recorded(290, out), "samples on disk")
+        (path,) = out.iterdir()
+        os.truncate(path, 5000)
+        assert record.end() == 4
+    assert "another program has truncated it while it was being written" in record.log
+
+
 @pytest.mark.parametrize(
     ("options", "status", "message"),
     [

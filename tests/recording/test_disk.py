@@ -11,7 +11,7 @@ import pytest
 from support import PATIENCE_S
 
 from gyrodrift.recording import disk
-from gyrodrift.recording.disk import DiskFile, RecordingError
+from gyrodrift.recording.disk import ChangedFileError, DiskFile, RecordingError
 from gyrodrift.session.mcap.interrupted import lock
 
 
@@ -273,15 +273,52 @@ def test_a_removed_file_is_put_back_with_what_was_still_waiting(
     assert (tmp_path / "f").read_bytes() == b"0123456789" * 5
 
 
-def test_a_file_whose_name_was_taken_meanwhile_is_told_and_nothing_is_written_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("size", "said"), [(4, "has truncated it .* 6 bytes of it are lost"), (99, "has written to it")]
+)
+def test_a_file_that_another_program_changes_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, said: str
 ) -> None:
-    """Somebody else's file stands there now."""
+    """Truncated or longer, also where nothing more is written; what was written stays as it is."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     file = disk_file(tmp_path / "f")
+    file.write(b"0123456789")
+    until(lambda: (tmp_path / "f").stat().st_size == 10)
+    os.truncate(tmp_path / "f", size)
+    until(lambda: file.is_finished)
+    with pytest.raises(ChangedFileError, match=said):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"0123456789".ljust(size, b"\0")[:size]
+
+
+def test_a_truncated_file_is_told_also_where_it_is_written_to_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is written goes to its end, and leaves no hole that would hide it."""
+    monkeypatch.setattr(disk, "LOOK_S", PATIENCE_S)
+    file = disk_file(tmp_path / "f")
+    file.write(b"0123456789")
+    until(lambda: (tmp_path / "f").stat().st_size == 10)
+    os.truncate(tmp_path / "f", 0)
+    file.write(b"abc")
+    until(lambda: file.is_finished)
+    with pytest.raises(ChangedFileError, match="10 bytes of it are lost"):
+        file.join()
+    assert (tmp_path / "f").read_bytes() == b"abc"
+
+
+def test_a_file_whose_name_was_taken_meanwhile_is_put_back_under_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody else's file stands there now, and stays."""
+    monkeypatch.setattr(disk, "LOOK_S", 0.01)
+    file = DiskFile(tmp_path / "f", lambda: tmp_path / "f_2")
+    file.write(b"ours")
+    until(lambda: (tmp_path / "f").exists() and (tmp_path / "f").stat().st_size == 4)
     (tmp_path / "g").write_bytes(b"another's")
     (tmp_path / "g").replace(tmp_path / "f")
     until(lambda: file.is_finished)
-    with pytest.raises(RecordingError, match="was removed while it was being written, and could not be put back: File"):
+    with pytest.raises(ChangedFileError, match="it was put back as"):
         file.join()
     assert (tmp_path / "f").read_bytes() == b"another's"
+    assert (tmp_path / "f_2").read_bytes() == b"ours"

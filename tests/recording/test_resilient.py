@@ -16,7 +16,7 @@ from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.recording import disk
 from gyrodrift.recording import resilient as recording
-from gyrodrift.recording.disk import RecordingError
+from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import RecordOptions
 from gyrodrift.recording.resilient import ResilientRecorder
 from gyrodrift.sample import Sample
@@ -81,6 +81,28 @@ def test_after_a_failure_it_begins_a_new_file(
     assert files[-1].rate_dps.tolist() == [float(i) for i in range(200, 300)]
 
 
+def test_after_another_program_changed_the_file_a_new_one_begins_at_once(
+    tmp_path: Path, link: Link, logged: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk is well; a file that is changed again and again is tried every 10 s."""
+    beside = ResilientRecorder(RecordOptions(tmp_path / "out"), link, structlog.get_logger())
+
+    def fail(_now_s: float) -> None:
+        raise ChangedFileError("it was truncated")
+
+    assert beside.recorder is not None
+    monkeypatch.setattr(beside.recorder, "tick", fail)
+    beside.tick(0.0)
+    assert logged[-1]["next_try_s"] == 0.0
+    assert beside.recorder is not None
+    beside.take(samples(0))
+    monkeypatch.setattr(beside.recorder, "tick", fail)
+    beside.tick(0.0)
+    assert logged[-1]["next_try_s"] == recording.RETRY_S
+    assert beside.recorder is None
+    beside.close()
+
+
 def test_where_it_still_fails_it_is_told_again(tmp_path: Path, link: Link, logged: list[Any]) -> None:
     """And tried again later."""
     out = tmp_path / "out"
@@ -108,7 +130,7 @@ def test_while_a_disk_hangs_nothing_more_is_begun_on_it(
     go_on = threading.Event()
     real = os.fsync
     monkeypatch.setattr(os, "fsync", lambda fd: go_on.wait(PATIENCE_S) and real(fd))
-    monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 1000)
+    monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 5000)
     beside = ResilientRecorder(RecordOptions(tmp_path / "out"), link, structlog.get_logger())
     for first in range(0, 300, 100):
         beside.take(samples(first))

@@ -25,12 +25,14 @@ class CheckedSession(NamedTuple):
 def checked_session(path: Path) -> CheckedSession:
     """A session as recordings that went through the checks, its rates put right by the calibration that it keeps.
 
+    Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
+
     Raises
     ------
     DataError
         Where it cannot be read, or has no encoder.
     """
-    session, remarks = load_session(path), []
+    session, remarks = load_session(path, allow_damage=True), []
     calibration = calibration_of(session)
     if calibration is not None:
         session = with_calibration(session, calibration)

@@ -9,6 +9,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
+from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, Walk, channel_of
 
 READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
@@ -33,7 +34,7 @@ class _NoRawBytesError(DataError):
     """A recording that did not keep them."""
 
 
-def raw_size(path: Path) -> RawSize | None:
+def raw_size(path: Path, *, allow_damage: bool = False) -> RawSize | None:
     """How much of the link a session kept; None where it kept nothing of it.
 
     Raises
@@ -44,14 +45,14 @@ def raw_size(path: Path) -> RawSize | None:
     if path.suffix != ".mcap":
         return None
     try:
-        sizes = [len(one.content) for one in read_raw(path)]
+        sizes = [len(one.content) for one in read_raw(path, allow_damage=allow_damage)]
     except _NoRawBytesError:
         return None
     return RawSize(len(sizes), sum(sizes))
 
 
-def read_raw(path: Path) -> Iterator[Read]:
-    """The reads of a session in their order, one at a time.
+def read_raw(path: Path, *, allow_damage: bool = False) -> Iterator[Read]:
+    """The reads of a session in their order, one at a time; of a damaged one, those that are whole, if asked for.
 
     Raises
     ------
@@ -61,9 +62,9 @@ def read_raw(path: Path) -> Iterator[Read]:
     found = False
     try:
         with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
+            if not allow_damage and file.read(len(MAGIC)) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file; only those keep raw bytes")
-            walk = Walk(file)
+            walk = Walk(file, survey(file).stretches if allow_damage else None)
             for step in walk:
                 match step:
                     case PlacedRecord(opcode=Opcode.CHANNEL):

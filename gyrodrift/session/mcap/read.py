@@ -4,6 +4,9 @@ Files that others wrote are handed to the public reader.
 """
 
 import json
+import os
+from math import nan
+from operator import itemgetter
 from pathlib import Path
 from typing import BinaryIO
 
@@ -13,6 +16,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.session.damage import Damage, DamagedError
 from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
@@ -23,6 +27,7 @@ from gyrodrift.session.mcap.layout import (
     SAMPLES,
     STILLS,
 )
+from gyrodrift.session.mcap.survey import Survey, survey
 from gyrodrift.session.mcap.walk import (
     ROW,
     BrokenRecordError,
@@ -46,13 +51,15 @@ MESSAGE_BODY = 22
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
 
-def read_mcap(path: Path) -> Session:
+def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
     """Load a session from `.mcap`.
 
     A file that was never closed gives every whole sample in it.
 
     Raises
     ------
+    DamagedError
+        Where bytes were changed or are missing, unless what is whole is asked for with `allow_damage`.
     DataError
         Where it is no MCAP file, has no samples, or says something impossible.
     """
@@ -60,9 +67,10 @@ def read_mcap(path: Path) -> Session:
         with path.open("rb") as file:
             if is_bare(file):
                 raise DataError(f"{path}: nothing was recorded before it was cut off; it can be deleted")
-            if file.read(len(MAGIC)) != MAGIC:
+            found = survey(file)
+            if not found.is_ours and os.pread(file.fileno(), len(MAGIC), 0) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file: it does not begin as one")
-            session = _read_ours(path, file)
+            session = _read_ours(path, file, found)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     except MemoryError as error:
@@ -71,14 +79,15 @@ def read_mcap(path: Path) -> Session:
         from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - brings decoders that ours do without
 
         return read_foreign(path)
+    if session.damage is not None and not allow_damage:
+        raise DamagedError([(path, session.damage)])
     return session
 
 
-def _read_ours(path: Path, file: BinaryIO) -> Session | None:
+def _read_ours(path: Path, file: BinaryIO, found: Survey) -> Session | None:
     """The session, or None where no samples are laid out as ours."""
-    walk = Walk(file)
-    columns = _Columns(walk.zeros_at // ROW.itemsize + 1)  # the last one may end in zeros
-    declared = _Declared()
+    walk = Walk(file, found.stretches)
+    columns, declared = _Columns(found, walk.zeros_at), _Declared(is_ours=found.is_ours)
     for step in walk:
         match step:
             case SampleRows(rows=rows) if declared.is_ours:
@@ -94,18 +103,23 @@ def _read_ours(path: Path, file: BinaryIO) -> Session | None:
                     else:
                         declared.take(step, walk)
                 except BrokenRecordError as error:
-                    raise DataError(f"{path}: {error}; the file was changed since it was written") from error
+                    if not found.is_damaged:
+                        raise DataError(f"{path}: {error}; the file was changed since it was written") from error
+    if not columns.count and found.is_ours and found.lost:
+        raise DamagedError([(path, Damage(found.lost, 0, found.remarks))])
     return columns.session(path.stem, declared.metadata) if columns.count else None
 
 
 class _Columns:
     """The arrays of a session while they fill; memory that no sample reaches is never touched."""
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, found: Survey, zeros_at: int) -> None:
         self.count = 0
-        self._most = most
+        most = sum(stretch.stop - stretch.start for stretch in found.stretches)
+        self._most = min(zeros_at, most) // ROW.itemsize + 1  # the last one may end in zeros
+        self._found = found
         self._stills: list[tuple[int, float]] = []
-        self._arrays = {name: np.empty(most, ROW[name]) for name in VALUES}
+        self._arrays = {name: np.empty(self._most, ROW[name]) for name in VALUES}
 
     def take(self, rows: Rows) -> None:
         """Put a table of samples behind those that are there."""
@@ -119,16 +133,18 @@ class _Columns:
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             try:
                 said = json.loads(body[MESSAGE_BODY:])
-                first = min(max(int(said["sample"]), 0), self._most)
+                first = self._found.kept_before(min(max(int(said["sample"]), 0), LATEST_NS))
+                first = min(first, self._most)
                 self._stills.append((first, np.nan if said["still"] is None else float(said["still"])))
             except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
                 raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
 
     def _still(self) -> Floats | None:
-        """What was said of rest, sample by sample."""
+        """What was said of rest, sample by sample; nothing from where a word of it may be lost to the next one."""
         if not self._stills:
             return None
-        firsts, said = zip(*self._stills, strict=True)
+        lost = [(self._found.kept_before(number), nan) for number in self._found.unheard]
+        firsts, said = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
         ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # each holds until the next
         still: Floats = np.repeat([np.nan, *said], np.diff(ends, prepend=0))
         return still
@@ -144,6 +160,7 @@ class _Columns:
             **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},
             still=self._still(),
             metadata=metadata,
+            damage=self._found.damage(found["t_device_s"]),
         )
 
 
@@ -154,9 +171,9 @@ def _is_empty(column: Floats) -> bool:
 class _Declared:
     """What the file has said so far of the channel that samples stand on, and beside them."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_ours: bool) -> None:
         self.metadata: dict[str, dict[str, str]] = {}
-        self._has_schema = self._has_channel = False
+        self._has_schema = self._has_channel = is_ours
 
     @property
     def is_ours(self) -> bool:

@@ -1,12 +1,10 @@
 """Closing a session file whose writer was killed: its whole records stay as they are, and the end is added.
 
-Whatever interrupts a repair leaves a file that can be repaired again.
+Whatever interrupts a repair leaves a file that can be repaired again. A damaged file is written anew, by `rebuild`.
 """
 
 import os
 import struct
-import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -15,14 +13,21 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
 from gyrodrift.errors import DataError
+from gyrodrift.session.damage import Damage, DamagedError
+from gyrodrift.session.mcap.checksums import ChecksumWriter
+from gyrodrift.session.mcap.ending import crc_of
 from gyrodrift.session.mcap.interrupted import is_bare, is_closed, lock
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
+from gyrodrift.session.mcap.structure import LONGEST_RECORD_BYTES, is_torn_record
+from gyrodrift.session.mcap.survey import Survey, survey
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
     PlacedRecord,
     SampleRows,
+    Stretch,
     Walk,
     channel_of,
+    data_blocks,
     header_of,
     metadata_of,
     schema_of,
@@ -31,8 +36,6 @@ from gyrodrift.session.mcap.write import FileSummary
 
 BLOCK_BYTES = 1 << 22
 MESSAGE_START = struct.Struct("<HIQ")
-LONGEST_RECORD_BYTES = 1 << 20
-"""No record of ours is longer; bytes at the end that cannot be one torn record are kept in a file of their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,41 +48,72 @@ class Repaired:
         What stood behind the last whole record.
     tail
         Where those bytes were saved, if they were more than one torn record.
+    damage
+        What could not be recovered, where the file was damaged; its bytes as they were are then in `kept`.
     """
 
     path: Path
     samples: int
     cut_bytes: int
     tail: Path | None
+    damage: Damage | None = None
+    kept: Path | None = None
 
 
-def repair(path: Path) -> Repaired | None:
-    """Close a session file; None where it is closed already.
+def repair(path: Path, *, rebuilds: bool = True) -> Repaired | None:
+    """Close a session file, or write it anew where it is damaged; None where it is whole already.
 
     Raises
     ------
+    DamagedError
+        Where it is damaged and is not to be written anew.
     DataError
         Where it was not written by gyrodrift, is being written, or cannot be written to.
     """
     try:
         with path.open("r+b") as file:
             lock(path, file)
-            return None if is_closed(file) else _close(path, file)
+            found = _found(path, file)
+            if not found.is_hit:
+                return None if is_closed(file) else _close(path, file, found)
+            if not found.is_ours:
+                _check_writer(next(iter(Walk(file)), None), Walk(file), path)
+            return _rebuilt(path, file, found, rebuilds=rebuilds)
     except OSError as error:
         raise DataError(f"{path}: cannot be repaired: {error.strerror}") from error
     except BrokenRecordError as error:
         raise DataError(f"{path}: cannot be repaired: {error}") from error
 
 
-def _close(path: Path, file: IO[bytes]) -> Repaired:
+def _found(path: Path, file: IO[bytes]) -> Survey:
+    """What is whole in a file that is one of ours, or looks like it."""
     if is_bare(file):
         raise DataError(f"{path}: cannot be repaired: nothing was recorded into it; it can be deleted")
-    if file.read(len(MAGIC)) != MAGIC:
+    found = survey(file)
+    if not found.is_ours and os.pread(file.fileno(), len(MAGIC), 0) != MAGIC:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
+    return found
+
+
+def _rebuilt(path: Path, file: IO[bytes], found: Survey, *, rebuilds: bool) -> Repaired:
+    from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - damaged files alone need them
+    from gyrodrift.session.mcap.rebuild import rebuild  # noqa: PLC0415
+
+    damage = read_mcap(path, allow_damage=True).damage
+    if damage is None:
+        raise DataError(f"{path}: cannot be repaired: it changes while it is read")
+    if not rebuilds:
+        raise DamagedError([(path, damage)])
+    return Repaired(path, damage.kept, 0, None, damage, rebuild(path, file, found, damage))
+
+
+def _close(path: Path, file: IO[bytes], found: Survey) -> Repaired:
     walk = Walk(file)
     contents, end = _contents(path, walk)
-    contents.size, contents.crc = end, _crc(file, end)
-    closing = contents.end()
+    contents.size, contents.crc = end, crc_of(file, 0, end)
+    tables = _last_tables(file, found, end)
+    contents.add_bytes(tables)
+    closing = tables + contents.end()
     tail = _keep_tail(path, file, end, walk, closing)
     file.truncate(end)
     file.seek(end)
@@ -87,6 +121,22 @@ def _close(path: Path, file: IO[bytes]) -> Repaired:
     file.flush()
     os.fsync(file.fileno())
     return Repaired(path, contents.counts.get(SAMPLES.channel_id, 0), walk.size - end, tail)
+
+
+def _last_tables(file: IO[bytes], found: Survey, end: int) -> bytes:
+    """The checksums of what no table is about yet, and the last table for the second time."""
+    if found.last_table is None:
+        return b""
+    at, table = found.last_table.at, found.last_table.table
+    writer = ChecksumWriter.after(table)
+    for step in Walk(file, [Stretch(at + table.size, end)]):
+        match step:
+            case SampleRows(rows=rows):
+                writer.add_samples(rows.tobytes())
+            case PlacedRecord(at=start, length=length):
+                writer.add_records(os.pread(file.fileno(), HEAD.size + length, start))
+    tables = writer.table() if writer.is_pending else b""
+    return tables + writer.table() if tables or table.region.pieces else b""
 
 
 def _contents(path: Path, walk: Walk) -> tuple[FileSummary, int]:
@@ -136,54 +186,17 @@ def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes
     """Save what stands behind the last whole record, unless it is one torn record or a torn end, zeros behind it."""
     length = min(LONGEST_RECORD_BYTES + HEAD.size + 1, max(0, walk.zeros_at - end))
     tail = os.pread(file.fileno(), length, end)
-    if closing.startswith(tail) or _is_torn_record(tail):
+    if closing.startswith(tail) or is_torn_record(tail, len(tail)):
         return None
     saved, number = path.with_name(f"{path.name}.tail"), 1
     while os.path.lexists(saved):  # an earlier one, or whatever it is
         number += 1
         saved = path.with_name(f"{path.name}.tail_{number}")
     with saved.open("xb") as copy:
-        for at, block in _data_blocks(file, end, walk.size):
+        for at, block in data_blocks(file, end, walk.size):
             copy.seek(at - end)
             copy.write(block)
         copy.truncate(walk.size - end)
         copy.flush()
         os.fsync(copy.fileno())
     return saved
-
-
-def _is_torn_record(tail: bytes) -> bool:
-    if len(tail) < HEAD.size:
-        return True
-    opcode, length = HEAD.unpack_from(tail)
-    return opcode in frozenset(Opcode) and len(tail) - HEAD.size < length <= LONGEST_RECORD_BYTES
-
-
-def _crc(file: IO[bytes], end: int) -> int:
-    crc = 0
-    for block in _blocks(file, 0, end):
-        crc = zlib.crc32(block, crc)
-    return crc
-
-
-def _data_blocks(file: IO[bytes], start: int, end: int) -> Iterator[tuple[int, bytes]]:
-    """What stands between two places and where, without holes."""
-    while start < end:
-        before = os.lseek(file.fileno(), 0, os.SEEK_CUR)
-        try:
-            start = os.lseek(file.fileno(), start, os.SEEK_DATA)
-        except OSError:  # no data any more
-            return
-        finally:
-            os.lseek(file.fileno(), before, os.SEEK_SET)  # where the buffer of the file believes it to be
-        block = os.pread(file.fileno(), min(BLOCK_BYTES, max(0, end - start)), start)
-        if not block:
-            return
-        yield start, block
-        start += len(block)
-
-
-def _blocks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:
-    while start < end and (block := os.pread(file.fileno(), min(BLOCK_BYTES, end - start), start)):
-        yield block
-        start += len(block)

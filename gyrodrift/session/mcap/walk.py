@@ -2,10 +2,10 @@
 
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from typing import IO, TypeVar
+from typing import IO, NamedTuple, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
@@ -68,23 +68,41 @@ class PlacedRecord:
     length: int
 
 
+class Stretch(NamedTuple):
+    """Bytes of a file that are whole records: from one place to before another, and how many samples came before."""
+
+    start: int
+    stop: int
+    first_sample: int = 0
+
+
 class Walk:
     """Iterates over tables of samples and other records, from the beginning to the first thing that is not whole.
+
+    Where stretches are given, over those, each to the first thing in it that is not whole.
 
     `end` is then the place behind the last whole record. After a power cut a file may have its length, and zeros
     where its last bytes should be: from `zeros_at` on there is nothing else, and what reaches into them is not whole.
     """
 
-    def __init__(self, file: IO[bytes]) -> None:
+    def __init__(self, file: IO[bytes], stretches: Sequence[Stretch] | None = None) -> None:
         self.size = os.fstat(file.fileno()).st_size
         self.end = len(MAGIC)
+        self.stretch = Stretch(0, self.size)
         self.zeros_at = _zeros_at(file, self.size)
+        self._stretches = [self.stretch] if stretches is None else stretches
         self._file = file
+        self.fd = file.fileno()
 
     def __iter__(self) -> Iterator[SampleRows | PlacedRecord]:
+        for stretch in self._stretches:
+            self.stretch, self.end = stretch, max(stretch.start, len(MAGIC))
+            yield from self._steps(stretch.stop)
+
+    def _steps(self, stop: int) -> Iterator[SampleRows | PlacedRecord]:
         while True:
             start = self.end
-            block = os.pread(self._file.fileno(), BLOCK_BYTES, start)
+            block = os.pread(self._file.fileno(), max(0, min(BLOCK_BYTES, stop - start)), start)
             at = 0
             while (step := self._step(block, at)) is not None:
                 at = self.end - start
@@ -128,7 +146,28 @@ class Walk:
 
     def _is_whole(self, end: int) -> bool:
         """Whether a record that ends there was written to its end."""
-        return end <= self.zeros_at or end == self.size
+        return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop
+
+
+def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iterator[tuple[int, bytes]]:
+    """What stands between two places and where, without holes; each block begins with the last bytes of the one before.
+
+    `overlap` is how many: something so long, and a byte, is whole in one of them.
+    """
+    fd = file.fileno()
+    while start < end:
+        before = os.lseek(fd, 0, os.SEEK_CUR)
+        try:
+            start = os.lseek(fd, start, os.SEEK_DATA)
+        except OSError:  # no data any more
+            return
+        finally:
+            os.lseek(fd, before, os.SEEK_SET)  # where the buffer of the file believes it to be
+        block = os.pread(fd, min(BLOCK_BYTES, max(0, end - start)), start)
+        if not block:
+            return
+        yield start, block
+        start += len(block) if start + len(block) >= end or len(block) <= overlap else len(block) - overlap
 
 
 def _zeros_at(file: IO[bytes], size: int) -> int:

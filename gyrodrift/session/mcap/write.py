@@ -7,6 +7,7 @@ import json
 import struct
 import zlib
 from collections.abc import Iterable
+from hashlib import blake2b
 from math import isnan, nan
 from typing import Any, Protocol
 
@@ -27,6 +28,7 @@ from mcap.records import (
 
 from gyrodrift import __version__
 from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_BYTES, ChecksumWriter
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
     EVENTS,
@@ -45,6 +47,9 @@ from gyrodrift.session.mcap.layout import (
 )
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
+MESSAGE_START = struct.Struct("<HIQQ")
+"""A message behind its record head, up to its content: channel, sequence, log and publish time in ns."""
+
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
 
@@ -133,9 +138,13 @@ class McapWriter:
         self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
         self._others = bytearray()
         self._still = nan
-        self._write(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")))
-        self._others += self._declared(SAMPLES)
-        self.flush()
+        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(SAMPLES)
+        told = repr(metadata or {}).encode(
+            errors="backslashreplace"
+        )  # no device knows it: its bytes cannot hold our tables
+        self._checksums = ChecksumWriter(blake2b(told, digest_size=ID_BYTES).digest())
+        self._write(begin)
+        self._write_table()
         for name, table in (metadata or {}).items():
             self.add_metadata(name, table)
 
@@ -188,23 +197,28 @@ class McapWriter:
         self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
         self.flush()
 
+    def add_message(self, topic: Topic, content: bytes, log_ns: int) -> None:
+        """A message of another recording, on any channel but that of the samples."""
+        self._others += self._message_head(topic, MESSAGE_HEAD.size - HEAD.size + len(content), log_ns)
+        self._others += content
+
     def add_still(self, sample: int, still: float, t_host_s: float) -> None:
         """What is said of rest from a sample on: 1, 0, or NaN where nobody says; nothing where that is no change."""
         if still == self._still or (isnan(still) and isnan(self._still)):
             return
         self._still = still
         text = json.dumps({"sample": sample, "still": None if isnan(still) else still}).encode()
-        self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), t_host_s) + text
+        self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
     def add_read(self, content: bytes, t_host_s: float) -> None:
         """The bytes that one read of the port gave."""
-        head = self._message_head(READS, READ_HEAD.size - HEAD.size + len(content), t_host_s)
+        head = self._message_head(READS, READ_HEAD.size - HEAD.size + len(content), to_ns(t_host_s))
         self._others += head + struct.pack("<IdI", CDR_LITTLE_ENDIAN, t_host_s, len(content)) + content
 
     def add_event(self, event: str, t_host_s: float, fields: dict[str, Any]) -> None:
         """Something that happened on the link."""
         text = json.dumps({"event": event, "t_host_s": t_host_s, **fields}, default=str).encode()
-        self._others += self._message_head(EVENTS, MESSAGE_HEAD.size - HEAD.size + len(text), t_host_s) + text
+        self._others += self._message_head(EVENTS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
     def add_metadata(self, name: str, table: dict[str, str]) -> None:
         """A named table of texts."""
@@ -215,23 +229,28 @@ class McapWriter:
 
     def flush(self) -> None:
         """Hand to the stream what has been added."""
-        if self._rows:
-            self._write(bytes(self._rows))
-            self._rows.clear()
+        rows = bytes(self._rows)
+        self._rows.clear()
+        for at in range(0, len(rows), TABLE_BYTES):
+            self._write_rows(rows[at : at + TABLE_BYTES])
         if self._others:
             self._write(bytes(self._others))
             self._others.clear()
+        if self._checksums.is_due:
+            self._write_table()
 
     def finish(self) -> None:
         """The end that makes it a whole file."""
         self.flush()
+        if self._checksums.is_pending:
+            self._write_table()
+        self._write_table()  # without bytes of its own: each table stands twice
         self._stream.write(self._contents.end())
 
-    def _message_head(self, topic: Topic, length: int, t_host_s: float) -> bytes:
+    def _message_head(self, topic: Topic, length: int, log_ns: int) -> bytes:
         """The head of a message on a channel that is declared when it is first used."""
         sequence = self._contents.counts.get(topic.channel_id, 0)
         declared = b"" if sequence else self._declared(topic)
-        log_ns = to_ns(t_host_s)
         self._contents.add_messages(topic.channel_id, 1, log_ns, log_ns)
         head = MESSAGE_HEAD.pack(MESSAGE_OPCODE, length, topic.channel_id, sequence & 0xFFFFFFFF, log_ns, log_ns)
         return declared + head
@@ -244,6 +263,21 @@ class McapWriter:
         return encoded(schema) + encoded(channel)
 
     def _write(self, content: bytes) -> None:
+        """Records that are no samples."""
+        self._hand_over(content)
+        self._checksums.add_records(content)
+
+    def _write_rows(self, rows: bytes) -> None:
+        """Samples, as many as a table is about."""
+        self._hand_over(rows)
+        self._checksums.add_samples(rows)
+        if len(rows) == TABLE_BYTES:
+            self._write_table()
+
+    def _write_table(self) -> None:
+        self._hand_over(self._checksums.table())
+
+    def _hand_over(self, content: bytes) -> None:
         self._stream.write(content)
         self._contents.add_bytes(content)
 

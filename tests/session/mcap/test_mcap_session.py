@@ -32,10 +32,12 @@ samples = st.lists(
 METADATA = {"device": {"id": "bench", "rate": "100"}, "host": {"name": "here"}}
 
 
-def recorded(values: list[Sample], *, is_finished: bool = True) -> bytes:
+def recorded(values: list[Sample], *, is_finished: bool = True, flushed_after: int | None = None) -> bytes:
     stream = io.BytesIO()
     writer = McapWriter(stream, METADATA)
-    for sample in values:
+    for number, sample in enumerate(values):
+        if number == flushed_after:
+            writer.flush()
         writer.add(sample)
     writer.flush()
     if is_finished:
@@ -84,7 +86,7 @@ def test_chunks_of_arrays_and_single_samples_make_the_same_file() -> None:
         chunk = Session("s", t_device_s, rate_dps, t_host_s, seq.astype(np.int64), encoder_deg, temp_c)
         add_chunk(writer, chunk)
     writer.finish()
-    assert stream.getvalue() == recorded(values)
+    assert stream.getvalue() == recorded(values, flushed_after=200)
 
 
 def test_public_readers_open_it_with_checks_on_and_decode_it() -> None:
@@ -230,7 +232,7 @@ def saying(words: list[bytes]) -> bytes:
         writer.add(sample)
     for word in words:
         length = MESSAGE_HEAD.size - HEAD.size + len(word)
-        writer._others += writer._message_head(STILLS, length, 1.0) + word
+        writer._others += writer._message_head(STILLS, length, 1_000_000_000) + word
     writer.finish()
     return stream.getvalue()
 

@@ -1,0 +1,209 @@
+"""Damage to a closed recording: it is found, told with the samples it costs, and everything else is read."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.damage import DamagedError
+from gyrodrift.session.mcap.checksums import MARKER, PIECE_SAMPLES
+from gyrodrift.session.mcap.interrupted import is_closed
+from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MESSAGE
+from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.session.session import Session
+
+COUNT, FLUSHED = 1000, 25
+BLOCK = 4096
+COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c")
+patient = settings(deadline=None, max_examples=60)
+
+
+def recording(*, is_finished: bool = True) -> bytes:
+    """A recording at 100 Hz, flushed four times a second, with events and raw bytes between its samples."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    dice = np.random.default_rng(1)
+    for number, rate_dps in enumerate(dice.normal(0.0, 10.0, COUNT).tolist()):
+        still = float(number // 300 % 2)
+        writer.add(Sample(number, number / 100, 1.7e9 + number / 100, rate_dps, 0.1 * number, 25.0, still))
+        if number % FLUSHED == FLUSHED - 1:
+            writer.add_read(dice.bytes(40), 1.7e9 + number / 100)
+            writer.add_event("gap", 1.7e9 + number / 100, {"missing": 1})
+            writer.flush()
+    writer.add_metadata("link", {"samples": str(COUNT)})
+    if is_finished:
+        writer.finish()
+    return stream.getvalue()
+
+
+WHOLE = recording()
+
+
+def loaded(folder: Path, content: bytes, *, allow_damage: bool = False) -> Session:
+    path = folder / "s.mcap"
+    path.write_bytes(content)
+    return read_mcap(path, allow_damage=allow_damage)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    return loaded(tmp_path_factory.mktemp("whole"), WHOLE)
+
+
+def are_original(session: Session, whole: Session) -> bool:
+    """Whether every sample is one of the whole recording, bit for bit, and none comes twice."""
+    assert session.seq is not None
+    numbers = session.seq
+    if len(numbers) and (np.diff(numbers) <= 0).any():
+        return False
+    found = [getattr(session, name) for name in COLUMNS]
+    return all(np.array_equal(here, getattr(whole, name)[numbers]) for here, name in zip(found, COLUMNS, strict=True))
+
+
+def damaged_at(place: int, content: bytes, removed: int | None = None) -> bytes:
+    return WHOLE[:place] + content + WHOLE[place + (len(content) if removed is None else removed) :]
+
+
+BLOCKS = {"zeros": bytes(BLOCK), "ones": b"\xff" * BLOCK, "text": b"hello wo" * (BLOCK // 8), "missing": b""}
+
+
+@pytest.mark.parametrize("kind", BLOCKS)
+def test_a_damaged_block_costs_the_samples_in_it_and_no_others(tmp_path: Path, whole: Session, kind: str) -> None:
+    """The error says which, and how many seconds; everything behind the block is read."""
+    place = len(WHOLE) // 2 // BLOCK * BLOCK
+    content = damaged_at(place, BLOCKS[kind], BLOCK)
+    with pytest.raises(DamagedError, match=r"samples \d+ to \d+ \(\d.* s, at ") as told:
+        loaded(tmp_path, content)
+    session = loaded(tmp_path, content, allow_damage=True)
+    ((_, damage),) = told.value.damages
+    assert damage == session.damage
+    assert are_original(session, whole)
+    assert session.seq is not None
+    assert session.seq[-1] == COUNT - 1
+    missing = np.setdiff1d(np.arange(COUNT), session.seq)
+    assert sum(each.count or 0 for each in damage.lost) == len(missing) <= BLOCK // MESSAGE.size + 2 * PIECE_SAMPLES
+    assert damage.lost_seconds == pytest.approx(len(missing) / 100)
+    assert damage.kept == COUNT - len(missing)
+    assert damage.lost[0].first == missing[0]
+
+
+def test_one_flipped_bit_of_a_rate_costs_the_samples_that_share_its_checksum(tmp_path: Path, whole: Session) -> None:
+    """Nothing but a checksum shows it: the record is laid out as ever."""
+    session = loaded(tmp_path, flipped(WHOLE.index(whole.rate_dps[500].tobytes()), 3), allow_damage=True)
+    assert are_original(session, whole)
+    assert COUNT - PIECE_SAMPLES <= len(session.rate_dps) < COUNT
+
+
+def flipped(place: int, bit: int, content: bytes = WHOLE) -> bytes:
+    return content[:place] + bytes([content[place] ^ (1 << bit)]) + content[place + 1 :]
+
+
+def test_every_byte_of_a_recording_is_watched_over(tmp_path: Path, whole: Session) -> None:
+    """A flipped bit in the header, a sample, a length, metadata, a table, the summary or the footer."""
+    for place in range(0, len(WHOLE), 307):
+        check_told_or_whole(tmp_path, flipped(place, place % 8), whole)
+    for place in range(len(WHOLE) - 800, len(WHOLE), 7):
+        check_told_or_whole(tmp_path, flipped(place, place % 8), whole)
+
+
+def check_told_or_whole(folder: Path, content: bytes, whole: Session) -> None:
+    """The promise: all samples, or the damage is told and every sample is one that was written."""
+    try:
+        session = loaded(folder, content)
+    except DataError as error:
+        damage = error.damages[0][1] if isinstance(error, DamagedError) else None
+        if damage is not None and damage.kept:
+            session = loaded(folder, content, allow_damage=True)
+            assert are_original(session, whole)
+            assert len(session.rate_dps) == damage.kept
+            assert damage.lost or damage.remarks or len(session.rate_dps) == COUNT
+        return
+    assert are_original(session, whole)
+    if len(session.rate_dps) < COUNT:  # what is only cut off was, for all one can know, never closed
+        with (folder / "s.mcap").open("rb") as file:
+            assert not is_closed(file)
+
+
+places = st.integers(0, len(WHOLE))
+damages = st.one_of(
+    st.tuples(places, st.sampled_from([1, 83, 512, BLOCK]), st.sampled_from(["zeros", "ones", "text", "noise"])),
+    st.tuples(places, st.integers(1, 9000), st.sampled_from(["missing", "twice", "moved"])),
+    st.tuples(places, st.integers(0, 7), st.just("flip")),
+    st.tuples(places, st.just(0), st.just("cut")),
+)
+
+
+def damaged(content: bytes, place: int, size: int, kind: str) -> bytes:
+    head, rest = content[:place], content[place:]
+    match kind:
+        case "flip":
+            return flipped(min(place, len(content) - 1), size, content) if content else content
+        case "cut":
+            return head
+        case "missing" | "twice" | "moved":
+            return (
+                head + {"missing": rest[size:], "twice": rest[:size] + rest, "moved": rest[size:] + rest[:size]}[kind]
+            )
+    patterns = {
+        "zeros": b"\0",
+        "ones": b"\xff",
+        "text": b"hello wo",
+        "noise": np.random.default_rng(place).bytes(BLOCK),
+    }
+    return head + (patterns[kind] * size)[: min(size, len(rest))] + rest[size:]
+
+
+@patient
+@given(st.lists(damages, min_size=1, max_size=2))
+def test_whatever_is_done_to_a_recording_is_told_or_harmless(
+    tmp_path_factory: pytest.TempPathFactory, done: list[tuple[int, int, str]]
+) -> None:
+    """No sample is read that was never written, and none is missing without a word."""
+    folder = tmp_path_factory.getbasetemp()
+    whole = loaded(folder, WHOLE)
+    content = WHOLE
+    for place, size, kind in done:
+        content = damaged(content, place, size, kind)
+    if not content.startswith(WHOLE[:8]) and MARKER not in content:
+        return  # nothing shows that it was a recording
+    if len(done) > 1 and content[-CLOSED_TAIL_BYTES:][: len(CLOSED_TAIL)] != CLOSED_TAIL:
+        return  # as good as interrupted: its last records are not watched over yet
+    check_told_or_whole(folder, content, whole)
+
+
+def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Session) -> None:
+    """The messages name samples by number, and numbers before them may be missing."""
+    content = damaged_at(WHOLE.index(whole.rate_dps[120].tobytes()), bytes(100))
+    session = loaded(tmp_path, content, allow_damage=True)
+    assert session.seq is not None
+    assert session.still is not None
+    assert whole.still is not None
+    is_said = np.isfinite(session.still)
+    assert is_said.mean() > 0.5
+    assert np.array_equal(session.still[is_said], whole.still[session.seq[is_said]])
+
+
+def test_a_flipped_bit_in_an_interrupted_recording_is_told_too(tmp_path: Path, whole: Session) -> None:
+    """Where its tables reach; without damage it loads as ever."""
+    content = recording(is_finished=False)
+    assert len(loaded(tmp_path, content).rate_dps) == COUNT
+    assert len(loaded(tmp_path, content[:-30]).rate_dps) == COUNT
+    place = content.index(whole.rate_dps[500].tobytes())
+    with pytest.raises(DamagedError, match="lost are samples"):
+        loaded(tmp_path, flipped(place, 2, content))
+
+
+def test_public_readers_take_the_tables_as_they_are() -> None:
+    """They pass over records of applications, with all checksums on."""
+    records = list(StreamReader(io.BytesIO(WHOLE), validate_crcs=True).records)
+    assert type(records[-1]).__name__ == "Footer"
+    messages = list(make_reader(io.BytesIO(WHOLE), validate_crcs=True).iter_messages(["/gyro"]))
+    assert len(messages) == COUNT
