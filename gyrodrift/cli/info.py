@@ -81,13 +81,15 @@ def _tell(
     arguments: argparse.Namespace, path: Path, drawing: "_Drawing | None", progress: "Progress", *, is_first: bool
 ) -> None:
     from gyrodrift.describe.describe import describe
+    from gyrodrift.describe.possible import possible_part
     from gyrodrift.describe.text import groups_of, lines_of
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
     session = load_session(path, allow_damage=arguments.allow_damage)
     raw = raw_size(path, allow_damage=session.damage is not None)
-    description = describe(session)
+    possible = possible_part(session)
+    description = describe(possible)
     groups = groups_of(session, description, raw)
     with progress.aside():
         if arguments.json:
@@ -98,7 +100,7 @@ def _tell(
             lines = [*[""] * (not is_first), str(path), *lines_of(groups)]
             print(*map(visible, lines), sep="\n")  # names of files, notes and devices may hold anything
     if drawing is not None:
-        drawing.take(session, description, groups)
+        drawing.take(possible, description, groups)
 
 
 def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing | None":

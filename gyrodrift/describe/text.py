@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from gyrodrift.describe.possible import impossible_values
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
@@ -48,7 +49,9 @@ def lines_of(groups: Sequence[Group]) -> Iterator[str]:
 
 def groups_of(session: Session, description: SessionDescription, raw: RawSize | None = None) -> list[Group]:
     """All that is told of a session, with what was kept beside the samples at its end; `raw` is of its link's bytes."""
-    return [*_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
+    wrong = [TableLine(each.column, str(each), is_odd=True) for each in impossible_values(session)]
+    impossible = [Group("impossible values, left out below", wrong)] if wrong else []
+    return [*impossible, *_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
 
 
 def _raw(raw: RawSize | None) -> TableLine:

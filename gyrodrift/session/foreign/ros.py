@@ -13,6 +13,10 @@ from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
 
+MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
+"""Of a schema that is parsed. The parser's time grows with the square of the fields: 2000 take 0.3 s, 40,000 took 19 s.
+sensor_msgs/msg/Imu with its nested types has 26 lines."""
+
 
 def _own_sample(message: Any, log_ns: int) -> Sample:
     return sample_of({name: getattr(message, name) for name in Sample._fields if hasattr(message, name)}, log_ns)
@@ -64,6 +68,11 @@ def cdr_decoder(place: str, schema: Schema) -> Decode:
 
 def _parsed(place: str, schema: Schema) -> Callable[[bytes], Any] | None:
     """A schema is text from anywhere; its parser names few of its troubles, and prints them all."""
+    lines = schema.data.count(b"\n") + 1
+    if lines > MOST_LINES or len(schema.data) > MOST_SCHEMA_BYTES:
+        size = f"{lines} lines and {len(schema.data)} bytes"
+        most = f"at most {MOST_LINES} and {MOST_SCHEMA_BYTES} are read"
+        raise DataError(f"{place}: the schema {schema.name} has {size}; {most}")
     from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only who reads CDR pays for it
 
     try:

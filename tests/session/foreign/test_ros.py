@@ -54,3 +54,13 @@ def test_a_schema_that_lies_is_told(
     assert text.startswith("/a: ")
     assert message in text
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_schema_of_very_many_fields_is_refused(tmp_path: Path) -> None:
+    """Before it is parsed: that would take minutes."""
+    many = SAMPLE_TEXT + "".join(f"int32 a{number}\n" for number in range(40_000))
+    recorder = Recorder()
+    recorder.add(recorder.channel("/a", "cdr", ("gyrodrift/Sample", "ros2msg", many)), [b"\0\1\0\0"])
+    text = refused(tmp_path, recorder.content())
+    assert "has 400" in text
+    assert "at most 2000" in text
