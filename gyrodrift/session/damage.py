@@ -41,7 +41,7 @@ class LostSamples:
 
 
 @dataclass(frozen=True, slots=True)
-class Damage:
+class RecordingDamage:
     """What is damaged in a recording.
 
     lost
@@ -85,7 +85,7 @@ class Damage:
 class DamagedError(DataError):
     """A recording of which bytes were changed or are missing since it was written; `damages` has the facts by path."""
 
-    def __init__(self, damages: Sequence[tuple[Path, Damage]]) -> None:
+    def __init__(self, damages: Sequence[tuple[Path, RecordingDamage]]) -> None:
         how = "--allow-damage (allow_damage=True) goes on with what is whole, gyrodrift repair writes a file of it"
         super().__init__("\n".join(f"{path}: is damaged: {damage}; {how}" for path, damage in damages))
         self.damages = tuple(damages)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.files import UnreadableError, check_ordinary, whole_file, write_whole
-from gyrodrift.session.damage import Damage, DamagedError
+from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
@@ -40,9 +40,9 @@ def load_session(path: Path, *, allow_damage: bool = False) -> Session:
     raise DataError(_unknown_ending(path))
 
 
-def damages_of(paths: Iterable[Path]) -> list[tuple[Path, Damage]]:
+def damages_of(paths: Iterable[Path]) -> list[tuple[Path, RecordingDamage]]:
     """What is damaged in recordings, by path; what else is wrong with one is left to who reads it."""
-    found: list[tuple[Path, Damage]] = []
+    found: list[tuple[Path, RecordingDamage]] = []
     for path in paths:
         if path.suffix == ".mcap" and not _is_intact(path):
             try:

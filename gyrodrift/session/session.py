@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
-from gyrodrift.session.damage import Damage
+from gyrodrift.session.damage import RecordingDamage
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Session:
     temp_c: Floats | None = None
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     still: Floats | None = None
-    damage: Damage | None = None
+    damage: RecordingDamage | None = None
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""

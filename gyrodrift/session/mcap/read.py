@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
-from gyrodrift.session.damage import Damage, DamagedError
+from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
@@ -27,7 +27,8 @@ from gyrodrift.session.mcap.layout import (
     SAMPLES,
     STILLS,
 )
-from gyrodrift.session.mcap.survey import Survey, survey
+from gyrodrift.session.mcap.survey import survey
+from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import (
     ROW,
     BrokenRecordError,
@@ -106,7 +107,7 @@ def _read_ours(path: Path, file: BinaryIO, found: Survey) -> Session | None:
                     if not found.is_damaged:
                         raise DataError(f"{path}: {error}; the file was changed since it was written") from error
     if not columns.count and found.is_ours and found.lost:
-        raise DamagedError([(path, Damage(found.lost, 0, found.remarks))])
+        raise DamagedError([(path, RecordingDamage(found.lost, 0, found.remarks))])
     return columns.session(path.stem, declared.metadata) if columns.count else None
 
 

@@ -12,16 +12,16 @@ from typing import IO
 from mcap.opcode import Opcode
 
 from gyrodrift.files import whole_file
-from gyrodrift.session.damage import Damage
+from gyrodrift.session.damage import RecordingDamage
 from gyrodrift.session.mcap.layout import EVENTS, READS, STILLS
-from gyrodrift.session.mcap.survey import Survey
+from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
 from gyrodrift.session.mcap.write import MESSAGE_START, McapWriter
 
 TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
 
 
-def rebuild(path: Path, file: IO[bytes], found: Survey, damage: Damage) -> Path:
+def rebuild(path: Path, file: IO[bytes], found: Survey, damage: RecordingDamage) -> Path:
     """Put a whole file in the place of a damaged one; where the damaged one is kept."""
     kept = _free_name(path)
     try:
@@ -43,7 +43,7 @@ def _free_name(path: Path) -> Path:
     return kept
 
 
-def _told(damage: Damage) -> dict[str, str]:
+def _told(damage: RecordingDamage) -> dict[str, str]:
     """What a reader of the new file should know."""
     return {
         "damage": str(damage),

@@ -13,18 +13,19 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
 from gyrodrift.errors import DataError
-from gyrodrift.session.damage import Damage, DamagedError
+from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.checksums import ChecksumWriter
 from gyrodrift.session.mcap.ending import crc_of
 from gyrodrift.session.mcap.interrupted import is_bare, is_closed, lock
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
 from gyrodrift.session.mcap.structure import LONGEST_RECORD_BYTES, is_torn_record
-from gyrodrift.session.mcap.survey import Survey, survey
+from gyrodrift.session.mcap.survey import survey
+from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
+    ByteStretch,
     PlacedRecord,
     SampleRows,
-    Stretch,
     Walk,
     channel_of,
     data_blocks,
@@ -56,7 +57,7 @@ class Repaired:
     samples: int
     cut_bytes: int
     tail: Path | None
-    damage: Damage | None = None
+    damage: RecordingDamage | None = None
     kept: Path | None = None
 
 
@@ -129,7 +130,7 @@ def _last_tables(file: IO[bytes], found: Survey, end: int) -> bytes:
         return b""
     at, table = found.last_table.at, found.last_table.table
     writer = ChecksumWriter.after(table)
-    for step in Walk(file, [Stretch(at + table.size, end)]):
+    for step in Walk(file, [ByteStretch(at + table.size, end)]):
         match step:
             case SampleRows(rows=rows):
                 writer.add_samples(rows.tobytes())

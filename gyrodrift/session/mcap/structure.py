@@ -10,8 +10,8 @@ from gyrodrift.session.damage import LostSamples
 from gyrodrift.session.mcap.checksums import OPCODE
 from gyrodrift.session.mcap.ending import Ending
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE, MESSAGE_OPCODE, READS
-from gyrodrift.session.mcap.survey import Survey
-from gyrodrift.session.mcap.walk import ROW_START, PlacedRecord, SampleRows, Stretch, Walk, data_blocks
+from gyrodrift.session.mcap.surveyed import Survey
+from gyrodrift.session.mcap.walk import ROW_START, ByteStretch, PlacedRecord, SampleRows, Walk, data_blocks
 
 LONGEST_RECORD_BYTES = 1 << 20
 """No record of ours is longer."""
@@ -42,7 +42,7 @@ def resynchronised(file: IO[bytes], start: int) -> Survey:
     """
     size, state = os.fstat(file.fileno()).st_size, _Found([], [])
     while start < size:
-        walk = Walk(file, [Stretch(start, size)])
+        walk = Walk(file, [ByteStretch(start, size)])
         end, samples, is_ended = _walked(walk)
         again = size if is_ended else _next_sample(file, walk, end)
         if again is None:
@@ -66,7 +66,7 @@ def resynchronised(file: IO[bytes], start: int) -> Survey:
 
 @dataclass(slots=True)
 class _Found:
-    stretches: list[Stretch]
+    stretches: list[ByteStretch]
     lost: list[LostSamples]
     samples: int = 0
     bad_tail_bytes: int = 0
@@ -74,7 +74,7 @@ class _Found:
     def keep(self, start: int, end: int, samples: int) -> None:
         """A stretch of whole records."""
         if end > start:
-            self.stretches.append(Stretch(start, end, self.samples))
+            self.stretches.append(ByteStretch(start, end, self.samples))
             self.samples += samples
 
 

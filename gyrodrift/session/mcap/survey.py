@@ -6,87 +6,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import IO
 
-from gyrodrift.arrays import Floats
-from gyrodrift.session.damage import Damage, LostSamples, timed
+from gyrodrift.session.damage import LostSamples
 from gyrodrift.session.mcap.checksums import LONGEST_TABLE_BYTES, MARKER, OPCODE, Piece, Region, Table, table_of
 from gyrodrift.session.mcap.ending import DATA_END, Ending, data_end_of, ending_of
 from gyrodrift.session.mcap.layout import HEAD, MAGIC
-from gyrodrift.session.mcap.walk import Stretch, data_blocks
+from gyrodrift.session.mcap.surveyed import PlacedTable, Survey
+from gyrodrift.session.mcap.walk import ByteStretch, data_blocks
 
 MOST_SHIFTS = 64
 """How many places are tried for a piece that is not where it was written, one for each hole before it."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedTable:
-    """A table and where it stands now."""
-
-    at: int
-    table: Table
-
-    @property
-    def shift(self) -> int:
-        """How far it stands behind where it was written."""
-        return self.at - self.table.region.stop
-
-
-@dataclass(frozen=True, slots=True)
-class Survey:
-    """What is left of a file.
-
-    stretches
-        Whole records, in the order in which they were written.
-    lost
-        Samples that are not in them, in their order.
-    unheard
-        Where records that are no samples are lost: how many samples come before.
-    remarks
-        What is damaged beside the samples.
-    is_ours
-        Whether the file has tables of checksums, which gyrodrift alone writes.
-    is_sure
-        Whether the stretches are known to be as they were written.
-    bad_tail_bytes
-        Bytes at the end of an interrupted recording that are no records, nor what a kill or a power cut leaves.
-    last_table
-        The last table of checksums, where the end of the file did not make looking for them needless.
-    """
-
-    stretches: tuple[Stretch, ...]
-    lost: tuple[LostSamples, ...] = ()
-    unheard: tuple[int, ...] = ()
-    remarks: tuple[str, ...] = ()
-    is_ours: bool = False
-    is_sure: bool = True
-    last_table: PlacedTable | None = None
-    bad_tail_bytes: int = 0
-
-    @property
-    def is_damaged(self) -> bool:
-        """Whether anything is not as it was written; an interrupted recording is not damaged."""
-        return self.is_hit or bool(self.bad_tail_bytes)
-
-    @property
-    def is_hit(self) -> bool:
-        """Whether damage is anywhere but behind the last record."""
-        return bool(self.lost or self.remarks) or not self.is_sure
-
-    def kept_before(self, number: int) -> int:
-        """How many samples are left of the first `number` of the recording."""
-        return number - sum(min(each.count or 0, max(0, number - each.first)) for each in self.lost)
-
-    def damage(self, t_device_s: Floats) -> Damage | None:
-        """What to tell, by the device times of the samples that are left, shape (n,)."""
-        if not self.is_damaged:
-            return None
-        bad_tail = [f"its last {self.bad_tail_bytes} bytes are no records"] if self.bad_tail_bytes else []
-        return Damage(timed(self.lost, t_device_s), len(t_device_s), (*self.remarks, *bad_tail), self.is_sure)
-
-
 def survey(file: IO[bytes]) -> Survey:
     """Check a file and find what is whole in it; a file without damage is one stretch."""
     size = os.fstat(file.fileno()).st_size
-    everything = Survey((Stretch(len(MAGIC), size),))
+    everything = Survey((ByteStretch(len(MAGIC), size),))
     ending = ending_of(file)
     if ending is Ending.INTACT:
         return everything
@@ -134,7 +68,7 @@ class _Checked:
     size: int
     found: list[PlacedTable]
     ending: Ending
-    stretches: list[Stretch] = field(default_factory=list)
+    stretches: list[ByteStretch] = field(default_factory=list)
     lost: list[LostSamples] = field(default_factory=list)
     unheard: list[int] = field(default_factory=list)
     is_moved: bool = False
@@ -217,10 +151,10 @@ class _Checked:
     def _keep(self, start: int, stop: int, first_sample: int) -> None:
         last = self.stretches[-1] if self.stretches else None
         if last is not None and last.stop == start:
-            self.stretches[-1] = Stretch(last.start, stop, last.first_sample)
+            self.stretches[-1] = ByteStretch(last.start, stop, last.first_sample)
         else:
             self.is_moved |= start != self.end
-            self.stretches.append(Stretch(start, stop, first_sample))
+            self.stretches.append(ByteStretch(start, stop, first_sample))
         self.end = stop
 
     def _remarks(self) -> Iterator[str]:

@@ -68,7 +68,7 @@ class PlacedRecord:
     length: int
 
 
-class Stretch(NamedTuple):
+class ByteStretch(NamedTuple):
     """Bytes of a file that are whole records: from one place to before another, and how many samples came before."""
 
     start: int
@@ -85,10 +85,10 @@ class Walk:
     where its last bytes should be: from `zeros_at` on there is nothing else, and what reaches into them is not whole.
     """
 
-    def __init__(self, file: IO[bytes], stretches: Sequence[Stretch] | None = None) -> None:
+    def __init__(self, file: IO[bytes], stretches: Sequence[ByteStretch] | None = None) -> None:
         self.size = os.fstat(file.fileno()).st_size
         self.end = len(MAGIC)
-        self.stretch = Stretch(0, self.size)
+        self.stretch = ByteStretch(0, self.size)
         self.zeros_at = _zeros_at(file, self.size)
         self._stretches = [self.stretch] if stretches is None else stretches
         self._file = file

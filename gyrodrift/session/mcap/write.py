@@ -137,6 +137,7 @@ class McapWriter:
         self._contents = FileSummary()
         self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
         self._others = bytearray()
+        self._out = bytearray()
         self._still = nan
         begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(SAMPLES)
         told = repr(metadata or {}).encode(
@@ -145,6 +146,7 @@ class McapWriter:
         self._checksums = ChecksumWriter(blake2b(told, digest_size=ID_BYTES).digest())
         self._write(begin)
         self._write_table()
+        self._send()
         for name, table in (metadata or {}).items():
             self.add_metadata(name, table)
 
@@ -226,6 +228,7 @@ class McapWriter:
         record = encoded(Metadata(name, {key: _in_utf_8(text) for key, text in table.items()}))
         self._contents.metadata.append(MetadataIndex(self._contents.size, len(record), name))
         self._write(record)
+        self._send()
 
     def flush(self) -> None:
         """Hand to the stream what has been added."""
@@ -238,6 +241,7 @@ class McapWriter:
             self._others.clear()
         if self._checksums.is_due:
             self._write_table()
+        self._send()
 
     def finish(self) -> None:
         """The end that makes it a whole file."""
@@ -245,6 +249,7 @@ class McapWriter:
         if self._checksums.is_pending:
             self._write_table()
         self._write_table()  # without bytes of its own: each table stands twice
+        self._send()
         self._stream.write(self._contents.end())
 
     def _message_head(self, topic: Topic, length: int, log_ns: int) -> bytes:
@@ -267,6 +272,11 @@ class McapWriter:
         self._hand_over(content)
         self._checksums.add_records(content)
 
+    def _send(self) -> None:
+        if self._out:
+            self._stream.write(bytes(self._out))
+            self._out.clear()
+
     def _write_rows(self, rows: bytes) -> None:
         """Samples, as many as a table is about."""
         self._hand_over(rows)
@@ -278,7 +288,8 @@ class McapWriter:
         self._hand_over(self._checksums.table())
 
     def _hand_over(self, content: bytes) -> None:
-        self._stream.write(content)
+        """What belongs together goes out in one piece, with the next `_send`."""
+        self._out += content
         self._contents.add_bytes(content)
 
 
