@@ -130,7 +130,7 @@ def test_while_a_disk_hangs_nothing_more_is_begun_on_it(
     go_on = threading.Event()
     real = os.fsync
     monkeypatch.setattr(os, "fsync", lambda fd: go_on.wait(PATIENCE_S) and real(fd))
-    monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 5000)
+    monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 15_000)
     beside = ResilientRecorder(RecordOptions(tmp_path / "out"), link, structlog.get_logger())
     for first in range(0, 300, 100):
         beside.take(samples(first))
