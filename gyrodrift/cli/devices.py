@@ -10,7 +10,7 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.cli import numbers
+from gyrodrift.cli import numbers, options
 
 if TYPE_CHECKING:
     from gyrodrift.link.listening import HeardPort
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="listen S seconds for something that can be decoded",
     )
+    options.add_send_option(parser)
     parser.add_argument("--json", action="store_true", help="one JSON array instead, with an object a port")
 
 
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.port import serial_ports
 
     ports = serial_ports()
-    asked = LinkOptions(port="", timeout_s=arguments.timeout)
+    asked = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, asked) if arguments.listen else look_at(ports)
     if arguments.json:
         print(json.dumps([_as_json(each) for each in heard]))

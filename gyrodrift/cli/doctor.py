@@ -94,7 +94,9 @@ def _heard(arguments: argparse.Namespace, baud: int | None, seconds: float, prog
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
 
-    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns)
+    asked = LinkOptions(
+        arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns, arguments.send or b""
+    )
     if asked.port != options.AUTO_PORT:
         return listen(asked, seconds, progress.evaluated)
     ports = serial_ports()

@@ -65,6 +65,28 @@ def add_link_options(parser: argparse.ArgumentParser, default_port: str | None =
         metavar="S",
         help="give up where nothing decodable came within S seconds of the start; 0 waits for ever (default 10)",
     )
+    add_send_option(parser)
+
+
+def add_send_option(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that opens a port."""
+    parser.add_argument(
+        "--send",
+        type=bytes_to_send,
+        metavar="TEXT",
+        help=r"send TEXT after the port was opened, and again after a silence, until samples come: to a board that "
+        r"waits for a key or a command, such as '\r\n' or 'start\r\n'; escapes as in Python (default: nothing)",
+    )
+
+
+def bytes_to_send(text: str) -> bytes:
+    """Of `--send`."""
+    from gyrodrift.link.opening import bytes_to_send
+
+    try:
+        return bytes_to_send(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
@@ -73,16 +95,21 @@ def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
 
 
 def link_target(
-    arguments: argparse.Namespace, baud: int | None, on_event: "EventHandler", columns: str | None = None
+    arguments: argparse.Namespace,
+    baud: int | None,
+    on_event: "EventHandler",
+    columns: str | None = None,
+    send: bytes = b"",
 ) -> "tuple[LinkOptions, Port | None]":
     """What the options of a command say of its link; with `--port auto` that of the one gyro, its port open already.
 
-    `columns` are those of the config, which count where the options name neither others nor another protocol.
+    `columns` are those of the config, which count where the options name neither others nor another protocol, and so is
+    `send` where the options send nothing.
     """
     from gyrodrift.link.link import LinkOptions
 
     named = columns if reads_columns_of_config(arguments) else arguments.columns
-    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, named)
+    asked = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, named, arguments.send or send)
     if asked.port != AUTO_PORT:
         return asked, None
     from gyrodrift.link.port import serial_ports

@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     log_to = AboveLine(stderr) if is_shown else None
     log = open_log(options.log_level(arguments), arguments.log_format, log_to)
     events = LinkEvents(log)
-    target, port = options.link_target(arguments, baud, events)
+    target, port = options.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
         link = Link(target, events, port=port)
         what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)

@@ -113,7 +113,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
-    target, port = options.link_target(arguments, baud, events, watch.config.columns if watch else None)
+    given = (watch.config.columns, watch.config.send) if watch else ()
+    target, port = options.link_target(arguments, baud, events, *given)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
         stdout = JsonLines(STDOUT, rate_hz)
@@ -122,6 +123,8 @@ def run(arguments: argparse.Namespace) -> int:
         listeners: list[SampleListener] = [*recording, filtering]
         if options.reads_columns_of_config(arguments):
             filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
+        if not arguments.send:
+            filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
         keeper = _remembered(arguments.memory, filtering, listeners)
         word, control = RestWord(), None
         if asked or watch is not None or arguments.control is not None:

@@ -39,6 +39,8 @@ class Config:
         Of the text protocol, as `--columns` takes them; None where another one is spoken.
     outputs
         Where corrected samples go beside stdout.
+    send
+        What a device is sent after its port was opened; empty for nothing.
     calibration
         What puts the rate right before the filter; None where the file gives none.
     completed
@@ -56,6 +58,7 @@ class Config:
     completed: tuple[str, ...] = ()
     outputs: tuple[OutputSpec, ...] = ()
     columns: str | None = None
+    send: bytes = b""
     calibration: Calibration | None = None
     text: str = field(default="", compare=False, repr=False)
     mode: int = field(default=0o666, compare=False, repr=False)
@@ -82,6 +85,7 @@ class Config:
             ("filter", old.filter, self.filter),
             (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
             ("columns", old.columns, self.columns),
+            ("send", old.send or None, self.send or None),
         ]
         for name, known in FILTERS.items():
             before, after = old.params_of(known), self.params_of(known)
@@ -112,6 +116,7 @@ def _file() -> type[Strict]:
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
         "columns": (Any, None),
+        "send": (Any, None),
         CALIBRATION: (Any, None),
     }
     return create_model("File", __base__=Strict, **content)
@@ -138,6 +143,7 @@ def load_config(path: Path) -> Config:
     given = read.value if isinstance(read.value, dict) else {}
     outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
     columns = columns_in(given.get("columns"), lambda what: read.report(("columns",), what))
+    send = send_in(given.get("send"), lambda what: read.report(("send",), what))
     calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
@@ -145,6 +151,7 @@ def load_config(path: Path) -> Config:
         _config(file, given),
         outputs=outputs,
         columns=columns,
+        send=send,
         calibration=calibration,
         text=public_yaml(read.text),
         mode=read.mode,
@@ -169,6 +176,22 @@ def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
         report(str(error))
         return None
     return spec
+
+
+def send_in(given: Any, report: Callable[[str], None]) -> bytes:
+    """Of the value of `send:`, a text with escapes as `--send` takes it; empty where there is none."""
+    if given is None:
+        return b""
+    if not isinstance(given, str):
+        report(rf"is {said(given)}; expected text in quotes such as '\r\n'")
+        return b""
+    from gyrodrift.link.opening import bytes_to_send  # noqa: PLC0415 - few configs send anything
+
+    try:
+        return bytes_to_send(given)
+    except ValueError as error:
+        report(str(error))
+        return b""
 
 
 def _config(file: Strict, given: Mapping[str, Any]) -> Config:

@@ -18,6 +18,7 @@ from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
+from gyrodrift.link.opening import Opening
 from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
@@ -59,7 +60,8 @@ class LinkCounters:
 class LinkOptions:
     """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever.
 
-    `columns` are those of the text protocol, None where another one is spoken.
+    `columns` are those of the text protocol, None where another one is spoken. `send` is what the device is sent after
+    its port was opened.
     """
 
     port: str
@@ -67,6 +69,7 @@ class LinkOptions:
     protocol: str = AUTO
     timeout_s: float = 10.0
     columns: str | None = None
+    send: bytes = b""
 
 
 class Link:
@@ -120,6 +123,9 @@ class Link:
         self._retry_s = 0.0
         self.port: Port | None = port or Port(self.name, self.baud)
         self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
+        self._opening = Opening(options.send, on_event)
+        if port is None:
+            self._opening.begin(self.port, self._opened_s)
 
     def fileno(self) -> int | None:
         """The descriptor to wait on; None while the port is gone."""
@@ -144,9 +150,11 @@ class Link:
             self._lose()
             return []
         if not chunk:
+            self._opening.wait(self.port, self._monotonic())
             self._give_up_waiting()
             return []
         arrival_s = self._monotonic()
+        self._opening.hear(arrival_s)
         self.counters.bytes += len(chunk)
         if self.tap is not None:
             self.tap(chunk, self._calendar.epoch_s + arrival_s)
@@ -160,6 +168,7 @@ class Link:
             samples = self._stamp(self.decoder, arrived)
             self._heard_s = arrival_s
             self._spoke = True
+            self._opening.end()
             if self._check is not None:
                 self._check_units(self._check, len(readings), samples, arrival_s)
         elif not self._spoke:
@@ -198,6 +207,10 @@ class Link:
             return
         text.read_by(self.decoder, columns)
         self._protocols = {text.NAME: protocol}
+
+    def send_at_opening(self, content: bytes) -> None:
+        """Send this from the next time on that the port is opened."""
+        self._opening.content = content
 
     def unix_s(self) -> float:
         """Now, as the arrivals of samples are stamped."""
@@ -317,6 +330,7 @@ class Link:
         if self.clock is not None:
             self.clock.reconnected()
         self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
+        self._opening.begin(self.port, now_s)
 
     def _give_up_waiting(self) -> None:
         if self._spoke:
@@ -351,5 +365,6 @@ class Link:
         try:
             if self.port is not None:
                 self.port.set_baud(self.baud)
+                self._opening.begin(self.port, self._monotonic())
         except PortGoneError:
             self._lose()

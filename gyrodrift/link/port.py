@@ -84,6 +84,13 @@ class Port:
                 break
         return b"".join(chunks)
 
+    def write(self, content: bytes) -> int:
+        """Send what the port takes without waiting; how many bytes that were. An end that is gone shows at reading."""
+        try:
+            return os.write(self.fd, content)
+        except OSError:
+            return 0
+
     def _hung_up(self) -> bool:
         poller = select.poll()
         poller.register(self.fd, 0)

@@ -17,7 +17,7 @@ from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
-KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs", "columns", "calibration")
+KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs", "columns", "send", "calibration")
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
 
 HDR_DEFAULTS = ("i_c_dps: 0.0006", "tau_s: 0.9447", "theta_w_dps: 0.5608", "c1: 0.7839", "c2: 1.2161")
@@ -275,3 +275,22 @@ def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
     """Each would be checked, and opened."""
     (told,) = problems(tmp_path, "outputs:\n" + "- {name: tcp, prt: 1}\n" * 5000)
     assert told == "c.yaml:1:1 outputs: are 5000; expected no more than 100"
+
+
+@pytest.mark.parametrize(
+    ("value", "what"),
+    [("5", "is 5; expected text in quotes"), (r"'\q'", r"has the escape \q; expected"), ("''", "is 0 bytes; expected")],
+)
+def test_what_cannot_be_sent_to_a_device_is_told_with_its_place(tmp_path: Path, value: str, what: str) -> None:
+    """Like any other mistake."""
+    (problem,) = problems(tmp_path, f"filter: hdr\nsend: {value}\n")
+    assert problem.startswith(f"c.yaml:2:1 send: {what}")
+
+
+def test_what_a_device_is_sent_stands_in_the_config(tmp_path: Path) -> None:
+    """With escapes as the option takes them, or as YAML has them."""
+    path = tmp_path / "c.yaml"
+    for value in (r"'\r\n'", r'"\r\n"'):
+        path.write_text(f"send: {value}\n")
+        assert load_config(path).send == b"\r\n"
+    assert load_config(path).changes_from(Config()) == [r"send: None → b'\r\n'"]
