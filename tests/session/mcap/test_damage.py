@@ -109,12 +109,12 @@ def flipped(place: int, bit: int, content: bytes = WHOLE) -> bytes:
 def test_every_byte_of_a_recording_is_watched_over(tmp_path: Path, whole: Session) -> None:
     """A flipped bit in the header, a sample, a length, metadata, a table, the summary or the footer."""
     for place in range(0, len(WHOLE), 307):
-        check_told_or_whole(tmp_path, flipped(place, place % 8), whole)
+        assert_told_or_whole(tmp_path, flipped(place, place % 8), whole)
     for place in range(len(WHOLE) - 800, len(WHOLE), 7):
-        check_told_or_whole(tmp_path, flipped(place, place % 8), whole)
+        assert_told_or_whole(tmp_path, flipped(place, place % 8), whole)
 
 
-def check_told_or_whole(folder: Path, content: bytes, whole: Session) -> None:
+def assert_told_or_whole(folder: Path, content: bytes, whole: Session) -> None:
     """The promise: all samples, or the damage is told and every sample is one that was written."""
     try:
         session = loaded(folder, content)
@@ -176,7 +176,7 @@ def test_whatever_is_done_to_a_recording_is_told_or_harmless(
         return  # nothing shows that it was a recording
     if len(done) > 1 and content[-CLOSED_TAIL_BYTES:][: len(CLOSED_TAIL)] != CLOSED_TAIL:
         return  # as good as interrupted: its last records are not watched over yet
-    check_told_or_whole(folder, content, whole)
+    assert_told_or_whole(folder, content, whole)
 
 
 def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Session) -> None:
