@@ -73,6 +73,12 @@ class Host:
     def times_sent(self) -> int:
         return [event for event, _ in self.told].count("sent")
 
+    def await_bytes(self) -> None:
+        """Until what the board said is there."""
+        fd = self.link.fileno()
+        assert fd is not None
+        assert select.select([fd], [], [], 10.0)[0]
+
     def read(self, after_s: float) -> list[Sample]:
         self.now_s += after_s
         return self.link.read()
@@ -88,10 +94,10 @@ def test_a_board_that_waits_for_a_key_is_sent_one(board: Board) -> None:
 
 def test_a_key_that_was_lost_in_the_reset_is_sent_again_after_a_silence(board: Board) -> None:
     """Opening the port resets many a board: what came meanwhile went to its bootloader."""
-    host = Host(board, b"x")
+    host = Host(board, b"x", baud=115200)
     host.read(1.9)
     board.say(PROMPT)
-    assert select.select([host.link.fileno()], [], [], 10.0)[0]
+    host.await_bytes()
     host.read(0.05)
     host.read(1.9)
     assert host.times_sent() == 1
