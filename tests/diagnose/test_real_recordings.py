@@ -11,8 +11,16 @@ from support import beginning
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
+from gyrodrift.diagnose import diagnosis
+from gyrodrift.diagnose.what_next import Next
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+
+
+@pytest.fixture(autouse=True)
+def without_next_recording(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What to record next takes a quarter of a diagnosis that leaves something open, and is not what is asked here."""
+    monkeypatch.setattr(diagnosis, "what_next", lambda *_: Next("", None))
 
 
 def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options: str) -> dict[str, Any]:
@@ -20,7 +28,7 @@ def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options:
     rig = folder / "rig.yaml"
     usual = {"noise_dps_rthz": 0.005, "bias_dps": 0.5, "encoder_cpr": 36000, "host_delay_s": 0.002}
     rig.write_text(yaml.safe_dump({"base": usual | base, "effects": []}))
-    words = ["diagnose", *map(str, paths), "--rig", str(rig), "--out", str(folder / "out"), "--jobs", "2", *options]
+    words = ["diagnose", *map(str, paths), "--rig", str(rig), "--out", str(folder / "out"), "--jobs", "1", *options]
     assert main(words) == 0
     found: dict[str, Any] = json.loads((folder / "out" / "gap.json").read_text())
     return found

@@ -36,9 +36,15 @@ def read_last(path: Path = LAST) -> dict[str, Measured]:
 
 
 def write_last(parts: Mapping[str, Measured], path: Path = LAST) -> None:
-    """All parts, those that were not measured again included."""
-    text = json.dumps({name: asdict(parts[name]) for name in sorted(parts)}, indent=1, ensure_ascii=False)
-    path.write_text(text + "\n")
+    """All parts, those that were not measured again included; a line for each figure, for `git diff`."""
+    texts = [f"{json.dumps(name)}: {_text_of(parts[name])}" for name in sorted(parts)]
+    path.write_text("{" + ",\n".join(texts) + "}\n")
+
+
+def _text_of(part: Measured) -> str:
+    head = json.dumps(asdict(part) | {"figures": None}, ensure_ascii=False)
+    lines = ",\n".join(json.dumps(asdict(figure), ensure_ascii=False) for figure in part.figures)
+    return head.replace("null", f"[\n{lines}\n]")
 
 
 def worse_than(last: Measured, now: Measured) -> list[str]:

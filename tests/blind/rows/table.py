@@ -40,7 +40,7 @@ ROWS = {
     "baseline": Row(40, baseline.with_effect, _has_recordings),
     "baseline_none": Row(40, baseline.without_effect, _has_recordings),
 }
-"""`none_short` is for `make test`, and runs where it is asked for by name and count."""
+"""`none_short` runs where it is asked for by name and count, as `make evaluate` does."""
 
 
 def draw_case(seed: int, row: str, number: int) -> RowCase:
