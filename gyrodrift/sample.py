@@ -17,6 +17,9 @@ class Reading(NamedTuple):
         Reference angle in degrees and temperature in °C; NaN where the device sends none.
     still
         1 where something else than the rate knows that the device stands still, 0 that it moves; NaN where nobody says.
+    yaw_deg
+        Angle about the vertical of a device that sends no rate, counter-clockwise positive; NaN for all others. The
+        clock makes a rate of it.
     """
 
     t_us: int | None
@@ -25,6 +28,7 @@ class Reading(NamedTuple):
     encoder_deg: float = nan
     temp_c: float = nan
     still: float = nan
+    yaw_deg: float = nan
 
 
 class Sample(NamedTuple):

@@ -3,6 +3,8 @@
 import re
 from dataclasses import dataclass
 
+from gyrodrift.columns.units import Dimension, Unit, unit_of
+
 GYRO = "gyro?|gyr|gy|g|w|omega|rot|rate|gyroscope|rotation|rotationrate|angvel|angularvelocity|angularrate"
 BESIDE = re.compile(r"\([^)]*+\)|\[[^\]]*+\]")
 """Units and remarks beside a name."""
@@ -14,37 +16,51 @@ PLACES = {"0": "x", "1": "y", "2": "z"}
 KINDS = {
     "clock": r"t|ts|time|timestamp|clock|millis|micros|ms|us|t(ime(stamp)?)?(ms|us|s|sec)|sec(onds)?",
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
-    "rate": r"(yaw|z)rate(dps|deg|rads?)?|(rate|gyro?|gyr|omega|w|rot)(z|dps|rads?)?|gz|gyrz|gyroz(dps|rads?)?"
-    r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z?|gyz|zgyro(rate)?|rotationratez",
+    "rate": r"(yaw|z)rate(dps|deg|rads?|degs|rad)?|(gyro?|gyr|omega|w|rot)(z|dps|rads?)|gz|gyrz|gyroz(dps|rads?|degs)?"
+    r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z|gyz|zgyro(rate)?|rotationratez",
+    "rates": r"rate(dps|rads?)?|gyro?|gyr|omega|gyroscope|rotation|angvel|angularvelocity|angularrate|turnrate|rot",
     "gx": rf"({GYRO})x|rollrate|xgyro(rate)?",
     "gy": rf"({GYRO})y|pitchrate|ygyro(rate)?",
     "temp": r"t(e)?mp(erature)?(c|degc)?|tempc",
-    "encoder": r"enc(oder)?(deg)?|angle(deg)?|ref(erence)?(deg)?",
+    "encoder": r"enc(oder)?(deg)?|ref(erence)?(angle)?(deg)?",
     "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)x",
     "ay": r"yacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)y",
     "az": r"zacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)z",
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "yaw": r"yaw|heading|psi|euler(z|yaw)|ypr(yaw)?",
-    "pitch": r"pitch|theta|euler(y|pitch)",
-    "roll": r"roll|phi|euler(x|roll)",
-    "angle": r"(acc)?(ypr|rpy|euler|angles?|orientation|attitude)[xyz]",
+    "yaw": r"(d|est|fused|current)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
+    "heading": r"heading(deg)?|hdg|compass|azimuth|course",
+    "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
+    "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
+    "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
+    "quaternion": r"q(uat(ernion)?)?[wxyz0123ijkr]|quat(ernion)?",
 }
-"""Names that sketches give to columns, without case, spaces and punctuation."""
+"""Names that sketches give to columns, without case, spaces and punctuation; `rates` name no axis."""
 
 SPOKEN = {"rate": "gz", "encoder": "encoder", "clock": "t"}
-WORDS = {
-    "ypr": ("yaw", "pitch", "roll"),
-    "euler": ("yaw", "pitch", "roll"),
+KNOWN_ROWS: dict[str, tuple[str, ...]] = {
+    "ypr": ("yaw:deg", "pitch", "roll"),
+    "YPR": ("yaw:deg:-", "pitch", "roll"),
+    "YPRAG": ("yaw:deg:-", "pitch", "roll", "ax", "ay", "az", "gx:rads", "gy:rads", "rate:rads:-"),
+    "YPRAMG": (
+        *("yaw:deg:-", "pitch", "roll", "ax", "ay", "az", "mx", "my", "mz"),
+        "gx:rads",
+        "gy:rads",
+        "rate:rads:-",
+    ),
+    "euler": ("yaw:deg", "pitch", "roll"),
     "quat": ("qw", "qx", "qy", "qz"),
     "a/g": ("ax", "ay", "az", "gx", "gy", "rate"),
     "areal": ("ax", "ay", "az"),
     "aworld": ("ax", "ay", "az"),
 }
-"""A word that some sketches (the examples of i2cdevlib) begin each line with, and what follows it."""
+"""Columns behind a word that known firmware begins its lines with, as entries of a SPEC.
 
-USED = {"clock", "seq", "rate", "encoder", "temp"}
+In small letters the examples of i2cdevlib; in capitals Razor AHRS, whose z axis is downwards.
+"""
+
+USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
 
 
 @dataclass(slots=True)
@@ -53,15 +69,21 @@ class SeenColumn:
 
     texts, numbers
         Of each line; `numbers` are empty where one of them is none.
+    unit
+        What a label, a header or a word behind the value says; None where nothing does.
     kind, why
         A key of KINDS, empty while unknown, and what speaks for it.
+    option
+        What follows the kind in a SPEC where known firmware lays it down, as in `rads:-`.
     """
 
     label: str
     texts: tuple[str, ...]
     numbers: tuple[float, ...]
+    unit: Unit | None = None
     kind: str = ""
     why: str = ""
+    option: str = ""
 
     @property
     def is_numeric(self) -> bool:
@@ -76,25 +98,66 @@ class SeenColumn:
 
 def kind_of(label: str) -> str:
     """The key of KINDS that a label means; empty where it is none of them."""
-    words, mark, place = BESIDE.sub("", label).lower().rpartition(".")
+    words, mark, place = BESIDE.sub("", label).rpartition(".")
     named = f"{words}{PLACES[place]}" if mark and place in PLACES else f"{words}{place}"
-    plain = NO_QUANTITY.sub("", re.sub(r"[^a-z]", "", named))
+    without_unit = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
+    return _kind_of(named) or _kind_of(without_unit)
+
+
+def _kind_of(name: str) -> str:
+    plain = NO_QUANTITY.sub("", re.sub(r"[^a-z]", "", name.lower()))
     return next((kind for kind, names in KINDS.items() if re.fullmatch(names, plain)), "") if plain else ""
 
 
 def name_by_label(columns: list[SeenColumn]) -> None:
-    """What the labels say; of two rates the first."""
-    taken: set[str] = set()
+    """What the labels say; of two rates the first. A label never stands against its unit: a rate in Hz is none."""
+    taken = {column.kind for column in columns}
     for column in columns:
-        kind = kind_of(column.label) if column.is_numeric else ""
-        if kind and not (kind in USED and kind in taken):
+        kind = kind_of(column.label) if column.is_numeric and not column.kind else ""
+        if kind == "rates" and _measures(column, Dimension.RATE) and column.unit:
+            kind = "rate"  # one value of a gyro, in a unit of rates
+        if kind and not (kind in USED and kind in taken) and _agrees(kind, column):
             column.kind, column.why = kind, f"is labelled {column.label}"
             taken.add(kind)
 
 
-def name_by_first_word(columns: list[SeenColumn]) -> None:
-    """What the word before a row says."""
-    word = columns[0].texts[0].rstrip(":").lower()
-    for column, kind in zip(columns[1:], WORDS.get(word, ()), strict=False):
+DIMENSIONS = {
+    "clock": (Dimension.TIME,),
+    **dict.fromkeys(("rate", "gx", "gy"), (Dimension.RATE, Dimension.COUNTS, Dimension.ANGLE)),
+    **dict.fromkeys(("ax", "ay", "az"), (Dimension.ACCELERATION, Dimension.COUNTS, Dimension.LENGTH)),
+    **dict.fromkeys(("yaw", "heading", "encoder"), (Dimension.ANGLE, Dimension.COUNTS)),
+    "temp": (Dimension.TEMPERATURE, Dimension.COUNTS),
+}
+"""What a kind may be measured in; sketches write deg for deg/s, too, and that is asked for."""
+
+
+def _agrees(kind: str, column: SeenColumn) -> bool:
+    return _measures(column, *DIMENSIONS.get(kind, tuple(Dimension)))
+
+
+def _measures(column: SeenColumn, *dimensions: Dimension) -> bool:
+    return column.unit is None or column.unit.dimension in dimensions
+
+
+def name_by_known_row(columns: list[SeenColumn]) -> None:
+    """What known firmware puts behind the word that its lines begin with."""
+    word = columns[0].texts[0].rstrip(":=")
+    for column, entry in zip(columns[1:], KNOWN_ROWS.get(word, ()), strict=False):
         if column.is_numeric:
-            column.kind, column.why = kind, f"follows the word {word}"
+            kind, _, option = entry.partition(":")
+            column.kind, column.option, column.why = kind, option, f"follows the word {word}"
+
+
+def name_by_unit(columns: list[SeenColumn]) -> None:
+    """One value, or the third of three, whose unit is one of rates, where no label says which axis it is."""
+    if any(column.kind in {"rate", "gx", "gy"} for column in columns):
+        return
+    rates = [column for column in columns if column.is_numeric and column.unit and _is_rate(column)]
+    if len(rates) in (1, 3) and not any(column.kind for column in rates):
+        for column, kind in zip(rates, ("gx", "gy", "rate") if len(rates) == 3 else ("rate",), strict=True):
+            column.kind = kind
+            column.why = "is the third of three rates" if len(rates) == 3 else "is the only rate"
+
+
+def _is_rate(column: SeenColumn) -> bool:
+    return column.unit is not None and column.unit.dimension is Dimension.RATE

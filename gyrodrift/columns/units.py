@@ -63,7 +63,7 @@ SPELLINGS: dict[str, Unit] = {
         mrads="mrad/s mrads millirad/s",
         per_60="deg/min dpm",
         per_3600="deg/h deg/hr deg/hour dph",
-        per_0_16666666666666666="rpm rev/min r/min",
+        per_0_166667="rpm rev/min r/min",
     ),
     **_units(Dimension.ANGLE, deg="deg degs", rad="rad"),
     **_units(
@@ -90,23 +90,27 @@ MIXED_CASE = {"mG": Unit(Dimension.FIELD), "MHz": Unit(Dimension.FREQUENCY), "mT
 AMBIGUOUS = {"G"}
 """Gauss or gravity: one letter does not say which."""
 
-REPLACED = (
-    (r"µ|μ", "u"),
-    (r"º|˚", "°"),
-    (r"²", "2"),
-    (r"⁻¹|\^-1|\*\*-1", "-1"),
-    (r"\^2|\*\*2", "2"),
-    (r"radians?", "rad"),
-    (r"degrees?|°", "deg"),
-    (r"(?<=[a-z\d\s/._-])sec(?:ond)?s?\b|^sec(?:ond)?s?$", "s"),
-    (r"minutes?", "min"),
-    (r"\s*\bper\b\s*|_per_|\s*/\s*", "/"),
-    (r"[·⋅*]", "."),
-    (r"\s+", ""),
+REPLACED = tuple(
+    (re.compile(pattern), text)
+    for pattern, text in (
+        (r"µ|μ", "u"),
+        (r"º|˚", "°"),
+        (r"²", "2"),
+        (r"⁻¹|\^-1|\*\*-1", "-1"),
+        (r"\^2|\*\*2", "2"),
+        (r"radians?", "rad"),
+        (r"degrees?|°", "deg"),
+        (r"(?<=[a-z\d\s/._-])sec(?:ond)?s?\b|^sec(?:ond)?s?$", "s"),
+        (r"minutes?", "min"),
+        (r"\s*\bper\b\s*|_per_|\s*/\s*", "/"),
+        (r"[·⋅*]", "."),
+        (r"\s+", ""),
+    )
 )
 LONGEST = 40
 """Characters of a unit and of a label that are looked at; none has more, and foreign text has no end."""
 
+AXES = {"x", "y", "z"}
 BRACKETED = re.compile(r"[(\[{<]([^()\[\]{}<>]{1,40})[)\]}>]")
 TAILS = re.compile(r"[\s_,;|-]+")
 
@@ -126,6 +130,8 @@ def unit_in(label: str) -> Unit | None:
         if unit := unit_of(bracketed):
             return unit
     words = [word for word in TAILS.split(BRACKETED.sub(" ", label)) if word and word.lower() != "per"]
+    if len(words) > 1 and words[-1].lower() in AXES:
+        words.pop()
     if len(words) > 2 and (unit := unit_of("/".join(words[-2:]))):  # rad_s, m_s2
         return unit
     return unit_of(words[-1]) if len(words) > 1 and len(words[-1]) > 1 else _short_tail(words)
@@ -140,5 +146,5 @@ def _short_tail(words: list[str]) -> Unit | None:
 def _plain(word: str) -> str:
     plain = word.lower()
     for pattern, text in REPLACED:
-        plain = re.sub(pattern, text, plain)
+        plain = pattern.sub(text, plain)
     return plain

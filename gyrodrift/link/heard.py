@@ -2,17 +2,19 @@
 
 import re
 
-MOST_BYTES = 8192
-LEAST_LINES = 3
-LEAST_TEXT_BYTES = 24
-TEXT_SHARE = 0.97
-"""Of printable characters; bytes at a wrong line rate have a third of them."""
+MOST_BYTES = 32_768
+"""Some lines of the longest kind, JSON of 4 KiB."""
 
-COLOUR = re.compile(rb"\x1b\[[0-9;]*+m")
-"""What tells a terminal in which colour to show a log."""
+LEAST_TEXT_BYTES = 16
+"""At a wrong line rate a third of the bytes are printable: so many in a row are by chance in one of 10^7 tries."""
+
+TEXT_SHARE, ASCII_SHARE = 0.97, 0.8
+"""Of printable characters, and of those of ASCII: a degree sign is rare in a line."""
+
+CONTROL = re.compile(rb"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]|\x00")
+"""What tells a terminal a colour or a place (ECMA-48), and the zero that some programs send with their texts."""
 
 LONGEST_QUOTE = 80
-PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
 
 
 class Heard:
@@ -27,7 +29,7 @@ class Heard:
         """What has come, and when (s, monotonic)."""
         if not self._lines:
             self._first_s = arrival_s
-        self._lines += chunk.count(b"\n")
+        self._lines += max(chunk.count(b"\n"), chunk.count(b"\r"))
         self._last_s = arrival_s
         self.content = (self.content + chunk)[-MOST_BYTES:]
 
@@ -39,21 +41,45 @@ class Heard:
 
     @property
     def is_text(self) -> bool:
-        """Whether it is lines of printable characters: then the line rate is right, whatever they say."""
-        text = self._whole_lines()
-        if len(text) < LEAST_TEXT_BYTES or text.count(b"\n") < LEAST_LINES:
+        """Whether it is printable characters: then the line rate is right, whatever they say."""
+        text = plain_text(self.content)
+        if len(text) < LEAST_TEXT_BYTES:
             return False
-        decoded = text.decode("utf-8", "replace")
-        printable = sum(ord(character) in PRINTABLE or "\xa0" <= character < "\ufffd" for character in decoded)
-        return printable >= TEXT_SHARE * len(decoded)
+        characters = decoded(text)
+        printable = sum(character.isprintable() or character in "\t\r\n" for character in characters)
+        ascii_characters = sum(character < "\x80" for character in characters)
+        return printable >= TEXT_SHARE * len(characters) and ascii_characters >= ASCII_SHARE * len(characters)
 
     def lines(self) -> list[str]:
-        """Whole lines, the one at which listening began left out, without comments and empty ones."""
-        whole = self._whole_lines().decode("utf-8", "replace").splitlines()
-        return [line.strip() for line in whole[1:] if line.strip() and not line.startswith("#")]
+        """Whole lines without empty ones; the one at which listening began is left out where others are left."""
+        *whole, _ = re.split(r"[\r\n]+", decoded(plain_text(self.content)))
+        return [line.strip() for line in (whole[1:] or whole) if line.strip()]
 
-    def _whole_lines(self) -> bytes:
-        return COLOUR.sub(b"", self.content[: self.content.rfind(b"\n") + 1])
+    def last_words(self) -> str:
+        """The last text that came, whether its line has ended or not."""
+        return next((line.strip() for line in reversed(self._all_lines()) if line.strip()), "")
+
+    def _all_lines(self) -> list[str]:
+        return re.split(r"[\r\n]+", decoded(plain_text(self.content)))
+
+
+def plain_text(text: bytes) -> bytes:
+    """The text without what steers a terminal."""
+    return CONTROL.sub(b"", text) if b"\x1b" in text or b"\x00" in text else text
+
+
+def decoded(text: bytes) -> str:
+    """As UTF-8, else as Latin-1, in which a sketch or its editor may have written a degree sign.
+
+    A character that is cut at either end, where listening began or ended, does not count.
+    """
+    for begin in range(4):
+        for end in range(4):
+            try:
+                return text[begin : len(text) - end].decode()
+            except UnicodeDecodeError:
+                continue
+    return text.decode("latin-1")
 
 
 def quoted(line: str) -> str:

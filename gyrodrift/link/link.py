@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import cycle
+from math import isnan
 from typing import Any
 
 from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
@@ -35,6 +36,8 @@ BAUD_TRIAL_WARM_S = 4.0
 
 TELL_S = 10.0
 """Who waits for ever is told after so long why nothing is understood."""
+
+CHOOSE_TALKER = "the first to speak is listened to; --columns 'TIROT 1=rate:lsb/60:-' chooses another, here TI"
 
 BACKOFF_FIRST_S = 0.05
 BACKOFF_LONGEST_S = 2.0
@@ -106,6 +109,7 @@ class Link:
         self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
         self._columns = options.columns
         self._guard = Guard(on_event)
+        self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
         self._detector = Detector(list(self._protocols.values()), self._guard)
         if len(self._protocols) == 1 and options.baud is not None:
@@ -251,6 +255,9 @@ class Link:
             self._on_event("protocol_found", protocol=self.decoder.name, baud=self.baud)
         if self.decoder.device is not self.device:
             self._meet(self.decoder.device)
+        if self.decoder.counters.passed_over != self._passed_over:
+            self._passed_over = self.decoder.counters.passed_over
+            self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=CHOOSE_TALKER)
         return readings
 
     def _meet(self, device: DeviceDescription) -> None:
@@ -269,17 +276,21 @@ class Link:
             protocol = self._protocols[decoder.name]
             has_clock = protocol.has_clock and arrived[0][1][0].t_us is not None
             if not protocol.has_unit:
-                self._check = UnitCheck(decoder.name, has_clock, self._heard, self._on_event)
+                self._check = UnitCheck(protocol, has_clock, self._heard, self._on_event)
             if has_clock:
                 self.clock = DeviceClock(self._calendar.epoch_s)
             else:
                 self.clock = ArrivalClock(self._calendar.epoch_s)
                 self._on_event("no_device_clock", timing="regression of arrival times")
+            if protocol.sends_angle:
+                self._on_event("rate_from_angle", note="the device sends an angle: its own filter has been at work")
         samples: list[Sample] = []
         for arrival_s, readings in arrived:
             samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
+        if self._protocols[decoder.name].sends_angle:  # the first angle has turned from nowhere
+            samples = [sample for sample in samples if not isnan(sample.rate_dps)]
         return samples
 
     def _check_units(self, check: UnitCheck, readings: int, samples: list[Sample], arrival_s: float) -> None:
@@ -354,7 +365,7 @@ class Link:
     def _why_silent(self, waited_s: float) -> str:
         options = self.options
         protocol = next(iter(self._protocols)) if options.columns is not None else options.protocol
-        return why_silent(waited_s, options.baud, self.counters.bytes, self.decoder, protocol, self._heard)
+        return why_silent(waited_s, options.baud, self.counters.bytes, self.decoder, protocol, self._heard, self.name)
 
     def _next_baud(self) -> None:
         """Listen afresh at the next of the usual rates."""

@@ -9,15 +9,25 @@ from gyrodrift.link.protocols.registry import PROTOCOLS, listed
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 MOST_NAMES = 12
+RATE_UNITS = "dps, rads, mdps or lsb/N"
+ANGLE_NOTE = (
+    ". It is an angle: the filter of the device has been at work. If it falls in a turn to the left, write :- behind it"
+)
 
 
 def why_silent(
-    timeout_s: float, baud: int | None, heard_bytes: int, decoder: Decoder | None, protocol: str, heard: Heard
+    timeout_s: float,
+    baud: int | None,
+    heard_bytes: int,
+    decoder: Decoder | None,
+    protocol: str,
+    heard: Heard,
+    port: str,
 ) -> str:
     """What to tell a person whose device said nothing that can be decoded within `timeout_s`.
 
     `baud` is the line rate that was given, None where it was to be found; `decoder` is the one that was chosen, by
-    what was asked for as `protocol`; `heard` holds the last of the `heard_bytes`.
+    what was asked for as `protocol`; `heard` holds the last of the `heard_bytes`, which came from `port`.
     """
     waited = f"within {timeout_s:g} s"
     if not heard_bytes:
@@ -27,14 +37,14 @@ def why_silent(
             f"{decoder.counters.before_hello} samples came {waited}, but no HELLO frame that says their scale; "
             "the device has to send one once a second"
         )
-    if decoder is not None and decoder.counters.other:
+    if decoder is not None and decoder.counters.other and not (decoder.name == text.NAME and heard.is_text):
         advice = PROTOCOLS[decoder.name].without_rate
         return (
             f"{decoder.counters.other} good {decoder.name} frames came {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
         )
     if heard.is_text:
-        return _why_text(protocol, heard)
+        return _why_text(protocol, heard, port, waited)
     wanted = listed() if decoder is None and protocol == "auto" else protocol
     tried = "any of the usual baud rates" if baud is None else f"{baud} baud"
     what_to_do = (
@@ -45,25 +55,41 @@ def why_silent(
     return f"{heard_bytes} bytes came {waited}, but no {wanted} frame in them at {tried}; {what_to_do}"
 
 
-def _why_text(protocol: str, heard: Heard) -> str:
-    """Of a device that prints lines: what they look like, what is expected, and how they are read as they are."""
+def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:
+    """Of a device that prints lines: what they look like, and how they are read, or what has to be asked."""
     from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - only a stream that nobody understands needs it
 
-    lines = heard.lines()
-    guessed = guess(lines, heard.lines_per_s)
     came = f"the device prints text, so the baud rate is right, but no line is a {_wanted(protocol)}"
+    guessed = guess(heard.lines(), heard.lines_per_s)
     if guessed is None:
-        last = lines[-1] if lines else ""
-        return (
-            f"{came}: {quoted(last)} looks like a message for people; is its program running, does it wait for a key?"
-        )
+        return f"{came}: {quoted(heard.last_words())} looks like a message for people; {_for_people(waited)}"
     names = [column.said for column in guessed.columns]
     shown = ", ".join(names[:MOST_NAMES]) + (", …" if len(names) > MOST_NAMES else "")
     looks = f"{came}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
-    if guessed.spec is None:
-        return f"{looks}, without a yaw rate; {_expected(protocol)}, or name its columns with --columns"
+    turn_it = f"gyrodrift doctor --port {shlex.quote(port)} --turn"
+    if guessed.turn is None or guessed.template is None:
+        return (
+            f"{looks}, and nothing says which of them is the yaw rate; {_expected(protocol)}, or say what the columns"
+            f" are with --columns, or let a quarter turn tell: {turn_it}"
+        )
+    is_angle = guessed.turn.entry.startswith("yaw")
+    columns = f"'{guessed.template}'"  # no label holds a quotation mark
     reasons = "; ".join(f"{column.said} {column.why}" for column in guessed.columns if column.entry != "_")
-    return f"{looks}; {_expected(protocol)}, or read it as it is: --columns {shlex.quote(guessed.spec)} ({reasons})"
+    if not guessed.is_unit_said:
+        return (
+            f"{looks} ({reasons}), but nothing says in which unit: put {'deg or rad' if is_angle else RATE_UNITS} in"
+            f" place of UNIT in --columns {columns}, or let a quarter turn tell: {turn_it}"
+        )
+    note = ANGLE_NOTE if is_angle else ""
+    return f"{looks}; {_expected(protocol)}, or read it as it is: --columns {columns} ({reasons}){note}"
+
+
+def _for_people(waited: str) -> str:
+    """What to do about a board that is still starting, or that waits for somebody."""
+    return (
+        f"is its program running? If it is still starting up {waited}, wait longer with --timeout 30;"
+        " if it waits for a key, send one with --send '\\r\\n'"
+    )
 
 
 def _wanted(protocol: str) -> str:

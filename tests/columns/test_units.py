@@ -17,7 +17,7 @@ from gyrodrift.columns.units import SPELLINGS, Dimension, unit_in, unit_of
         ("mrad/s", "rate", "mrads"),
         ("deg/min", "rate", "lsb/60"),
         ("°/h", "rate", "lsb/3600"),
-        ("rpm", "rate", "lsb/0.16666666666666666"),
+        ("rpm", "rate", "lsb/0.166667"),
         ("°", "angle", "deg"),
         ("Degrees", "angle", "deg"),
         ("rad", "angle", "rad"),

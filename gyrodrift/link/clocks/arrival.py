@@ -6,6 +6,7 @@ leans towards it gently, so that it never goes back.
 """
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, SampleGap
+from gyrodrift.link.clocks.turning import TurningRate
 from gyrodrift.sample import Reading, Sample
 
 HOLD_S = 0.3
@@ -37,6 +38,7 @@ class ArrivalClock:
         self._time_s = 0.0
         self._origin_s = 0.0
         self._has_reconnected = False
+        self._turning = TurningRate()
 
     @property
     def drift_ppm(self) -> float | None:
@@ -51,6 +53,7 @@ class ArrivalClock:
     def reconnected(self) -> None:
         """After an outage whatever is late was lost, not delayed."""
         self._has_reconnected = True
+        self._turning.forget()
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples along the line through arrivals."""
@@ -99,5 +102,7 @@ class ArrivalClock:
         on_line_s = self._fit.arrival_s(number) - self._origin_s
         lean_s = min(max(LEAN * (on_line_s - expected_s), -0.5 * self.period_s), 0.5 * self.period_s)
         self._time_s = expected_s + lean_s
-        _, _, rate_dps, encoder_deg, temp_c, still = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg = reading
+        if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
+            rate_dps = self._turning.rate_dps(self._time_s, yaw_deg)
         return Sample(number, self._time_s, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)

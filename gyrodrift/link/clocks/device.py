@@ -5,6 +5,7 @@ from statistics import median
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
 from gyrodrift.link.clocks.steps import COUNTER_WRAP, agree, clock_step, counter_step, is_one_pace, step_between
+from gyrodrift.link.clocks.turning import TurningRate
 from gyrodrift.sample import Reading, Sample
 
 STEP_US = 1_000_000
@@ -62,6 +63,7 @@ class DeviceClock:
         self._step = 0, 0
         self._arrival_s = 0.0
         self._suspect: Reading | None = None
+        self._turning = TurningRate()
         self._has_reconnected = False
         self._usual_us = 0.0
         self._fit_due_s = float("-inf")
@@ -207,6 +209,7 @@ class DeviceClock:
             self._steps_s.clear()
 
     def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        self._turning.forget()
         self.events.append(ClockRestart(clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
         period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
         if (
@@ -227,7 +230,9 @@ class DeviceClock:
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
-        _, _, rate_dps, encoder_deg, temp_c, still = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg = reading
+        if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
+            rate_dps = self._turning.rate_dps(time_us * 1e-6, yaw_deg)
         return Sample(seq, time_us / 1e6, self.epoch_s + arrival_s, rate_dps, encoder_deg, temp_c, still)
 
 

@@ -1,7 +1,7 @@
 """What every decoder is: bytes are pushed in, readings come out, and what was damaged is counted.
 
 A decoder never reads, waits or raises. It gives the same readings for any split of the stream, and keeps less
-than a kilobyte between two pushes, beside samples whose scale is not known yet.
+than five kilobytes between two pushes, beside samples whose scale is not known yet.
 """
 
 from dataclasses import dataclass
@@ -32,6 +32,8 @@ class DecoderCounters:
         Samples that the device marked as out of its range.
     other
         Good frames of kinds that carry no yaw rate.
+    passed_over
+        Names of other senders of a rate on the same line: one is listened to.
     """
 
     frames: int = 0
@@ -40,6 +42,7 @@ class DecoderCounters:
     late: int = 0
     clipped: int = 0
     other: int = 0
+    passed_over: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

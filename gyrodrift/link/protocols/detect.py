@@ -19,7 +19,9 @@ class _Candidate:
     def is_sure(self) -> bool:
         """Whether enough good frames came, or the device has said who it is."""
         decoder = self.decoder
-        return decoder.counters.frames >= self.protocol.sure_frames or decoder.device.device_id is not None
+        if decoder.counters.frames < self.protocol.sure_frames and decoder.device.device_id is None:
+            return False
+        return self.protocol.is_plausible(self.readings)
 
 
 class Detector:

@@ -23,7 +23,7 @@ OTHER = (0, Reading(None, None, 0.0))
 
 
 class LineDecoder(ABC):
-    """Lines ended by LF or CRLF; comments start with `#`."""
+    """Lines ended by LF, CRLF or CR; comments start with `#`."""
 
     name: str
     longest_bytes = 256
@@ -41,10 +41,14 @@ class LineDecoder(ABC):
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """Number of columns and measurement of a line; OTHER where it holds none, None where it is damaged."""
 
+    def is_comment(self, text: bytes) -> bool:
+        """Whether a line is passed over without being counted."""
+        return text.startswith(b"#")
+
     def push(self, chunk: bytes) -> list[Reading]:
         """Split at line ends and parse each whole line."""
         readings: list[Reading] = []
-        *lines, pending = (self._pending + chunk).split(b"\n")
+        *lines, pending = (self._pending + chunk).replace(b"\r", b"\n").split(b"\n")
         for line in lines:
             self._line(line, readings)
             self._overlong = False
@@ -57,7 +61,7 @@ class LineDecoder(ABC):
     def _line(self, line: bytes, readings: list[Reading]) -> None:
         overlong = self._overlong or len(line) > self.longest_bytes
         text = line.strip()
-        if not overlong and (not text or text.startswith(b"#")):
+        if not overlong and (not text or self.is_comment(text)):
             return
         parsed = None if overlong else self.parse(text)
         if parsed is None:

@@ -13,9 +13,13 @@ VALID = "A"
 
 
 class NmeaDecoder(SentenceDecoder):
-    """Rate of turn of any talker."""
+    """Rate of turn of one talker: of several that take turns, the first with a valid rate."""
 
     name = "nmea"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._talker = ""
 
     def is_known(self, words: list[str]) -> bool:
         """Two letters say who talks."""
@@ -23,8 +27,12 @@ class NmeaDecoder(SentenceDecoder):
 
     def read(self, words: list[str]) -> Reading | None:
         """To port is counter-clockwise."""
-        per_minute = number_in(words, 1)
+        per_minute, talker = number_in(words, 1), words[0][:2]
         if per_minute is None or words[2:3] != [VALID]:
+            return None
+        self._talker = self._talker or talker
+        if talker != self._talker:
+            self.counters.passed_over |= {f"{talker}ROT"}
             return None
         rate_dps = -per_minute / SECONDS_PER_MINUTE
         return Reading(None, None, rate_dps + 0.0) if abs(rate_dps) <= MAX_RATE_DPS else None

@@ -1,12 +1,18 @@
 """What a wire protocol is to the host: one record, from which link, detection, `--protocol` and its help follow."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gyrodrift.link.protocols.decoder import Decoder
+from gyrodrift.sample import Reading
 
 SURE_FRAMES = 3
 """Good frames to be sure: of noise, fewer than one in 10^9 such runs passes any of the shipped protocols."""
+
+
+def _any_reading(readings: Sequence[Reading]) -> bool:  # noqa: ARG001 - of a protocol whose frames say enough
+    """Frames with a checksum are what they look like."""
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +35,12 @@ class WireProtocol:
         Whether detection listens for it; not where a person has to say how it is laid out.
     has_unit
         Whether the protocol itself lays down the unit of its rates; those of others are looked at.
+    is_unit_said
+        Whether somebody or something says in which unit its rates are; a stream of another unit ends where nobody does.
+    sends_angle
+        Whether its readings have an angle in place of a rate: the filter of the device has been at work.
+    is_plausible
+        Whether readings of good frames can be of the protocol: lines without a checksum may look like it.
     without_rate
         What to do where a device speaks it and sends no rate; empty where each of its frames has one.
     """
@@ -41,4 +53,7 @@ class WireProtocol:
     sure_frames: int = SURE_FRAMES
     is_detected: bool = True
     has_unit: bool = False
+    is_unit_said: bool = True
+    sends_angle: bool = False
+    is_plausible: Callable[[Sequence[Reading]], bool] = _any_reading
     without_rate: str = ""

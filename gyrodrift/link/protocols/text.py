@@ -3,9 +3,9 @@
 Nothing of it is loaded before it is asked for: most devices speak something else.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 
@@ -28,8 +28,6 @@ def text_protocol(columns: str) -> WireProtocol:
     from gyrodrift.columns.spec import CLOCK_US, columns_of  # noqa: PLC0415 - see the first lines of this file
 
     parsed = columns_of(columns)
-    if not any(column.meaning == "rate" for column in parsed):
-        raise UsageError("--columns: yaw is read from files alone so far; a port has to send a rate")
 
     def decoder() -> "TextDecoder":
         from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
@@ -37,7 +35,9 @@ def text_protocol(columns: str) -> WireProtocol:
         return TextDecoder(parsed)
 
     has_clock = any(column.meaning in CLOCK_US for column in parsed)
-    return WireProtocol(NAME, HELP, decoder, has_clock=has_clock, rank=90, is_detected=False)
+    sends_angle = any(column.meaning == "yaw" for column in parsed)
+    is_unit_said = any(column.unit for column in parsed if column.meaning == "rate")
+    return replace(PROTOCOL, decoder=decoder, has_clock=has_clock, is_unit_said=is_unit_said, sends_angle=sends_angle)
 
 
 def read_by(decoder: Decoder, columns: str) -> None:

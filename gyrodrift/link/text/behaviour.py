@@ -1,4 +1,4 @@
-"""How columns without names are told: a clock grows, an acceleration keeps its length, a rate moves about zero."""
+"""How columns without names are told: a clock grows, an acceleration keeps its length. No behaviour makes a rate."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -6,19 +6,28 @@ from math import hypot
 from statistics import fmean, median, pstdev
 
 from gyrodrift.columns.names import SeenColumn
+from gyrodrift.columns.spec import CLOCK_US
+from gyrodrift.columns.units import Dimension
 from gyrodrift.link.text.fields import is_whole
 
-GRAVITIES = (1.0, 9.81, 1000.0, 2048.0, 4096.0, 8192.0, 16384.0)
-"""What a level accelerometer says: in g, m/s², mg, and in counts at ±16, 8, 4 and 2 g over 16 bits."""
+GRAVITIES = (1.0, 9.81, 64.0, 128.0, 256.0, 512.0, 1000.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0)
+"""What a level accelerometer says: in g, m/s², mg, and in counts of the ranges of 10 to 16 bits (data sheets of
+ADXL345, MMA8452, LIS3DH and MPU-6050)."""
+
+LEAST_TILT = 0.5
+"""Relative: how far an axis of an acceleration has moved before its length tells it from other numbers."""
 
 STEADY_NORM = 0.15
 """Relative: how far the length of an acceleration may be from one of GRAVITIES, and how much it may vary."""
 
 GROWING_STEPS = 0.9
-STEP_SPREAD = 0.5
-"""A clock grows with nine steps in ten, and half of the steps are within this share of the median step."""
+PACE_FACTOR = 2.0
+"""A column without a name that grows at another pace than its lines come, by more than this, is no clock."""
 
-MOVES_MORE = 5.0
+STEP_SPREAD = 0.5
+LEAST_FORWARD, STANDING = 0.2, 0.2
+"""A clock does not go back in nine steps of ten, and half of the steps forward are within this share of their median.
+One of too few digits stands still for most lines, and goes forward with a fifth of them at least."""
 
 SURROUNDINGS_C = (5.0, 70.0)
 WARMTH_RANGE_C = 2.0
@@ -31,9 +40,11 @@ def find_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
     if any(column.kind == "clock" for column in columns):
         return
     for column in columns:
-        if column.kind or not _is_growing(column.numbers):
+        if column.kind or (column.unit and column.unit.dimension is not Dimension.TIME):
             continue
-        step = step_of(column.numbers)
+        step = step_of(column.numbers) if _is_growing(column.numbers) else 0.0
+        if not step or not _fits(step, lines_per_s):
+            continue
         if step == 1.0 and not (lines_per_s and 850.0 < lines_per_s < 1150.0):
             if not any(each.kind == "seq" for each in columns):
                 column.kind, column.why = "seq", "counts one by one"
@@ -42,18 +53,32 @@ def find_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
         return
 
 
+def _fits(step: float, lines_per_s: float | None) -> bool:
+    """Whether some unit makes the step that of the lines, or of a counter."""
+    if lines_per_s is None or step == 1.0:
+        return True
+    return any(1.0 / PACE_FACTOR < step * us * 1e-6 * lines_per_s < PACE_FACTOR for us in CLOCK_US.values())
+
+
 def _is_growing(numbers: Sequence[float]) -> bool:
+    """Never back, or hardly ever, and by even steps once those are passed over that printing too few digits makes 0."""
     if len(numbers) < LEAST_LINES:
         return False
     steps = [after - before for before, after in pairwise(numbers)]
-    middle = median(steps)
-    near = sum(abs(step - middle) <= STEP_SPREAD * middle for step in steps)
-    return middle > 0.0 and sum(step > 0.0 for step in steps) >= GROWING_STEPS * len(steps) and near >= 0.5 * len(steps)
+    forward = [step for step in steps if step > 0.0]
+    if len(forward) < max(2, LEAST_FORWARD * len(steps)) or sum(step >= 0.0 for step in steps) < GROWING_STEPS * len(
+        steps
+    ):
+        return False
+    middle = median(forward)
+    return sum(abs(step - middle) <= STEP_SPREAD * middle for step in forward) >= 0.5 * len(forward)
 
 
 def step_of(numbers: Sequence[float]) -> float:
-    """Median step from line to line."""
-    return median(after - before for before, after in pairwise(numbers))
+    """Typical step from line to line: the median, or the mean where most steps are hidden by too few digits."""
+    steps = [after - before for before, after in pairwise(numbers)]
+    forward = [step for step in steps if step >= 0.0]
+    return median(steps) if steps.count(0.0) < STANDING * len(steps) else fmean(forward)
 
 
 def find_accelerometer(columns: list[SeenColumn]) -> None:
@@ -66,7 +91,8 @@ def find_accelerometer(columns: list[SeenColumn]) -> None:
         lengths = [hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True)]
         mean = fmean(lengths)
         is_gravity = any(abs(mean - known) <= STEADY_NORM * known for known in GRAVITIES)
-        if is_gravity and pstdev(lengths) <= STEADY_NORM * mean and any(column.moves for column in three):
+        has_moved = max(column.moves for column in three) > LEAST_TILT * mean  # at rest a bias has a steady length, too
+        if is_gravity and has_moved and pstdev(lengths) <= STEADY_NORM * mean:
             for column, kind in zip(three, ("ax", "ay", "az"), strict=True):
                 column.kind, column.why = kind, f"the three have the length of gravity, {mean:.4g}"
             return
@@ -81,37 +107,3 @@ def find_temperature(columns: list[SeenColumn]) -> None:
     is_warm = all(SURROUNDINGS_C[0] < number < SURROUNDINGS_C[1] for number in last.numbers)
     if is_warm and last.moves <= WARMTH_RANGE_C and not all(map(is_whole, last.texts)):
         last.kind, last.why = "temp", "hardly moves and is as warm as a room"
-
-
-def find_rate(columns: list[SeenColumn]) -> None:
-    """Of three axes the one that moves most, else the third; of one or two columns the first."""
-    if any(column.kind == "rate" for column in columns):
-        return
-    unknown = [column for column in columns if not column.kind and column.is_numeric]
-    if len(unknown) >= 3:
-        three = unknown[:3]
-        moving = max(three, key=lambda column: column.moves)
-        still = sorted(column.moves for column in three)[1]
-        at = three.index(moving) if moving.moves > MOVES_MORE * still else 2
-        for column, kind in zip(three, ("gx", "gy", "gz"), strict=True):
-            column.kind, column.why = kind, "is one of three axes"
-        why = "moves most of three axes" if at != 2 or moving is three[2] else "is the third of three axes"
-        three[at].kind, three[at].why = ("rate", why)
-        for column, name in zip(three, ("gx", "gy", "gz"), strict=True):
-            column.label = column.label or name
-    elif unknown:
-        unknown[0].kind, unknown[0].why = "rate", "is the first number that is no clock"
-        if len(unknown) == 2 and _is_integral(unknown[1].numbers, unknown[0].numbers):
-            unknown[1].kind, unknown[1].why = "encoder", "is what the rate adds up to"
-
-
-def _is_integral(angle: Sequence[float], rate: Sequence[float]) -> bool:
-    """Whether the steps of the one go with the other."""
-    steps = [after - before for before, after in pairwise(angle)]
-    rates = [0.5 * (before + after) for before, after in pairwise(rate)]
-    spread = pstdev(steps) * pstdev(rates)
-    if not spread:
-        return False
-    mean_step, mean_rate = fmean(steps), fmean(rates)
-    together = fmean((a - mean_step) * (b - mean_rate) for a, b in zip(steps, rates, strict=True))
-    return together / spread > 0.9

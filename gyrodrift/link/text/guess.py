@@ -1,23 +1,37 @@
-"""What probably stands in the columns of an unknown text, from some of its lines, with what speaks for each.
+"""The columns of an unknown text, from some of its lines: what something says, and what has to be asked.
 
-Labels come first: who prints `gz:` says what it is. Where there are none, a column is told by how it behaves: a clock
-grows evenly, the length of three accelerations stays the same, a rate moves about zero.
+A number is a yaw rate only where a label, a unit or known firmware says so, and its unit is told only where it is
+written or the numbers leave no other. What is not said is a question: how numbers behave may tell a clock or an
+acceleration, but never a rate.
 """
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-from gyrodrift.columns.names import SPOKEN, USED, SeenColumn, kind_of, name_by_first_word, name_by_label
+from gyrodrift.columns.names import (
+    SPOKEN,
+    USED,
+    SeenColumn,
+    name_by_known_row,
+    name_by_label,
+    name_by_unit,
+)
 from gyrodrift.columns.spec import IGNORED
-from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_rate, find_temperature
-from gyrodrift.link.text.fields import Fields, Form, as_label, fields_of, is_number
-from gyrodrift.link.text.units import clock_unit, rate_unit
+from gyrodrift.columns.units import unit_in, unit_of
+from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_temperature
+from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
+from gyrodrift.link.text.headings import Headings
+from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit
 
 LEAST_LINES = 3
 MOST_LINES = 400
 TEMPERATURES_C = (-55.0, 150.0)
 """Beyond what any sensor is made for, a temperature is in counts."""
+
+ASKED_UNIT = "UNIT"
+"""Stands in a SPEC for what a person has to say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +67,29 @@ class TextGuess:
     columns: tuple[GuessedColumn, ...]
 
     @property
+    def turn(self) -> GuessedColumn | None:
+        """The column that says how the device turns; None where nothing says that one does."""
+        return next((column for column in self.columns if column.entry.startswith(("rate", "yaw"))), None)
+
+    @property
+    def is_unit_said(self) -> bool:
+        """Whether it is known in which unit that column is."""
+        return self.turn is not None and ASKED_UNIT not in self.turn.entry
+
+    @property
     def spec(self) -> str | None:
-        """For `--columns`; None where no column looks like a rate."""
-        entries = [column.entry for column in self.columns]
-        if not any(entry.startswith("rate") for entry in entries):
+        """For `--columns`; None where something has to be asked first."""
+        return self.template if self.is_unit_said else None
+
+    @property
+    def template(self) -> str | None:
+        """The same with ASKED_UNIT for a unit that is not said; None where no column is a rate or yaw."""
+        if self.turn is None:
             return None
-        if self.form in (Form.LABELLED, Form.JSON):
+        entries = [column.entry for column in self.columns]
+        if any(self.labels):
             named = zip(self.labels, entries, strict=True)
-            return ", ".join(f"{label}={entry}" for label, entry in named if entry != IGNORED)
+            return ", ".join(f"{label}={entry}" for label, entry in named if entry != IGNORED and label)
         while entries[-1] == IGNORED:
             entries.pop()
         return ", ".join(entries)
@@ -71,35 +100,34 @@ class TextGuess:
 
 
 def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess | None:
-    """What the columns of a text probably are; None where nothing in it repeats that has numbers.
+    """What the columns of a text are; None where nothing in it repeats that has numbers.
 
-    `lines_per_s` is the pace at which the lines came, where it is known: it tells the unit of a clock. An error inside
-    of it is no guess: lines come from a device that can print anything, and a guess must not end what it explains.
+    `lines_per_s` is the pace at which the lines came, where it is known: it tells the unit of a clock.
     """
-    try:
-        return _guess(lines, lines_per_s)
-    except (ArithmeticError, LookupError, TypeError, ValueError):  # StatisticsError is a ValueError
-        return None
+    heard = [line for line in (line.strip() for line in lines) if line][-MOST_LINES:]
+    found = _guess([line for line in heard if not line.startswith("#")], lines_per_s)
+    if found is None or found.turn is None:  # what looks like comments may be all there is
+        found = _guess([line.lstrip("# ") for line in heard], lines_per_s) or found
+    return found
 
 
-def _guess(lines: Iterable[str], lines_per_s: float | None) -> TextGuess | None:
-    heard = [line for line in (line.strip() for line in lines) if line and not line.startswith("#")][-MOST_LINES:]
-    parsed = [(line, fields) for line in heard if (fields := fields_of(line)) is not None]
+def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
+    headings = Headings()
+    parsed = [(line, fields) for line in heard if (fields := headings.fields_of(line)) is not None]
     layout = _usual_layout([fields for _, fields in parsed])
     if layout is None:
         return None
     alike = [(line, fields) for line, fields in parsed if _layout(fields) == layout and _has_numbers(fields)]
-    columns = _columns([fields for _, fields in alike], _header(parsed, layout))
+    columns = _columns([fields for _, fields in alike], _header(parsed, layout, headings))
+    name_by_known_row(columns)
     name_by_label(columns)
-    name_by_first_word(columns)
+    name_by_unit(columns)
     pace = lines_per_s * len(alike) / len(heard) if lines_per_s else None
     find_clock(columns, pace)
     find_accelerometer(columns)
     find_temperature(columns)
-    find_rate(columns)
-    text = " ".join(heard[:MOST_LINES]).lower()
-    guessed = tuple(_guessed(column, pace, text) for column in columns)
-    return TextGuess(layout.form, alike[-1][0], layout.labels, guessed)
+    guessed = tuple(_guessed(column, pace, columns) for column in columns)
+    return TextGuess(layout.form, alike[-1][0], layout.labels, _one_turn(guessed))
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,48 +148,86 @@ def _has_numbers(fields: Fields) -> bool:
 
 
 def _usual_layout(parsed: Sequence[Fields]) -> _Layout | None:
-    """The most common one that has numbers; where several take turns, the one with a rate by its labels."""
+    """The most common one that has numbers; where several take turns, the one with a rate or yaw by its labels."""
     found = Counter(_layout(fields) for fields in parsed if _has_numbers(fields))
     common = [layout for layout, times in found.items() if times >= LEAST_LINES]
     if not common:
         return None
     most = max(found[layout] for layout in common)
     turns = [layout for layout in common if found[layout] >= 0.5 * most]
-    with_rate = [layout for layout in turns if any(kind_of(label) == "rate" for label in layout.labels)]
-    return max(with_rate or turns, key=lambda layout: found[layout])
+    units = {_layout(fields): fields.units for fields in parsed}
+    for kind in ("rate", "yaw", "heading"):
+        for layout in turns:
+            if kind in _kinds(layout, units[layout]):
+                return layout
+    return max(turns, key=lambda layout: found[layout])
 
 
-def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout) -> tuple[str, ...] | None:
+def _kinds(layout: _Layout, units: tuple[str, ...]) -> set[str]:
+    """By labels and units alone."""
+    said = units or ("",) * layout.count
+    columns = [
+        SeenColumn(label, ("0",), (0.0,), unit_of(unit) or unit_in(label))
+        for label, unit in zip(layout.labels, said, strict=True)
+    ]
+    name_by_label(columns)
+    return {column.kind for column in columns}
+
+
+def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout, headings: Headings) -> tuple[str, ...] | None:
     """The names in the last line above the first row of values."""
     names = None
     for _, fields in parsed:
         if fields.form is Form.ROW is layout.form and len(fields.values) == layout.count:
             if _has_numbers(fields):
                 return names
-            names = tuple(map(as_label, fields.values))
+            names = tuple(headings.full(as_label(value)) for value in fields.values)
     return None
 
 
 def _columns(alike: Sequence[Fields], header: tuple[str, ...] | None) -> list[SeenColumn]:
     labels = header or alike[0].labels
+    units = next((fields.units for fields in alike if fields.units), ("",) * len(labels))
     rows = [fields.values for fields in alike]
     columns = []
-    for label, texts in zip(labels, zip(*rows, strict=True), strict=True):
+    for label, unit, texts in zip(labels, units, zip(*rows, strict=True), strict=True):
         numbers = tuple(float(text) for text in texts if is_number(text))
         is_numeric = len(numbers) == len(texts) and all(abs(number) < 1e18 for number in numbers)
-        columns.append(SeenColumn(label, texts, numbers if is_numeric else ()))
+        columns.append(SeenColumn(label, texts, numbers if is_numeric else (), unit_of(unit) or unit_in(label)))
+    for column, after in reversed(list(pairwise(columns))):
+        if column.unit is None and _head(column.label) == _head(after.label) != "":
+            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
     return columns
 
 
-def _guessed(column: SeenColumn, lines_per_s: float | None, text: str) -> GuessedColumn:
-    kind = column.kind
+def _head(label: str) -> str:
+    """The words before the axis of a label."""
+    return label.rpartition(" ")[0]
+
+
+def _guessed(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> GuessedColumn:
+    kind, option = column.kind, column.option
     if kind == "clock":
         unit, why = clock_unit(column, lines_per_s)
         return GuessedColumn(unit, unit, why)
     if kind == "rate":
-        said = kind_of(column.label) if kind_of(column.label) in {"gx", "gy"} else SPOKEN["rate"]
-        unit, why = rate_unit(column, text)
-        return GuessedColumn(said, f"rate{unit}", f"{column.why}{why}")
+        unit, why = (option, "") if option else rate_unit(column, columns)
+        return GuessedColumn(SPOKEN["rate"], f"rate:{unit or ASKED_UNIT}", f"{column.why}{why}")
+    if kind in {"yaw", "heading"}:
+        unit, why = (option, "") if option else angle_unit(column)
+        sign = ":-" if kind == "heading" else ""  # a compass counts clockwise
+        return GuessedColumn(kind, f"yaw:{unit or ASKED_UNIT}{sign}", f"{column.why}{why}")
     is_counted = kind == "temp" and not all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
     entry = kind if kind in USED and not is_counted else IGNORED
     return GuessedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)
+
+
+def _one_turn(columns: tuple[GuessedColumn, ...]) -> tuple[GuessedColumn, ...]:
+    """A rate is used rather than an angle, which the device has filtered already; of several the first."""
+    first = next((column for word in ("rate", "yaw") for column in columns if column.entry.startswith(word)), None)
+    return tuple(
+        GuessedColumn(column.said, IGNORED, column.why)
+        if column.entry.startswith(("rate", "yaw")) and column is not first
+        else column
+        for column in columns
+    )

@@ -1,16 +1,15 @@
-"""In which units a clock and a rate are printed: from the pace of the lines, from what is written, from the numbers."""
+"""In which units a clock, a rate and an angle are printed: as written, or as the numbers leave no other."""
 
 import re
+from collections.abc import Sequence
+from math import exp, hypot, log, pi, sqrt
+from statistics import fmean
 
 from gyrodrift.columns.names import SeenColumn
-from gyrodrift.columns.spec import CLOCK_US
+from gyrodrift.columns.spec import CLOCK_US, RATE_DPS, STANDARD_GRAVITY_MPS2
+from gyrodrift.columns.units import Dimension
 from gyrodrift.link.text.behaviour import step_of
 from gyrodrift.link.text.fields import is_whole
-
-COUNTS_PER_DPS = 131
-"""Of an MPU-6050 at ±250 deg/s, the most common of all (register map RM-MPU-6000A, 4.19)."""
-
-SENSITIVITY = f"{COUNTS_PER_DPS} are 1 deg/s of an MPU-6050 at ±250 deg/s, put in those of your sensor"
 
 UNIT_FACTOR = 6.0
 """How far a clock may be from the pace at which its lines come; its units are a factor of a thousand apart."""
@@ -18,43 +17,91 @@ UNIT_FACTOR = 6.0
 MICROSECONDS_FROM = 400.0
 """Without a pace, a step of this and more is in µs (2.5 kHz), and a smaller one in ms (2.5 Hz)."""
 
+NOISE_DPS, NOISE_SCALE = 0.08, log(2.5)
+"""Noise at rest of cheap gyros and the scatter of its logarithm, as in `units.rate_unit`."""
+
+SURE_ODDS = 100.0
+"""A unit that is not written is told from here on, as in `units.rate_unit`."""
+
+SI_ODDS = 10.0
+"""Libraries that print m/s² beside rad/s (Adafruit Unified Sensor, ROS) against those beside deg/s (ESPHome, BNO055): a
+guess on the safe side, which decides nothing alone."""
+
+LEAST_SAMPLES = 20
+GRAVITY_WITHIN = 0.1
+
 
 def clock_unit(column: SeenColumn, lines_per_s: float | None) -> tuple[str, str]:
     """A key of CLOCK_US, and what speaks for it."""
     step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
-    plain = re.sub(r"[^a-z]", "", column.label.lower())
     if lines_per_s and step > 0.0:
         offsets = {unit: step * scale * 1e-6 * lines_per_s for unit, scale in CLOCK_US.items()}
         unit = next((unit for unit, off in offsets.items() if 1.0 / UNIT_FACTOR < off < UNIT_FACTOR), "")
         if unit:
             return unit, f"grows by {step:g} with each line, and {lines_per_s:.3g} lines a second come"
+    if column.unit is not None and column.unit.dimension is Dimension.TIME:
+        return column.unit.option, f"is labelled {column.label}"
+    plain = re.sub(r"[^a-z]", "", column.label.lower())
     named = (
         ("t_ms", ("ms", "millis")),
         ("t_us", ("us", "micros")),
         ("t_ns", ("ns", "nanos")),
-        ("t_s", ("sec", "seconds", "ts")),
+        ("t_s", ("sec", "seconds")),
     )
     for unit, endings in named:
-        if plain.endswith(endings) and plain != "ts":
+        if plain.endswith(endings):
             return unit, f"is labelled {column.label}"
     if not all(map(is_whole, column.texts)) and step < 2.0:
         return "t_s", f"grows by {step:g} with each line"
     return ("t_us" if step >= MICROSECONDS_FROM else "t_ms"), f"grows by {step:g} with each line"
 
 
-def rate_unit(column: SeenColumn, text: str) -> tuple[str, str]:
-    """What `rate` says of its unit, and why."""
-    label = column.label.lower()
-    if milli := re.search(r"mdps|mrad/s|mrads", label) or re.search(r"\bmdps|\bmrad/s", text):
-        return (":mdps", ", in mdps as it says") if milli[0] == "mdps" else (":mrads", ", in mrad/s as it says")
-    if re.search(r"rad(ian)?s?\b|rads\b|rad/s", label) or (re.search(r"rad(ian)?s?/s|rad/sec", text)):
-        return ":rads", ", in rad/s as it says"
-    if re.search(r"dps|deg/s|°/s|deg/sec|degrees/s", f"{label} {text}"):
-        return "", ", in deg/s as it says"
-    distinct = len(set(column.texts))
-    if all(map(is_whole, column.texts)) and distinct > 3 and max(map(abs, column.numbers)) > 3.0:
-        return (
-            f":lsb/{COUNTS_PER_DPS}",
-            f", in whole numbers, so in counts; {SENSITIVITY}",
-        )
+def rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
+    """What `rate:` says of its unit, and why; empty where nothing does."""
+    unit = column.unit
+    if unit is not None and unit.dimension is Dimension.RATE:
+        return unit.option, f", in {unit.option} as it says"
+    if unit is not None:
+        return "", ""
+    odds = _radian_odds(column) * (SI_ODDS if _is_gravity_si(columns) else 1.0)
+    if odds < SURE_ODDS:
+        return "", ""
+    beside = " beside accelerations in m/s²" if _is_gravity_si(columns) else ""
+    return "rads", f", in rad/s: for deg/s its noise is too small{beside}, odds {odds:.0f} to 1"
+
+
+def angle_unit(column: SeenColumn) -> tuple[str, str]:
+    """What `yaw:` says of its unit, and why; empty where nothing does."""
+    if column.unit is not None and column.unit.dimension is Dimension.ANGLE:
+        return column.unit.option, f", in {column.unit.option} as it says"
+    if max(map(abs, column.numbers)) > 2.0 * pi + 0.01:
+        return "deg", ", in degrees, since it is more than a turn of radians"
     return "", ""
+
+
+def _radian_odds(column: SeenColumn) -> float:
+    """Odds of rad/s against deg/s by the noise at rest; 1 where it is not seen."""
+    numbers = column.numbers
+    if len(numbers) < LEAST_SAMPLES or all(map(is_whole, column.texts)):
+        return 1.0
+    bends = sorted(abs(a - 2.0 * b + c) for a, b, c in zip(numbers, numbers[1:], numbers[2:], strict=False))
+    quiet = bends[: max(3, len(bends) // 2)]  # half of the time at most is a device in motion
+    digits = max(len(text.partition(".")[2]) for text in column.texts)
+    hidden = 10.0**-digits / sqrt(12.0)  # what rounding may hide: the uniform error of a step
+    noise = max(sqrt(fmean(bend * bend for bend in quiet) / 6.0), hidden)
+    return exp(_log_density(noise * RATE_DPS["rads"]) - _log_density(noise))
+
+
+def _log_density(noise_dps: float) -> float:
+    """Student's t with five degrees of freedom of the logarithm of a noise, up to a constant."""
+    z = log(noise_dps / NOISE_DPS) / NOISE_SCALE
+    return -3.0 * log(1.0 + z * z / 5.0)
+
+
+def _is_gravity_si(columns: Sequence[SeenColumn]) -> bool:
+    """Whether three accelerations in the same line have the length of gravity in m/s²."""
+    three = [column for kind in ("ax", "ay", "az") for column in columns if column.kind == kind]
+    if len(three) != 3 or not all(column.is_numeric for column in three):
+        return False
+    lengths = sorted(hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True))
+    return abs(lengths[len(lengths) // 2] - STANDARD_GRAVITY_MPS2) < GRAVITY_WITHIN * STANDARD_GRAVITY_MPS2

@@ -6,6 +6,7 @@ from typing import Any
 from gyrodrift.errors import UnitError
 from gyrodrift.link.clocks.clock import Clock
 from gyrodrift.link.heard import Heard
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Sample
 
 CLOCK_S = 1.5
@@ -28,13 +29,16 @@ class UnitCheck:
     Raises
     ------
     UnitError
-        From `take`, where the device clock is none in microseconds.
+        From `take`, where the device clock is none in microseconds, or where the rate is hardly in deg/s and nobody
+        said that it is.
     """
 
-    def __init__(self, protocol: str, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as the protocol says it
-        self.is_over = False
+    def __init__(self, protocol: WireProtocol, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as the protocol says it
+        self.is_over = protocol.sends_angle and not has_clock
         self.is_hearing = has_clock
-        self._protocol = protocol
+        self._protocol = protocol.name
+        self._is_unit_said = protocol.is_unit_said
+        self._has_rate = not protocol.sends_angle
         self._heard = heard
         self._on_event = on_event
         self._readings = 0
@@ -52,6 +56,9 @@ class UnitCheck:
             if arrival_s - self._first_s >= CLOCK_S and self._readings >= CLOCK_READINGS:
                 self.is_hearing = False
                 self._judge_clock(clock)
+        if not self._has_rate:
+            self.is_over = not self.is_hearing
+            return
         self._window += samples
         if len(self._window) >= WINDOW:
             self._judge_windows()
@@ -82,7 +89,10 @@ class UnitCheck:
             return
         found = self._rates.verdict()
         if found is not None:
-            self._on_event("rate_unit_differs", **says(found, self._protocol))
+            fields = says(found, self._protocol)
+            if not self._is_unit_said:
+                raise UnitError("nothing says in which unit its rates are: {reason}; {hint}".format(**fields))
+            self._on_event("rate_unit_differs", **fields)
         self.is_over = found is not None or self._windows >= RATE_WINDOWS
 
 

@@ -11,7 +11,7 @@ SLOWEST_PACE = 100.0
 NEVER_PACE = 1e7
 NAMED_WITHIN = 3.0
 UNITS = {1e3: "milliseconds", 1e6: "seconds"}
-CSV_COLUMNS = ("t_us", "rate", "encoder", "temp")
+CSV_COLUMNS = ("t_us", "rate:dps", "encoder", "temp", "still")
 SHORT = {"milliseconds": "t_ms", "seconds": "t_s"}
 
 
@@ -26,23 +26,17 @@ def why_wrong(pace: float, protocol: str, heard: Heard) -> str | None:
     took = f"1 s of it takes {pace:.3g} s" if pace < NEVER_PACE else "its steps are none of a clock"
     says = f"counts {unit}, not microseconds" if unit else f"is no clock in microseconds: {took}"
     if protocol == "csv":
-        return f"the first column {says}; {_columns(heard)}"
+        return f"the first column {says}; {_columns(heard, unit)}"
     if protocol == text.NAME:
         named = f": write {SHORT[unit]} for t_us" if unit else ""
         return f"the clock of --columns {says}{named}; the lines are like {quoted((heard.lines() or [''])[-1])}"
     return f"the clock t_us of its samples {says}; the device has to send microseconds"
 
 
-def _columns(heard: Heard) -> str:
-    from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - only a stream that is refused needs it
-
-    lines = heard.lines()
-    guessed = guess(lines, heard.lines_per_s)
-    if guessed is None or guessed.spec is None:
-        return f"{quoted((lines or [''])[-1])} is to be read with --columns, such as --columns 't_ms, rate'"
-    said, spec = [column.said for column in guessed.columns], guessed.spec
-    entries = spec.split(", ")
-    if len(said) <= len(CSV_COLUMNS) and entries[1:2] and entries[1].startswith("rate"):  # csv but for its clock
-        said[2:] = CSV_COLUMNS[2 : len(said)]
-        spec = ", ".join((*entries[:2], *said[2:]))
-    return f"{quoted(guessed.example)} looks like {', '.join(said)}; read it with --columns {shlex.quote(spec)}"
+def _columns(heard: Heard, unit: str | None) -> str:
+    """How lines of csv are read whose clock counts something else."""
+    last = (heard.lines() or [""])[-1]
+    if unit is None:
+        return f"{quoted(last)} is to be read with --columns, which say what stands where"
+    columns = (SHORT[unit], *CSV_COLUMNS[1:])[: last.count(",") + 1]
+    return f"read {quoted(last)} with --columns {shlex.quote(', '.join(columns))}"

@@ -1,12 +1,14 @@
 """The csv protocol: what hobby sketches print, and what serial lines make of it."""
 
-from math import inf, isnan
+from collections.abc import Callable
+from math import cos, inf, isnan, sin
+from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.link.protocols.csv import CsvDecoder
+from gyrodrift.link.protocols.csv import CsvDecoder, is_plausible
 from gyrodrift.sample import Reading
 
 THREE = b"100,1.5\n10100,2.5\n20100,-3.5\n"
@@ -114,3 +116,48 @@ def test_whatever_a_float_is_printed_as_is_read(rate_dps: float, encoder_deg: fl
     lines = b"".join(f"{i}, {rate_dps!r} ,{encoder_deg:e}\n".encode() for i in range(3))
     readings = CsvDecoder().push(lines)
     assert [(one.rate_dps, one.encoder_deg) for one in readings] == [(rate_dps, float(f"{encoder_deg:e}"))] * 3
+
+
+def plausible(line: Callable[[int, Random], str], lines: int = 12, seed: int = 4) -> bool:
+    """Whether so many lines, 20 ms apart, can be csv."""
+    dice = Random(seed)
+    return is_plausible(CsvDecoder().push("".join(f"{line(i, dice)}\n" for i in range(lines)).encode()))
+
+
+ANGLE_STEP_DEG = 360.0 / 4096
+OWN: dict[str, Callable[[int, Random], str]] = {
+    "rate alone": lambda i, dice: f"{20_000 * i},{dice.gauss(0.5, 0.05):.3f}",
+    "an encoder at rest": lambda i, dice: f"{20_000 * i},{dice.gauss(0.5, 0.05):.3f},12.3",
+    "an encoder between two counts": lambda i, dice: (
+        f"{20_000 * i},{dice.gauss(0.5, 0.05):.3f},{12.3 + dice.choice([0.0, ANGLE_STEP_DEG]):.3f}"
+    ),
+    "an encoder that turns": lambda i, dice: f"{20_000 * i},{dice.gauss(60.0, 0.05):.3f},{1.2 * i:.3f},25.1",
+    "rates of another unit beside it": lambda i, dice: f"{20_000 * i},{1.05 * sin(i / 9):.4f},{-10.8 * cos(i / 9):.3f}",
+    "a clock that wraps": lambda i, dice: f"{(2**32 - 100_000 + 20_000 * i) % 2**32},1.0",
+}
+OTHERS: dict[str, Callable[[int, Random], str]] = {
+    "three axes behind a clock": lambda i, dice: (
+        f"{20_000 * i},{dice.gauss(0.3, 0.05):.3f},{dice.gauss(-0.8, 0.05):.3f},{dice.gauss(0.5, 0.05):.3f}"
+    ),
+    "raw counts": lambda i, dice: f"{430 + int(dice.gauss(0, 9))},{int(dice.gauss(-90, 9))},{int(dice.gauss(60, 9))}",
+    "whole seconds": lambda i, dice: f"{1_700_000_000 + i // 50},0.3,-0.8,0.5",
+    "yaw before rate": lambda i, dice: f"{20_000 * i},170.00,{dice.gauss(0.5, 0.05):.3f}",
+    "a temperature in counts": lambda i, dice: f"{20_000 * i},0.5,0.0,-3600",
+    "a pressure": lambda i, dice: f"{20_000 * i},0.5,0.0,1013.2",
+}
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_what_csv_says_is_plausible(name: str) -> None:
+    assert plausible(OWN[name])
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_lines_that_only_look_like_csv_are_not(name: str) -> None:
+    """They are asked for."""
+    assert not plausible(OTHERS[name])
+
+
+def test_slow_lines_are_judged_by_their_time() -> None:
+    assert not plausible(lambda i, dice: f"{20_000 * i},0.5", lines=4)
+    assert plausible(lambda i, dice: f"{500_000 * i},0.5", lines=4)

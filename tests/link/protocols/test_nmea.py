@@ -45,3 +45,14 @@ def test_a_sentence_needs_its_checksum(line: bytes) -> None:
     decoder = NmeaDecoder()
     assert decoder.push(line + b"\r\n") == []
     assert decoder.counters.damaged == 1
+
+
+def test_one_of_two_talkers_is_listened_to_and_the_other_is_named() -> None:
+    """Together they would be half a turn."""
+    decoder = NmeaDecoder()
+    gyro, compass = (
+        NMEAMessage(name, "ROT", GET, rot=rot, valid="A").serialize() for name, rot in (("TI", -600.0), ("GP", 0.0))
+    )
+    readings = decoder.push((gyro + compass) * 5)
+    assert [reading.rate_dps for reading in readings] == [10.0] * 5
+    assert decoder.counters.passed_over == {"GPROT"}

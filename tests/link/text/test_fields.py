@@ -17,7 +17,6 @@ from gyrodrift.link.text.fields import Fields, Form, fields_of
         ("1 | 2 | 3", ("1", "2", "3")),
         ("1,2,", ("1", "2")),
         ("1,,3", ("1", "", "3")),
-        ("a/g:\t16000\t-12\t300\t7", ("a/g:", "16000", "-12", "300", "7")),
     ],
 )
 def test_a_row_is_split_at_what_stands_between_its_values(line: str, values: tuple[str, ...]) -> None:
@@ -30,13 +29,60 @@ def test_a_row_is_split_at_what_stands_between_its_values(line: str, values: tup
     [
         ("gz=1.2", ("gz",), ("1.2",)),
         ("t:100,gx:1,gz:-2e-3", ("t", "gx", "gz"), ("100", "1", "-2e-3")),
-        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("Rotation X", "Rotation Y", "Rotation Z"), ("0.1", "0.2", "0.3")),
-        ("\tGyro X: 1 \tY: 2 \tZ: 3 radians/s".strip(), ("Gyro X", "Gyro Y", "Gyro Z"), ("1", "2", "3")),
+        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad", ("Rotation X", "Rotation Y", "Rotation Z"), ("0.1", "0.2", "0.3")),
+        ("\tGyro X: 1 \tY: 2 \tZ: 3 people".strip(), ("Gyro X", "Gyro Y", "Gyro Z"), ("1", "2", "3")),
+        ("Gyro:\tx= 1 |\ty= 2 |\tz= 3", ("Gyro x", "Gyro y", "Gyro z"), ("1", "2", "3")),
+        ("Yaw, Pitch, Roll: 170.0, 0.18, -178", ("Yaw", "Pitch", "Roll"), ("170.0", "0.18", "-178")),
+        ("a(x,y,z) 1 2 3 g(x,y,z) 4 5 6", ("a x", "a y", "a z", "g x", "g y", "g z"), ("1", "2", "3", "4", "5", "6")),
+        ("gz::1.5", ("gz",), ("1.5",)),
+        (">gz:1.5", ("gz",), ("1.5",)),
+        (">gz:5020:0.58|g", ("t_ms", "gz"), ("5020", "0.58")),
     ],
 )
 def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[str, ...]) -> None:
-    """A letter alone takes over the word before the first one; units are passed over."""
-    assert fields_of(line) == Fields(Form.LABELLED, labels, values)
+    """A letter alone takes over the words before the first one; Teleplot says the time between name and value."""
+    found = fields_of(line)
+    assert found is not None
+    assert (found.form, found.labels, found.values) == (Form.LABELLED, labels, values)
+
+
+@pytest.mark.parametrize(
+    ("line", "units"),
+    [
+        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("", "", "rad/s")),
+        ("gx: 1 deg/s gy: 2 deg/s gz: 3 deg/s", ("deg/s", "deg/s", "deg/s")),
+        ("g(x,y,z) 4 5 6 [dps] o(y,p,r) 1 2 3", ("", "", "dps", "", "", "")),
+        ("rate = 944.27 Hz", ("Hz",)),
+        ("Gz: 0.58°/s", ("°/s",)),
+        (">gz:0.5§rad/s", ("rad/s",)),
+        ("1.5 s, 2 dps, 3", ("s", "dps", "")),
+        ("gx: 1 left gy: 2", ()),
+    ],
+)
+def test_a_unit_behind_a_value_is_kept(line: str, units: tuple[str, ...]) -> None:
+    found = fields_of(line)
+    assert found is not None
+    assert found.units == units
+
+
+@pytest.mark.parametrize(
+    ("line", "labels", "values"),
+    [
+        ("a/g:\t16\t-12\t300\t7", ("", "a/g 1", "a/g 2", "a/g 3", "a/g 4"), ("a/g", "16", "-12", "300", "7")),
+        ("gyro 1 2 3", ("", "gyro x", "gyro y", "gyro z"), ("gyro", "1", "2", "3")),
+        ("YPRAG=1,2,3,4", ("", "YPRAG 1", "YPRAG 2", "YPRAG 3", "YPRAG 4"), ("YPRAG", "1", "2", "3", "4")),
+    ],
+)
+def test_a_row_behind_a_word_is_read_by_place_and_by_the_word(
+    line: str, labels: tuple[str, ...], values: tuple[str, ...]
+) -> None:
+    """So that of lines that come in turns one kind can be chosen."""
+    assert fields_of(line) == Fields(Form.ROW, labels, values)
+
+
+@pytest.mark.parametrize("line", ["<1,2,3>", "/*1,2,3*/", "(1, 2, 3)", "[1,2,3]"])
+def test_marks_around_a_row_are_taken_off(line: str) -> None:
+    assert fields_of(line) == Fields(Form.ROW, ("", "", ""), ("1", "2", "3"))
 
 
 def test_json_is_read_by_the_way_to_each_number() -> None:

@@ -5,6 +5,8 @@ from math import cos, sin
 from random import Random
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.text.guess import guess
@@ -21,28 +23,7 @@ def accelerations(i: int) -> str:
     return f"{int(n(50))},{int(n(50))},{16384 + int(n(50))}"
 
 
-SKETCHES: dict[str, tuple[Callable[[int], str], str, str]] = {
-    "raw counts": (
-        lambda i: f"{1000 + 10 * i},{int(n(20))},{int(n(20))},{int(n(20))}",
-        "t_ms, gx, gy, gz",
-        "t_ms, _, _, rate:lsb/131",
-    ),
-    "serial plotter": (lambda i: f"gx:{n(1):.2f},gy:{n(1):.2f},gz:{n(1):.2f}", "gx, gy, gz", "gz=rate"),
-    "JSON": (
-        lambda i: f'{{"t":{10_000 * i},"gyro":{{"x":1,"y":2,"z":{n(1):.3f}}}}}',
-        "t_us, gx, gy, gz",
-        "t=t_us, gyro.z=rate",
-    ),
-    "i2cdevlib, MPU6050_raw": (
-        lambda i: f"a/g:\t{16000 + int(n(50))}\t{int(n(50))}\t300\t{int(n(20))}\t{int(n(20))}\t{int(n(20))}",
-        "_, ax, ay, az, gx, gy, gz",
-        "_, _, _, _, _, _, rate:lsb/131",
-    ),
-    "six columns, told by gravity": (
-        lambda i: f"{accelerations(i)},{int(n(20))},{int(n(20))},{int(n(20))}",
-        "ax, ay, az, gx, gy, gz",
-        "_, _, _, _, _, rate:lsb/131",
-    ),
+SAID: dict[str, tuple[Callable[[int], str], str, str]] = {
     "Adafruit, MPU6050 basic readings": (
         lambda i: (
             f"Acceleration X: {n(0.1):.2f}, Y: 0.10, Z: 9.81 m/s^2\n"
@@ -51,43 +32,148 @@ SKETCHES: dict[str, tuple[Callable[[int], str], str, str]] = {
         "gx, gy, gz",
         "Rotation Z=rate:rads",
     ),
-    "seconds and a temperature": (
-        lambda i: f"{i / 100:.2f} {n(0.1):.3f} 25.{i % 4}",
-        "t_s, gz, temp",
-        "t_s, rate, temp",
+    "accelerations and rates in one line": (
+        lambda i: f"a(x,y,z) 1 2 999 [mg] g(x,y,z) 1 2 {n(1):.2f} [dps] o(y,p,r) 1 2 3 rate = {700 + n(9):.2f} Hz",
+        "ax, ay, az, gx, gy, gz, angle, angle, angle, rates",
+        "g z=rate:dps",
     ),
-    "rate and angle": (
-        lambda i: f"{10 * i},{cos(i / 5):.3f},{sin(i / 5) / 20:.5f}",
-        "t_ms, gz, encoder",
-        "t_ms, rate, encoder",
+    "one axis, named with its unit": (
+        lambda i: f"t_ms:{10 * i},rate_dps:{n(1):.2f}",
+        "t_ms, gz",
+        "t_ms=t_ms, rate_dps=rate:dps",
     ),
-    "the one axis that turns": (
-        lambda i: f"{10 * i},{90 * sin(i):.1f},{n(0.1):.1f},{n(0.1):.1f}",
-        "t_ms, gx, gy, gz",
-        "t_ms, rate",
+    "Razor AHRS": (
+        lambda i: f"#YPRAG=-170.00,-0.48,1.51,1.94,-6.46,-255.02,0.01,0.02,{n(0.01):.4f}",
+        "_, yaw, pitch, roll, ax, ay, az, gx, gy, gz",
+        "YPRAG 9=rate:rads:-",
     ),
-    "rate alone": (lambda i: f"{n(1):.2f}", "gz", "rate"),
-    "counter": (lambda i: f"{i},{n(1):.2f}", "seq, gz", "seq, rate"),
+    "values under a heading": (
+        lambda i: (
+            f"Accelerometer (g):\n X = 0.1\n Y = 0.2\n Z = 0.9\n\nGyroscope (dps):\n X = 1\n Y = 2\n Z = {n(1):.3f}\n"
+        ),
+        "gz",
+        "Gyroscope (dps) Z=rate:dps",
+    ),
+    "lines that differ by their first word": (
+        lambda i: f"accel 1 2 3\ngyro_dps 1 2 {n(1):.2f}\nmag 4 5 6",
+        "_, gx, gy, gz",
+        "gyro_dps z=rate:dps",
+    ),
+    "Teleplot with times": (
+        lambda i: f">gx:{20 * i}:1§dps\n>gz:{20 * i}:{n(1):.2f}§dps",
+        "t_ms, gz",
+        "t_ms=t_ms, gz=rate:dps",
+    ),
+    "yaw, pitch and roll": (
+        lambda i: f"Yaw, Pitch, Roll: 170.{i % 9}, 0.18, -178.1",
+        "yaw, pitch, roll",
+        "Yaw=yaw:deg",
+    ),
+    "a compass": (lambda i: f"heading: {200 + n(1):.1f}", "heading", "heading=yaw:deg:-"),
 }
 
 
-@pytest.mark.parametrize("name", SKETCHES)
-def test_columns_are_found_and_can_be_pasted(name: str) -> None:
-    """From twenty lines that came at 100 Hz; read by what was found, every line but the held first ones is a sample."""
-    line, looks, spec = SKETCHES[name]
+@pytest.mark.parametrize("name", SAID)
+def test_columns_that_something_names_can_be_pasted(name: str) -> None:
+    """From lines that came at 100 Hz; read by what was found, every sample is read."""
+    line, looks, spec = SAID[name]
     text = "\n".join(line(i) for i in range(LINES)) + "\n"
-    lines_per_s = 100.0 * text.count("\n") / LINES
-    found = guess(text.splitlines(), lines_per_s)
+    found = guess(text.splitlines(), 100.0 * text.count("\n") / LINES)
     assert found is not None
     assert (", ".join(column.said for column in found.columns), found.spec) == (looks, spec)
     assert all(column.why for column in found.columns if column.entry != "_")
-    (protocol,) = candidates("auto", found.spec)
+    (protocol,) = candidates("auto", spec)
     assert len(protocol.decoder().push(text.encode())) == LINES
+
+
+UNIT_ASKED: dict[str, tuple[Callable[[int], str], str]] = {
+    "serial plotter": (lambda i: f"gx:{n(1):.2f},gy:{n(1):.2f},gz:{n(1):.2f}", "gz=rate:UNIT"),
+    "counts": (lambda i: f"gx:{int(n(20))},gy:{int(n(20))},gz:{int(n(20))}", "gz=rate:UNIT"),
+    "JSON": (
+        lambda i: f'{{"t":{10_000 * i},"gyro":{{"x":1,"y":2,"z":{n(1):.3f}}}}}',
+        "t=t_us, gyro.z=rate:UNIT",
+    ),
+    "degrees of a rate": (lambda i: f"gz: {n(1):.2f} deg", "gz=rate:UNIT"),
+    "i2cdevlib, MPU6050_raw": (
+        lambda i: f"a/g:\t{16000 + int(n(50))}\t{int(n(50))}\t300\t{int(n(20))}\t{int(n(20))}\t{int(n(20))}",
+        "a/g 6=rate:UNIT",
+    ),
+    "a small yaw": (lambda i: f"yaw: {n(0.1):.3f}", "yaw=yaw:UNIT"),
+}
+
+
+@pytest.mark.parametrize("name", UNIT_ASKED)
+def test_a_unit_that_nothing_says_is_asked_for(name: str) -> None:
+    line, template = UNIT_ASKED[name]
+    found = guess([line(i) for i in range(LINES)], 100.0)
+    assert found is not None
+    assert (found.spec, found.template) == (None, template)
+
+
+UNNAMED: dict[str, Callable[[int], str]] = {
+    "three numbers": lambda i: f"{n(1):.2f},{n(1):.2f},{n(1):.2f}",
+    "counts and a clock": lambda i: f"{1000 + 10 * i},{int(n(20))},{int(n(20))},{int(n(20))}",
+    "the one axis that turns": lambda i: f"{10 * i},{90 * sin(i):.1f},{n(0.1):.1f},{n(0.1):.1f}",
+    "six columns": lambda i: f"{accelerations(i)},{int(n(20))},{int(n(20))},{int(n(20))}",
+    "rate and angle": lambda i: f"{10 * i},{cos(i / 5):.3f},{sin(i / 5) / 20:.5f}",
+    "one number": lambda i: f"{n(1):.2f}",
+    "angles by axis": lambda i: f"X : {n(1):.2f}\tY : 0.20\tZ : {90 * sin(i / 9):.2f}",
+    "a pace": lambda i: f"rate = {700 + n(9):.2f} Hz",
+    "accelerations": lambda i: f"AcX: 1 AcY: {n(1):.2f} AcZ: 0.98",
+    "a battery and a temperature": lambda i: f"battery: 3.7 V temp: 25.{i % 4}",
+    "a quaternion": lambda i: f"q0:1.0 q1:0.{i % 9} q2:0.0 q3:0.1",
+}
+
+
+@pytest.mark.parametrize("name", UNNAMED)
+def test_numbers_that_nothing_names_are_no_rate(name: str) -> None:
+    """However they behave."""
+    line = UNNAMED[name]
+    found = guess([line(i) for i in range(LINES)], 100.0)
+    assert found is not None
+    assert (found.spec, found.template) == (None, None)
+
+
+@given(
+    st.lists(st.sampled_from(["noise", "level", "grows", "turns", "whole"]), min_size=1, max_size=9), st.integers(0, 99)
+)
+def test_no_mix_of_columns_without_labels_gives_a_rate(kinds: list[str], seed: int) -> None:
+    """Nor does any separator."""
+    dice = Random(seed)
+    values: dict[str, Callable[[int], str]] = {
+        "noise": lambda i: f"{dice.gauss(0.5, 0.1):.3f}",
+        "level": lambda i: f"{dice.gauss(9.81, 0.01):.2f}",
+        "grows": lambda i: f"{10 * i}",
+        "turns": lambda i: f"{90 * sin(i / 3):.1f}",
+        "whole": lambda i: f"{dice.randrange(-500, 500)}",
+    }
+    mark = dice.choice([",", ";", "\t", " ", "|"])
+    found = guess([mark.join(values[kind](i) for kind in kinds) for i in range(LINES)], 100.0)
+    assert found is None or found.template is None
+
+
+RATE_UNITS = {"dps": "deg/s", "rads": "rad/s", "mdps": "mdps", "mrads": "mrad/s", "lsb/60": "deg/min"}
+
+
+@given(
+    st.sampled_from(["gz", "Gyro Z", "gyro_z", "yaw_rate", "wz", "GyroZ"]),
+    st.sampled_from([None, *RATE_UNITS]),
+    st.floats(0.01, 300.0),
+    st.integers(0, 99),
+)
+def test_a_unit_never_passes_as_another(label: str, option: str | None, size: float, seed: int) -> None:
+    """What is written is taken; what is not is asked for, or is rad/s where it cannot be deg/s."""
+    dice = Random(seed)
+    written = RATE_UNITS[option] if option else ""
+    found = guess([f"{label}: {dice.gauss(0.0, size):.3f} {written}".strip() for _ in range(LINES)], 100.0)
+    assert found is not None
+    assert found.turn is not None
+    assert found.turn.entry in ({f"rate:{option}"} if option else {"rate:UNIT", "rate:rads"})
 
 
 def test_names_above_the_columns_are_heeded() -> None:
     """Wherever the rate stands, and in what unit."""
-    lines = ["time_ms,yaw_rate_rads,temperature", *(f"{10 * i},{n(0.01):.4f},{20 + i % 3}" for i in range(9))]
+    lines = ["time_ms,yaw_rate_rad_s,temperature", *(f"{10 * i},{n(0.01):.4f},{20 + i % 3}" for i in range(9))]
     found = guess(lines)
     assert found is not None
     assert found.spec == "t_ms, rate:rads, temp"
@@ -130,16 +216,8 @@ def test_messages_for_people_have_no_columns(lines: list[str]) -> None:
     assert guess(lines) is None
 
 
-def test_angles_alone_are_no_rate() -> None:
-    """A device that works out yaw by itself has to be told to send rates."""
-    found = guess([f"ypr\t{n(1):.2f}\t{n(1):.2f}\t{n(1):.2f}" for _ in range(9)])
-    assert found is not None
-    assert found.spec is None
-    assert [column.said for column in found.columns] == ["_", "yaw", "pitch", "roll"]
-
-
 def test_a_temperature_in_counts_is_left_out() -> None:
     """It would be taken for °C."""
-    found = guess([f"gz={n(1):.2f} temp={-3600 - i}" for i in range(9)])
+    found = guess([f"gz_dps={n(1):.2f} temp={-3600 - i}" for i in range(9)])
     assert found is not None
-    assert found.spec == "gz=rate"
+    assert found.spec == "gz_dps=rate:dps"

@@ -11,7 +11,7 @@ import pytest
 
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.protocols.registry import candidates
-from gyrodrift.link.text.guess import guess
+from gyrodrift.link.text.guess import TextGuess, guess
 
 LINES = 24
 COUNTS = 131
@@ -112,10 +112,35 @@ SKETCHES: dict[str, Printed] = {
 }
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("name", SKETCHES)
-def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
-    """The proposed columns read the rate about the third axis in deg/s, and the time where there is one."""
+ASKED = {
+    "Arduino playground, MPU-6050 short sketch": f"lsb/{COUNTS}",
+    "i2cdevlib, MPU6050_raw": f"lsb/{COUNTS}",
+    "SparkFun ICM-20948, raw": f"lsb/{COUNTS}",
+    "Adafruit MPU6050, plotter": "dps",
+    "MPU6050_light, all data": "dps",
+    "ESP-IDF, log": "dps",
+    "MicroPython, tuples with labels": "dps",
+    "MicroPython, a dictionary": "dps",
+    "JSON": "dps",
+    "JSON with lists": "dps",
+    "CSV with a header": "dps",
+    "WitMotion, Arduino": "dps",
+}
+"""Nothing says their unit: this is what a person has to answer."""
+
+UNSAID = {
+    "MicroPython, a tuple",
+    "JSON of a phone",
+    "decimal commas",
+    "a sentence of NMEA kind",
+    "bars",
+    "a word first",
+}
+"""Nothing says which of their numbers is the yaw rate."""
+
+
+def found_in(name: str, seed: int) -> tuple[TextGuess, bytes, list[Rates], float]:
+    """What is seen in LINES of a sketch, with its text, true rates and the step of its time in s."""
     random = Random(seed * 1000 + len(name))
     step_s, begin_s, turn_dps = (
         random.choice((0.005, 0.01, 0.02)),
@@ -132,16 +157,34 @@ def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
     assert heard.is_text
     found = guess(heard.lines(), text.count(b"\n") / (LINES * step_s))
     assert found is not None
-    assert found.spec is not None, [column.said for column in found.columns]
+    return found, text, rates, step_s
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", SKETCHES.keys() - UNSAID)
+def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
+    """The columns read the rate about the third axis, and the time where there is one; its unit may be asked for."""
+    found, text, rates, step_s = found_in(name, seed)
+    assert found.template is not None, [column.said for column in found.columns]
     assert all(column.why for column in found.columns if column.entry != "_")
-    (protocol,) = candidates("auto", found.spec)
+    assert found.is_unit_said == (name not in ASKED)
+    spec = found.template.replace("UNIT", ASKED.get(name, "UNIT"))
+    (protocol,) = candidates("auto", spec)
     readings = protocol.decoder().push(text)
     assert len(readings) == LINES
     assert [reading.rate_dps for reading in readings] == pytest.approx([each[2] for each in rates], abs=0.06)
     times_us = [reading.t_us for reading in readings if reading.t_us is not None]
-    assert bool(times_us) == protocol.has_clock == any(name in found.spec for name in ("t_us", "t_ms", "t_s", "t_ns"))
+    assert bool(times_us) == protocol.has_clock == any(name in spec for name in ("t_us", "t_ms", "t_s", "t_ns"))
     steps_us = [after - before for before, after in pairwise(times_us)]
     assert steps_us == pytest.approx([step_s * 1e6] * len(steps_us), abs=1001.0)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", UNSAID)
+def test_numbers_without_a_name_and_a_unit_are_asked_for(name: str, seed: int) -> None:
+    found, *_ = found_in(name, seed)
+    assert found.template is None
+    assert found.spec is None
 
 
 TIMED = {
@@ -151,7 +194,6 @@ TIMED = {
     "JSON of a phone": "t_ns",
     "CSV with a header": "t_us",
     "a row with units": "t_s",
-    "a sentence of NMEA kind": "t_ms",
 }
 
 

@@ -32,20 +32,12 @@ def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: A
     [
         (
             lambda i: f"{10 * i},0.{i % 7},{i / 10},25.1",
-            "the first column counts milliseconds, not microseconds.*--columns 't_ms, rate, encoder, temp'",
+            "the first column counts milliseconds, not microseconds.*--columns 't_ms, rate:dps, encoder, temp'",
         ),
-        (
-            lambda i: f"{10 * i},{i % 7},{i % 5},{i % 3 + 20}",
-            "looks like t_ms, gx, gy, gz; .*--columns 't_ms, _, _, rate",
-        ),
-        (
-            lambda i: f"{i // 100},0.{i % 7}",
-            "the first column is no clock in microseconds: its steps are none of a clock",
-        ),
-        (lambda i: f"{i},0.{i % 7}", "is no clock in microseconds: 1 s of it takes 1e.04 s.*--columns 'seq, rate'"),
-        (lambda i: f"{10_000_000 * i},0.{i % 7}", "is no clock in microseconds.*--columns 't_ns, rate'"),
+        (lambda i: f"{i},0.{i % 7}", "is no clock in microseconds: 1 s of it takes 1e.04 s.*with --columns"),
+        (lambda i: f"{10_000_000 * i},0.{i % 7}", "is no clock in microseconds.*with --columns"),
     ],
-    ids=["ms", "ms and three axes", "whole seconds", "counter", "ns"],
+    ids=["ms", "counter", "ns"],
 )
 def test_a_csv_clock_of_another_unit_is_refused_with_the_columns_to_give(
     port: Path, line: Callable[[int], str], message: str

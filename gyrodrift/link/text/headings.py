@@ -1,0 +1,34 @@
+"""Values under a heading of their own, as in `Gyroscope:` followed by lines `X = 0.1`, `Y = 0.2` and `Z = 0.3`."""
+
+import re
+
+from gyrodrift.columns.names import kind_of
+from gyrodrift.link.text.fields import Fields, Form, as_label, fields_of
+
+HEADING = re.compile(r"[^A-Za-z0-9]*+([A-Za-z][\w ()\[\]/²°.^-]{0,60}?)\s*+(:?)[^A-Za-z0-9)\]]*+")
+UNIT_NAMED = re.compile(r"\s+in\s+(\S+)$")
+"""`Gyroscope in degrees/second` names its unit."""
+
+
+class Headings:
+    """Reads lines one after the other, and gives letters alone the heading that they stand under."""
+
+    def __init__(self) -> None:
+        self.heading = ""
+
+    def fields_of(self, line: str) -> Fields | None:
+        """The fields of the next line, with full labels."""
+        fields = fields_of(line)
+        if fields is None:
+            return None
+        if fields.form is Form.LABELLED:
+            return fields._replace(labels=tuple(map(self.full, fields.labels)))
+        if found := HEADING.fullmatch(line):
+            name = as_label(UNIT_NAMED.sub(r" (\1)", found[1]))
+            if found[2] or kind_of(f"{name} z"):
+                self.heading = name
+        return fields
+
+    def full(self, label: str) -> str:
+        """The label with the heading before it, where it is an axis alone."""
+        return f"{self.heading} {label}" if len(label) == 1 and self.heading else label
