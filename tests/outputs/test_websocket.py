@@ -69,6 +69,9 @@ class EchoOutput(Output[EchoOptions]):
             for each in samples:
                 client.send(f"{each.sample.seq} {self.padding}")
 
+    def counts(self) -> tuple[int, int]:
+        return self._server.counts()
+
     async def close(self) -> None:
         await self._server.close()
 
@@ -169,8 +172,8 @@ def test_as_many_clients_as_the_limit_come_in_and_no_more(echo: Echo) -> None:
 
 
 def test_clients_that_are_gone_leave_nothing_behind(echo: Echo) -> None:
-    """One after the other, and more of them than may be there at a time."""
-    _, address = echo
+    """One after the other, and more of them than may be there at a time; what they were sent stays counted."""
+    outputs, address = echo
     for number in range(3 * LIMITS.clients):
         with joined(address) as client:
             client.send(str(number))
@@ -180,6 +183,8 @@ def test_clients_that_are_gone_leave_nothing_behind(echo: Echo) -> None:
         time.sleep(0.01)
         gc.collect()
     assert len(EchoSession.alive) == 0
+    while (sent := outputs.statuses()[0].sent) < 3 * LIMITS.clients:
+        assert time.monotonic() < until_s, sent
 
 
 def test_who_was_silent_for_an_hour_may_not_send_an_hours_messages() -> None:

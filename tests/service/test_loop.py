@@ -89,6 +89,23 @@ def test_link_stats_say_all_that_helps_from_afar(
     assert counted.closed
 
 
+def test_a_device_that_falls_silent_is_told_once_and_once_more_when_it_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
+) -> None:
+    """Not with each turn of the loop."""
+    log = structlog.get_logger()
+    with speaking_on(tmp_path / "gyro"), StopSignal() as stop:
+        link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(log))
+        service = Service(link, [], log, LinkEvents(log), stop)
+        link.counters.samples = 1
+        for silent_s in (0.1, 6.0, 7.0, 8.0, 0.1, 0.2, 9.0):
+            monkeypatch.setattr(link, "silent_s", lambda silent_s=silent_s: silent_s)
+            service._notice_silence()
+        link.close()
+    told = [event["event"] for event in logged if event["event"] in {"link_silent", "link_speaks"}]
+    assert told == ["link_silent", "link_speaks", "link_silent"]
+
+
 def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
     """The first at once, then at most one line a second, with nothing left out of the sum."""
     now = [100.0]

@@ -16,6 +16,7 @@ from outputs_support import address_of, connected, corrected, csv_at_100_hz, eve
 from support import PATIENCE_S, Command, free_port, never
 
 from gyrodrift.config.outputs import output_of
+from gyrodrift.outputs import wire
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.service import output_feed
 from gyrodrift.service.control_client import ControlClient
@@ -115,6 +116,20 @@ def test_what_waits_for_a_stopped_process_is_bounded(fed: Fed, monkeypatch: pyte
     os.kill(pid, signal.SIGCONT)
     fed.opened()
     assert fed.feed.statuses()[1].output == "tcp:port=0,rate_hz=19901.0"
+
+
+def test_what_is_dropped_is_counted_in_samples(fed: Fed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not in messages, which hold several."""
+    monkeypatch.setattr(output_feed, "LONGEST_QUEUE_BYTES", 100_000)
+    fed.feed.want([TCP])
+    fed.opened()
+    with monkeypatch.context() as patched:
+        patched.setattr(fed.feed, "_is_taken", lambda _message: False)
+        for first in range(0, 20_000, 50):
+            fed.feed.take([corrected(number) for number in range(first, first + 50)])
+        waiting = [message for message in fed.feed._queue if message[:1] == wire.SAMPLES]
+        assert fed.feed.dropped > 0
+        assert fed.feed.dropped + sum((len(each) - 1) // wire.RECORD.size for each in waiting) == 20_000
 
 
 def test_a_process_that_cannot_be_started_is_told_and_tried_again(

@@ -27,15 +27,15 @@ FAULTS = (
         "            del self.clients[client]\n",
         "",
         "Each client that has gone is kept for ever.",
-        (f"{TESTS}/test_websocket.py",),
+        (f"{TESTS}/test_websocket.py::test_clients_that_are_gone_leave_nothing_behind",),
     ),
     Fault(
-        "outputs/websocket-write-leak",
+        "outputs/websocket-gone-uncounted",
         f"{OUTPUTS}/net/websocket.py",
-        "            writing.cancel()\n            await asyncio.gather(writing, return_exceptions=True)\n",
-        "            pass\n",
-        "Each client that has gone leaves the task that writes to it, and its backlog.",
-        (f"{TESTS}/test_websocket.py",),
+        "            self._gone_sent += client.sent\n",
+        "",
+        "The count of messages falls when a client leaves.",
+        (f"{TESTS}/test_websocket.py::test_clients_that_are_gone_leave_nothing_behind",),
     ),
     Fault(
         "outputs/websocket-no-allowance",
@@ -43,7 +43,7 @@ FAULTS = (
         "                if not allowance.take():\n",
         "                if not allowance:\n",
         "A client may send any number of messages.",
-        (f"{TESTS}/test_websocket.py",),
+        (f"{TESTS}/test_websocket.py::test_what_is_refused_closes_the_connection_with_the_reason",),
     ),
     Fault(
         "outputs/connections-limit-off-by-one",
@@ -51,7 +51,7 @@ FAULTS = (
         "        if len(self.there) > self.most:\n",
         "        if len(self.there) > self.most + 1:\n",
         "One connection more than the limit is taken in.",
-        (f"{TESTS}/test_websocket.py",),
+        (f"{TESTS}/test_websocket.py::test_as_many_clients_as_the_limit_come_in_and_no_more",),
     ),
     Fault(
         "outputs/connections-not-counted-down",
@@ -59,7 +59,7 @@ FAULTS = (
         "        self.there.discard(self)\n",
         "        pass\n",
         "After as many clients as the limit nobody gets in any more.",
-        (f"{TESTS}/test_websocket.py",),
+        (f"{TESTS}/test_websocket.py::test_clients_that_are_gone_leave_nothing_behind",),
     ),
     Fault(
         "outputs/lines-clients-limit",
@@ -83,7 +83,7 @@ FAULTS = (
         "            oldest, count = self._waiting.popleft()\n",
         "            oldest, count = self._waiting.pop()\n",
         "A slow client gets the oldest messages and loses the newest.",
-        (f"{TESTS}/test_hub.py", f"{TESTS}/test_websocket.py"),
+        (f"{TESTS}/test_websocket.py::test_a_client_that_does_not_read_loses_the_oldest_and_is_told",),
     ),
     Fault(
         "outputs/backlog-told-twice",
@@ -91,7 +91,7 @@ FAULTS = (
         "        untold, self.untold = self.untold, 0\n        return untold\n",
         "        return self.untold\n",
         "A slow client is told the same losses over and over.",
-        (f"{TESTS}/test_hub.py", f"{TESTS}/test_websocket.py"),
+        (f"{TESTS}/test_websocket.py::test_a_client_that_does_not_read_loses_the_oldest_and_is_told",),
     ),
     Fault(
         "outputs/allowance-never-full",
@@ -99,7 +99,7 @@ FAULTS = (
         "min(self._per_s, self._left + (now_s - self._seen_s) * self._per_s)",
         "self._left + (now_s - self._seen_s) * self._per_s",
         "A client that was silent for an hour may send an hour's messages at once.",
-        (f"{TESTS}/test_websocket.py", f"{TESTS}/test_hub.py"),
+        (f"{TESTS}/test_websocket.py::test_who_was_silent_for_an_hour_may_not_send_an_hours_messages",),
     ),
     Fault(
         "outputs/hub-output-not-closed",

@@ -134,7 +134,7 @@ FAULTS = (
         "WATCHDOG_SHARE * int(usec) * 1e-6",
         "WATCHDOG_SHARE * int(usec) * 1e-3",
         "systemd kills a service that is alive: milliseconds are taken for microseconds.",
-        (f"{TESTS}/test_install.py",),
+        (f"{TESTS}/test_install.py::test_systemd_is_told_that_it_is_ready_and_alive_and_ends",),
     ),
     Fault(
         "service/feed-dropped-uncounted",
@@ -142,7 +142,7 @@ FAULTS = (
         "                dropped += (len(message) - 1) // wire.RECORD.size\n",
         "                dropped += 1\n",
         "Messages are counted instead of samples when the outputs are too slow.",
-        (f"{TESTS}/test_serve_outputs.py",),
+        (f"{TESTS}/test_output_feed.py::test_what_is_dropped_is_counted_in_samples",),
     ),
     Fault(
         "service/feed-not-restarted",
@@ -158,6 +158,6 @@ FAULTS = (
         "        self._marks.is_silent = is_silent\n",
         "",
         "A silent device writes a line at every tick.",
-        (f"{TESTS}/test_loop.py",),
+        (f"{TESTS}/test_loop.py::test_a_device_that_falls_silent_is_told_once_and_once_more_when_it_speaks",),
     ),
 )
