@@ -16,6 +16,9 @@ HEAD = struct.Struct("<BQ")
 CHUNK_HEAD = struct.Struct("<QQQII")
 """Of a chunk: first and last time, length and CRC of its records, length of the name of the compression."""
 
+DAMAGE, MOST_DAMAGES = struct.Struct("<BHHB"), 8
+"""Of the target `damage`: kind, place, length and byte of one change."""
+
 CHUNK, DATA_END = 0x06, 0x0F
 LONGEST_CHUNK = 1 << 20
 EDGE_BYTES = (b"\xff" * 8, b"\0" * 8, b"\xff\xff\xff\xff\0\0\0\0", b"\1\0\0\0", struct.pack("<d", float("nan")))
@@ -124,6 +127,16 @@ def _unpacked(body: bytes) -> tuple[int, int, bytes]:
     if name == b"zstd":
         return begin_ns, end_ns, zstandard.decompress(packed, max_output_size=LONGEST_CHUNK)
     return begin_ns, end_ns, packed
+
+
+def changed_changes(content: bytes, random: Random) -> bytes:
+    """One more change of the recording that the target `damage` has, or one less."""
+    changes = [content[at : at + DAMAGE.size] for at in range(0, len(content), DAMAGE.size)][:MOST_DAMAGES]
+    if changes and random.randrange(3) == 0:
+        del changes[random.randrange(len(changes))]
+    length = random.choice((1, 4, 83, 83, 512, 4096))
+    changes.append(DAMAGE.pack(random.randrange(6), random.getrandbits(16), length, random.choice((0, 255, 1, 5, 10))))
+    return b"".join(changes)
 
 
 def changed_archive(content: bytes, random: Random) -> bytes:

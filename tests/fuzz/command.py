@@ -19,7 +19,20 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 CORPUS = Path(__file__).resolve().parent / "corpus"
 KEPT, FOUND = ROOT / ".fuzz", ROOT / ".fuzz" / "found"
 NAMES = (
-    *("decoders", "detector", "text", "columns", "clocks", "config", "rig", "mcap", "csv", "journal", "memory"),
+    *(
+        "decoders",
+        "detector",
+        "text",
+        "columns",
+        "clocks",
+        "config",
+        "rig",
+        "mcap",
+        "damage",
+        "csv",
+        "journal",
+        "memory",
+    ),
     *("clients", "sockets"),
 )
 COVERED = re.compile(r"cov: (\d+)")

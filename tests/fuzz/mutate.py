@@ -7,7 +7,7 @@ format: `fuzz.texts` those of lines and of files of text, `fuzz.frames` and `fuz
 from collections.abc import Callable, Sequence
 from random import Random
 
-from fuzz.archives import changed_archive, changed_recording
+from fuzz.archives import changed_archive, changed_changes, changed_recording
 from fuzz.frames import changed_frames, changed_readings
 from fuzz.texts import changed_cell, changed_json, changed_packed, changed_scalar, changed_word, nested, with_display
 
@@ -77,6 +77,7 @@ FORMATS: dict[str, tuple[Mutator, ...]] = {
     "config": (changed_scalar, changed_scalar, changed_word, nested),
     "rig": (changed_scalar, changed_scalar, changed_word, nested),
     "mcap": (changed_recording, changed_recording, changed_recording),
+    "damage": (changed_changes, changed_changes),
     "csv": (changed_cell, changed_cell, changed_word),
     "journal": (changed_archive, changed_archive),
     "memory": (changed_json, changed_json, changed_json, changed_word),

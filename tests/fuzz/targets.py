@@ -13,6 +13,7 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect
 from firmware_sim.yaml_file import FileError
 from fuzz.client_targets import clients, sockets
+from fuzz.damage_target import check_damage
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
@@ -123,10 +124,17 @@ def mcap(content: bytes) -> None:
     path = written("s.mcap", content)
     told(lambda: load_session(path))
     told(lambda: sum(len(read.content) for read in read_raw(path)))
+    told(lambda: load_session(path, allow_damage=True))
     told(lambda: repair(path))
     told(lambda: load_session(path))
-    for tail in FOLDER.glob("s.mcap.tail*"):
-        tail.unlink()
+    for other in FOLDER.glob("s.mcap?*"):
+        other.unlink()
+
+
+def damage(content: bytes) -> None:
+    """A recording of ours of which some bytes are changed: nothing is read that was not written."""
+    FOLDER.mkdir(exist_ok=True)
+    check_damage(FOLDER, content)
 
 
 def csv(content: bytes) -> None:
@@ -182,5 +190,20 @@ def forget() -> None:
 
 TARGETS: dict[str, Target] = {
     each.__name__: each
-    for each in (decoders, detector, text, columns, clocks, config, rig, mcap, csv, journal, memory, clients, sockets)
+    for each in (
+        decoders,
+        detector,
+        text,
+        columns,
+        clocks,
+        config,
+        rig,
+        mcap,
+        damage,
+        csv,
+        journal,
+        memory,
+        clients,
+        sockets,
+    )
 }

@@ -41,8 +41,8 @@ FAULTS = (
     Fault(
         "session/flush-keeps-rows",
         f"{MCAP}/write.py",
-        "            self._rows.clear()\n",
-        "",
+        "        self._rows.clear()\n        for at in range",
+        "        for at in range",
         "Each flush writes all samples once more.",
         (f"{TESTS}/test_mcap_session.py",),
     ),
@@ -73,8 +73,8 @@ FAULTS = (
     Fault(
         "session/torn-zeros-whole",
         f"{MCAP}/walk.py",
-        "        return end <= self.zeros_at or end == self.size\n",
-        "        return end <= self.size\n",
+        "        return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop\n",
+        "        return end <= self.stretch.stop\n",
         "A sample whose end is the zeros of a power cut is taken for whole.",
         (f"{TESTS}/test_repair.py",),
     ),

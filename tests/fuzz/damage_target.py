@@ -1,0 +1,103 @@
+"""A recording of known samples that is damaged anywhere: what is read of it is as it was written, or is told."""
+
+import io
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from random import Random
+from struct import Struct
+
+import numpy as np
+
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
+from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.session.mcap.repair import repair
+from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.session.session import Session
+
+COUNT, FLUSHED = 400, 25
+CHANGE = Struct("<BHHB")
+"""What is done, where in the file, over how many bytes, and with which byte."""
+
+MOST_CHANGES = 20
+COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "encoder_deg", "temp_c")
+
+
+@cache
+def recording() -> bytes:
+    """Samples, raw bytes and events, with the end that a finished recording has."""
+    stream, random = io.BytesIO(), Random(1)
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    for number in range(COUNT):
+        t_s = number / 100
+        writer.add(Sample(number, t_s, 1.7e9 + t_s, random.gauss(0.0, 10.0), 0.1 * number, 25.0, float(number > 200)))
+        if number % FLUSHED == FLUSHED - 1:
+            writer.add_read(random.randbytes(40), 1.7e9 + t_s)
+            writer.add_event("gap", 1.7e9 + t_s, {"missing": 1})
+            writer.flush()
+    writer.finish()
+    return stream.getvalue()
+
+
+def changed_recording(changes: bytes) -> bytes:
+    """The recording with some changes: bytes written over, flipped, taken out, put in, or copied from elsewhere."""
+    made = bytearray(recording())
+    for at in range(0, min(len(changes), MOST_CHANGES * CHANGE.size) - CHANGE.size + 1, CHANGE.size):
+        kind, place, length, value = CHANGE.unpack_from(changes, at)
+        place %= len(made) + 1
+        match kind % 6:
+            case 0 if place < len(made):
+                made[place] ^= value or 1
+            case 1:
+                del made[place : place + length]
+            case 2:
+                made[place:place] = bytes([value]) * (length % 5000)
+            case 3:
+                made[place : place + length % 5000] = made[-(length % 5000) :]
+            case 4:
+                made[place:place] = made[place : place + length]
+            case _:
+                made[place : place + length % 5000] = bytes([value]) * (length % 5000)
+        if not made:
+            break
+    return bytes(made)
+
+
+def check_damage(folder: Path, changes: bytes) -> None:
+    """Damage, read, read what is whole, repair, read again."""
+    path = folder / "d.mcap"
+    path.write_bytes(recording())
+    whole = read_mcap(path)
+    content = changed_recording(changes)
+    if not (content.startswith(MAGIC) and content[-CLOSED_TAIL_BYTES:].startswith(CLOSED_TAIL)):
+        return  # as good as interrupted: its last records are not watched over yet
+    path.write_bytes(content)
+    with suppress(DataError):
+        session = read_mcap(path)
+        assert len(session.rate_dps) == COUNT
+        assert are_original(session, whole)
+    with suppress(DataError):
+        check_kept(read_mcap(path, allow_damage=True), whole)
+    with suppress(DataError):
+        repair(path)
+        check_kept(read_mcap(path, allow_damage=True), whole)
+    for other in folder.glob("d.mcap?*"):
+        other.unlink()
+
+
+def check_kept(session: Session, whole: Session) -> None:
+    """Each sample is one that was written, unless it is said that nobody can know."""
+    if session.damage is None or session.damage.is_sure:
+        assert are_original(session, whole)
+
+
+def are_original(session: Session, whole: Session) -> bool:
+    """Whether each sample is one of the whole recording, bit for bit, and none comes twice."""
+    numbers = session.seq
+    assert numbers is not None
+    if len(numbers) and ((np.diff(numbers) <= 0).any() or not 0 <= numbers[0] <= numbers[-1] < COUNT):
+        return False
+    pairs = [(getattr(session, name), getattr(whole, name)) for name in COLUMNS]
+    return all(here is not None and np.array_equal(here, there[numbers]) for here, there in pairs)
