@@ -170,7 +170,7 @@ def clock_questions(content: bytes) -> list[int | float]:
     unpacker.feed(content)
     try:
         messages = list(unpacker)
-    except (ValueError, msgpack.exceptions.UnpackException) as error:
+    except (ValueError, TypeError, msgpack.exceptions.UnpackException) as error:  # TypeError: a map with a list as key
         raise ValueError(f"this is no MessagePack: {type(error).__name__}") from None
     return [
         each[3]

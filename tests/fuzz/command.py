@@ -67,7 +67,8 @@ def _process(name: str, seconds: int, seed: int) -> int:
     lines = (done.stdout + done.stderr).splitlines()
     print(f"{name:10} {summary(lines, name) if not done.returncode else f'status {done.returncode}'}", flush=True)
     if done.returncode:
-        print("\n".join(line[:400] for line in lines[-40:]), flush=True)
+        for said in (done.stdout, done.stderr):
+            print("\n".join(line[:400] for line in said.splitlines()[-25:]), flush=True)
     return done.returncode
 
 

@@ -89,4 +89,7 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
             raise DataError(f"it claims to hold {claimed} bytes")
         file.seek(0)
         with np.load(file) as stored:
-            return {name: stored[name] for name in stored.files}
+            arrays = {name: stored[name] for name in stored.files}
+    if not all(isinstance(each, np.ndarray) for each in arrays.values()):  # numpy gives bytes for what is no array
+        raise DataError("it holds something other than arrays")
+    return arrays
