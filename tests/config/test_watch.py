@@ -1,5 +1,6 @@
 """The watched config: whichever way an editor saves it."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,17 @@ def test_a_file_renamed_over_it_is_seen(path: Path) -> None:
     fresh.replace(path)
     assert watch.poll() is watch.config
     assert _tau_s(watch.config) == 3.0
+
+
+def test_a_file_of_the_same_size_and_time_is_another_one(path: Path) -> None:
+    """As `cp -p` and a rename make it."""
+    watch = ConfigWatch(path)
+    before, fresh = path.stat(), path.with_name("fresh")
+    fresh.write_text(path.read_text().replace("1", "2", 1))
+    os.utime(fresh, ns=(before.st_atime_ns, before.st_mtime_ns))
+    fresh.replace(path)
+    assert (path.stat().st_size, path.stat().st_mtime_ns) == (before.st_size, before.st_mtime_ns)
+    assert watch.poll() is not None
 
 
 def test_a_file_that_is_away_for_a_moment_changes_nothing(path: Path) -> None:

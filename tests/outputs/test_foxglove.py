@@ -6,7 +6,7 @@ import socket
 import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from clients_support import fed, node_client
@@ -16,6 +16,8 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from gyrodrift.outputs.foxglove_session import FoxgloveSession
+from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.status import ConfigStatus, ServiceStatus
 from gyrodrift.service.control_client import ControlClient
 
@@ -148,6 +150,12 @@ def test_a_port_that_is_taken_is_told(port: Path) -> None:
         with serving(port, "--output", f"foxglove:port={taken.getsockname()[1]}") as (serve, _):
             serve.until(lambda it: bool(events(it, "output_failed")), "refusal")
             assert "is taken by" in events(serve, "output_failed")[0]["reason"]
+
+
+def test_all_losses_so_far_are_told() -> None:
+    """The app shows the last message alone."""
+    session = FoxgloveSession(cast("WebSocketClient", None), [], dict, lambda _: None)
+    assert [json.loads(session.dropped(count))["message"].split()[0] for count in (3, 4)] == ["3", "7"]
 
 
 def test_who_does_not_read_is_told_how_many_it_lost(port: Path, tmp_path: Path) -> None:

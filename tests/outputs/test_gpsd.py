@@ -123,7 +123,7 @@ def test_poll_gives_the_last_sample_of_a_device_that_is_watched(outputs: HubThre
 def test_who_stops_to_watch_gets_no_more(outputs: HubThread, client: Reader) -> None:
     """And several requests may stand in a line."""
     watching(client)
-    ask(client, b'?WATCH={"enable":false};?VERSION;\n')
+    ask(client, b'?WATCH={"enable":false,"json":true};?VERSION;\n')
     client.until("VERSION")
     outputs.samples([corrected(1)])
     outputs.statuses()

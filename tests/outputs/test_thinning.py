@@ -16,6 +16,11 @@ def test_every_fourth_of_100_hz_is_25_hz_over_batches() -> None:
     assert kept(thinning, range(10)) + kept(thinning, range(10, 20)) == [0, 4, 8, 12, 16]
 
 
+def test_a_rate_that_divides_no_other_is_kept_over_time() -> None:
+    """30 Hz of 100 Hz is every third or fourth sample."""
+    assert len(kept(Thinning(30.0), range(1000))) == 300
+
+
 def test_a_hole_is_not_made_up_for() -> None:
     assert kept(Thinning(25.0), [0, 1, 50, 51, 52, 53, 54]) == [0, 50, 54]
 

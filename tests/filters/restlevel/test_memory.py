@@ -170,6 +170,19 @@ def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
     for wrong in ({"flight": 1.0}, {"yaw_deg": "far"}, {"noise": {"colour": 1}}, {"t_s": np.nan}, {"blocks": 10**400}):
         with pytest.raises(ValueError, match=r"has no|is '|is nan|is 10000"):
             restore(RestlevelState(), wrong)
+    for of_another_kind in ({"blocks": True}, {"noise": {"has_steps": 1}}, {"blocks": 1.0}):
+        with pytest.raises(ValueError, match=r"is (True|1|1\.0)$"):
+            restore(RestlevelState(), of_another_kind)
+
+
+def test_zeros_and_falses_that_are_no_defaults_are_kept() -> None:
+    """Where a new state has something else."""
+    state = RestlevelState()
+    state.noise.resolution_dps, state.noise.mute_blocks = 0.0, 3
+    state.witness.is_believed = False
+    again = RestlevelState()
+    restore(again, json.loads(json.dumps(saved(state, RestlevelState()))))
+    assert again == state
 
 
 def test_a_first_temperature_may_be_anything() -> None:

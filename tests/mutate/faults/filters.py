@@ -19,8 +19,8 @@ FAULTS = (
         "filters/hdr-run-off-by-one",
         HDR,
         "s.run = s.run + 1 if s.samples >= 2 and",
-        "s.run = s.run + 1 if s.samples >= 1 and",
-        "The second sample counts as a repetition of a sign that no sample had.",
+        "s.run = s.run + 1 if s.samples > 2 and",
+        "The first repetition of a sign does not count.",
         HDR_TESTS,
     ),
     Fault(
@@ -61,7 +61,7 @@ FAULTS = (
         "        elif value == usual:",
         "        elif not value or value == usual:",
         "A zero or a false that is no default is not saved, and comes back as the default.",
-        ("tests/filters/test_hdr.py", "tests/filters/restlevel/test_memory.py"),
+        (f"{UNITS}/test_memory.py::test_zeros_and_falses_that_are_no_defaults_are_kept",),
     ),
     Fault(
         "filters/saved-wrong-type",
@@ -69,7 +69,7 @@ FAULTS = (
         "elif type(value) is type(held) and abs(value) <= MOST:",
         "elif abs(value) <= MOST:",
         "A damaged state with a truth value for a number is taken over.",
-        ("tests/filters/restlevel/test_memory.py",),
+        (f"{UNITS}/test_memory.py::test_a_state_is_kept_by_what_differs_from_a_new_one",),
     ),
     Fault(
         "filters/restlevel-trapezoid",
@@ -77,7 +77,10 @@ FAULTS = (
         "block.turned_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s",
         "block.turned_deg += rate_dps * dt_s",
         "Yaw is integrated by rectangles instead of trapezoids.",
-        ("tests/filters/test_restlevel.py",),
+        (
+            "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
+            "tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_hypotheses_branch_and_merge",
+        ),
     ),
     Fault(
         "filters/restlevel-bias-sign",
@@ -85,7 +88,10 @@ FAULTS = (
         "yaw_deg = moments.yaw_deg + block.turned_deg - s.bias_dps * seconds",
         "yaw_deg = moments.yaw_deg + block.turned_deg + s.bias_dps * seconds",
         "Within a block the bias is added instead of taken off.",
-        ("tests/filters/test_restlevel.py",),
+        (
+            "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
+            "tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_hypotheses_branch_and_merge",
+        ),
     ),
     Fault(
         "filters/restlevel-block-not-reset",
@@ -93,7 +99,10 @@ FAULTS = (
         "    block.sum_squares = 0.0\n",
         "",
         "The squares of a block are added to those of the next one, so noise grows without end.",
-        ("tests/filters/test_restlevel.py",),
+        (
+            "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
+            "tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_hypotheses_branch_and_merge",
+        ),
     ),
     Fault(
         "filters/restlevel-covariance-sign",
@@ -101,7 +110,10 @@ FAULTS = (
         "h.covariance -= h.bias_var * seconds",
         "h.covariance += h.bias_var * seconds",
         "A zero-velocity update moves yaw away from where the bias has turned it.",
-        ("tests/filters/test_restlevel.py",),
+        (
+            "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
+            "tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_hypotheses_branch_and_merge",
+        ),
     ),
     Fault(
         "filters/restlevel-gain",
@@ -133,7 +145,7 @@ FAULTS = (
         "more_var = noise.frozen_deg * noise.frozen_deg - before_deg * before_deg",
         "more_var = (noise.frozen_deg - before_deg) ** 2",
         "The turns of a sensor that hangs count as independent, so sigma is far too small.",
-        ("tests/filters/test_restlevel.py",),
+        ("tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_a_sensor_hangs",),
     ),
     Fault(
         "filters/restlevel-turns-ring",

@@ -155,7 +155,7 @@ FAULTS = (
         "        self._dropped += messages\n",
         "        self._dropped = messages\n",
         "The app shows the last losses of a slow client as all of them.",
-        (f"{TESTS}/test_foxglove.py",),
+        (f"{TESTS}/test_foxglove.py::test_all_losses_so_far_are_told",),
     ),
     Fault(
         "outputs/rosbridge-throttle-unit",
