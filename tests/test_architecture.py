@@ -27,29 +27,29 @@ ROOMS = {
     "outputs": BASE,
     "config": f"{BASE} columns filters link outputs",
     "describe": f"{BASE} evaluation filters html session",
-    "doctor": f"{BASE} describe evaluation filters link outputs session",
+    "doctor": f"{BASE} columns describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",
     "calibrate": f"{BASE} describe link",
     "service": f"{BASE} config filters link outputs recording",
     "top": f"{BASE} outputs service",
-    "evaluation": f"{BASE} filters session",
+    "evaluation": f"{BASE} columns filters session",
     "simulation": f"{BASE} firmware_sim session",
     "tune": f"{BASE} evaluation filters html",
-    "compare": f"{BASE} evaluation filters html tune",
-    "diagnose.recording": f"{BASE} evaluation session",
+    "compare": f"{BASE} columns evaluation filters html tune",
+    "diagnose.recording": f"{BASE} columns evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",
-    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
+    "diagnose.simulate": f"{BASE} columns diagnose.features diagnose.recording firmware_sim session simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.simulate firmware_sim",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "evaluation filters firmware_sim session tune",
-    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording diagnose.predictive_checks "
-    "diagnose.recording diagnose.simulate firmware_sim simulation",
+    "diagnose": f"{BASE} columns diagnose.features diagnose.inference diagnose.next_recording "
+    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",
-    "library": f"{BASE} compare config diagnose evaluation filters firmware_sim link session tune",
+    "library": f"{BASE} columns compare config diagnose evaluation filters firmware_sim link session tune",
     "firmware_sim": "",
 }
 """Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""

@@ -48,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_force_option(parser)
     options.add_damage_option(parser)
+    options.add_columns_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_kept([target], [source], force=arguments.force)
     with options.progress_of(arguments) as progress:
         progress.evaluated(f"{source.name} read", 0, 0)
-        session = _loaded(source, topic, allow_damage=arguments.allow_damage)
+        session = _loaded(source, topic, arguments)
         if target.suffix in ENDINGS:
             _tell_left_out(arguments, session)
         _write(target, form, session, in_pieces(session, progress.evaluated))
@@ -78,9 +79,10 @@ def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]"
     return counted("samples written", pieces, samples, progress, lambda piece: len(piece.t_device_s))
 
 
-def _loaded(source: Path, topic: str | None, *, allow_damage: bool) -> "Session":
+def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "Session":
     if topic is None:
-        return options.read_session(source, allow_damage=allow_damage)
+        columns = options.table_columns(arguments)
+        return options.read_session(source, columns, allow_damage=arguments.allow_damage)
     from gyrodrift.session.foreign.read import read_foreign
 
     return read_foreign(source, topic)

@@ -46,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="sessions of the same device from another day or bench: explain the difference to them (default: none)",
     )
     options.add_jobs_option(parser)
+    options.add_columns_option(parser)
     options.add_cluster_option(parser, "replay")
     options.add_damage_option(parser)
 
@@ -88,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
                 arguments.cluster,
                 progress.evaluated,
                 baseline,
+                columns=options.table_columns(arguments),
             )
         )
         progress.evaluated(REPORT, 0, 0)

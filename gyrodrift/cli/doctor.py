@@ -70,7 +70,11 @@ def run(arguments: argparse.Namespace) -> int:
 
         paths = session_paths(arguments.sessions)
         options.check_damage(paths, allow_damage=arguments.allow_damage)
-        seen = [recorded(path) for path in paths]
+        columns = options.table_columns(arguments)
+        seen = [recorded(path, columns) for path in paths]
+        for path, evidence in zip(paths, seen, strict=True):
+            if evidence.session is not None:
+                options.tell_remarks(path, evidence.session)
     else:
         with options.progress_of(arguments) as progress:
             seen = [_heard(arguments, baud, seconds, progress)]

@@ -40,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
     options.add_force_option(parser)
     options.add_damage_option(parser)
+    options.add_columns_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,7 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
             check_kept([arguments.out], inputs, force=arguments.force)
         config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
-        session = options.calibrated_session(arguments.session, config, allow_damage=arguments.allow_damage)
+        columns = options.table_columns(arguments)
+        session = options.calibrated_session(arguments.session, config, columns, allow_damage=arguments.allow_damage)
         chosen = config.chosen
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()

@@ -57,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects (default: restlevel)"
     )
     options.add_damage_option(parser)
+    options.add_columns_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -86,12 +87,13 @@ def _tell(
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
-    session = load_session(path, allow_damage=arguments.allow_damage)
+    session = load_session(path, options.table_columns(arguments), allow_damage=arguments.allow_damage)
     raw = raw_size(path, allow_damage=session.damage is not None)
     possible = possible_part(session)
     description = describe(possible)
     groups = groups_of(session, description, raw)
     with progress.aside():
+        options.tell_remarks(path, session)
         if arguments.json:
             kept = None if raw is None else raw._asdict()
             about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}

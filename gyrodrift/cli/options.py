@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
+    from gyrodrift.columns.spec import Column
     from gyrodrift.config.model import Config
     from gyrodrift.link.link import EventHandler, LinkOptions
     from gyrodrift.link.port import Port
@@ -87,6 +88,30 @@ def bytes_to_send(text: str) -> bytes:
         return bytes_to_send(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def add_columns_option(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that reads tables."""
+    parser.add_argument(
+        "--columns",
+        metavar="SPEC",
+        help="columns of a table (.csv .tsv .txt .log .json .jsonl), one entry each: _ (ignored), t_s, t_ms, t_us, "
+        "t_ns, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], yaw[:deg|:rad][:-], encoder, temp, seq, such as "
+        "'t_ms, _, _, rate:rads'; by label, LABEL=rate:rads (default: as its header says)",
+    )
+
+
+def table_columns(arguments: argparse.Namespace) -> "tuple[Column, ...] | None":
+    """What `--columns` says of tables; None where their headers have to."""
+    from gyrodrift.columns.spec import columns_of
+
+    return None if arguments.columns is None else columns_of(arguments.columns)
+
+
+def tell_remarks(path: Path, session: "Session") -> None:
+    """What a person is to be told of how a session was read."""
+    if session.remarks:
+        print(visible(f"gyrodrift: {path}: {'; '.join(session.remarks)}"), file=sys.stderr)
 
 
 def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
@@ -189,8 +214,8 @@ def add_damage_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_session(path: Path, *, allow_damage: bool) -> "Session":
-    """A session; where it is damaged and that is allowed, what is missing is told.
+def read_session(path: Path, columns: "Sequence[Column] | None" = None, *, allow_damage: bool) -> "Session":
+    """A session; what there is to say of how it was read is told, and where damage is allowed, what is missing.
 
     Raises
     ------
@@ -199,7 +224,8 @@ def read_session(path: Path, *, allow_damage: bool) -> "Session":
     """
     from gyrodrift.session.files import load_session
 
-    session = load_session(path, allow_damage=allow_damage)
+    session = load_session(path, columns, allow_damage=allow_damage)
+    tell_remarks(path, session)
     if session.damage is not None:
         _tell_damage(path, str(session.damage))
     return session
@@ -313,11 +339,13 @@ def calibration_tables(config: "Config") -> dict[str, dict[str, str]]:
     return {"calibration": {} if config.calibration is None else config.calibration.table()}
 
 
-def calibrated_session(path: Path, config: "Config", *, allow_damage: bool) -> "Session":
+def calibrated_session(
+    path: Path, config: "Config", columns: "Sequence[Column] | None" = None, *, allow_damage: bool
+) -> "Session":
     """A session with its rates put right: by the calibration of the config, or else by the one that it keeps."""
     from gyrodrift.session.calibrated import device_of, with_config
 
-    session, given = read_session(path, allow_damage=allow_damage), config.calibration
+    session, given = read_session(path, columns, allow_damage=allow_damage), config.calibration
     if given is not None and not given.is_for(device_of(session)):
         whose = f"the calibration is one of {given.device_id} and is not applied"
         print(f"gyrodrift: warning: {path}: is of the device {device_of(session)}; {whose}", file=sys.stderr)

@@ -65,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="search a parameter there (default: all that is sensible)",
     )
     options.add_jobs_option(parser)
+    options.add_columns_option(parser)
     options.add_cluster_option(parser, "evaluate")
     options.add_damage_option(parser)
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
@@ -134,7 +135,8 @@ def _sources(arguments: argparse.Namespace) -> "list[Source]":
 
     tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
     paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
-    return [Source(path, path in stills, Split.TEST if path in tests else None) for path in paths]
+    columns = options.table_columns(arguments)
+    return [Source(path, path in stills, Split.TEST if path in tests else None, columns) for path in paths]
 
 
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:

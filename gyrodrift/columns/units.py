@@ -148,3 +148,14 @@ def _plain(word: str) -> str:
     for pattern, text in REPLACED:
         plain = pattern.sub(text, plain)
     return plain
+
+
+def without_unit(label: str) -> str:
+    """The name in a label without the unit that `unit_in` finds there: `gyro_z_rad_s` is `gyro z`."""
+    label = label.strip()[:LONGEST]
+    name = " ".join(word for word in TAILS.split(BRACKETED.sub(" ", label)) if word)
+    if unit_in(label) is None or any(unit_of(bracketed) for bracketed in BRACKETED.findall(label)):
+        return name
+    words = [word for word in name.split() if word.lower() != "per"]
+    is_pair = len(words) > 2 and unit_of("/".join(words[-2:])) is not None
+    return " ".join(words[: -2 if is_pair else -1])

@@ -7,6 +7,7 @@ from enum import Enum
 from pathlib import Path
 
 from gyrodrift.arrays import Floats
+from gyrodrift.columns.spec import Column
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.compare.tuning import tuned
@@ -70,6 +71,8 @@ class ComparisonRequest:
         Of the search for each method.
     config
         Where parameters of the methods come from that are not their defaults.
+    columns
+        What the columns of tables are; None where their headers say it.
     """
 
     paths: Sequence[Path]
@@ -81,6 +84,7 @@ class ComparisonRequest:
     config: ConfigFile | None = None
     jobs: int = 1
     progress: OnProgress = untold
+    columns: tuple[Column, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +234,7 @@ def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry
 
 
 def _source(path: Path, asked: ComparisonRequest) -> Source:
-    return Source(path, path in asked.stills)
+    return Source(path, path in asked.stills, columns=asked.columns)
 
 
 def _loaded(asked: ComparisonRequest) -> list[LoadedSession]:

@@ -1,9 +1,10 @@
 """A recording as evidence: its samples, and what was kept of its link beside them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 
+from gyrodrift.columns.spec import Column
 from gyrodrift.describe.describe import describe
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.listen import clock_ppm, jitter_ms
@@ -15,15 +16,17 @@ COUNTED = ("bytes", "damaged", "before_hello", "clipped", "device_resets", "reco
 """Counters of the link that a recording keeps, but for those that its samples show."""
 
 
-def recorded(path: Path) -> DeviceEvidence:
+def recorded(path: Path, columns: Sequence[Column] | None = None) -> DeviceEvidence:
     """What a recording shows of the device; of a damaged one, which its caller has told of, what is whole.
+
+    `columns` say what those of a table are, where its header does not.
 
     Raises
     ------
     DataError
         Where it cannot be read.
     """
-    session = load_session(path, allow_damage=True)
+    session = load_session(path, columns, allow_damage=True)
     description = describe(session)
     about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))
     counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from gyrodrift import __version__
 from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
+from gyrodrift.columns.spec import Column
 from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
 from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_reference
@@ -115,6 +116,8 @@ class ClusterCost:
         Paths as the workers see them, at least one, and whether each is a still.
     chosen
         The filter.
+    columns
+        What the columns of tables are; None where their headers say it.
 
     Raises
     ------
@@ -129,14 +132,20 @@ class ClusterCost:
     what is known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
     """
 
-    def __init__(self, address: str, sessions: Sequence[tuple[Path, bool]], chosen: Filter = PUBLISHED) -> None:
+    def __init__(
+        self,
+        address: str,
+        sessions: Sequence[tuple[Path, bool]],
+        chosen: Filter = PUBLISHED,
+        columns: tuple[Column, ...] | None = None,
+    ) -> None:
         self._name = chosen.name
         self.evaluations = 0
         self._workers = ClusterWorkers(address, "tuning")
         try:
             self.threads = self._workers.threads
             self._edges = _edges([path for path, _ in sessions], self.threads)
-            sources = [Source(path, is_still) for path, is_still in sessions]
+            sources = [Source(path, is_still, columns=columns) for path, is_still in sessions]
             cut = [sources[first:last] for first, last in pairwise(self._edges)]
             self._batches = self._workers.submit(load_batch, cut, [__version__] * len(cut))
             found = self._workers.results(self._workers.submit(descriptions_of, self._batches))

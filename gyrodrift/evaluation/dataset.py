@@ -2,13 +2,14 @@
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.session.calibrated import calibrated
@@ -34,11 +35,18 @@ class Split(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A session that is to be used; `split` is None where nobody has said for what."""
+    """A session that is to be used.
+
+    split
+        None where nobody has said for what.
+    columns
+        What the columns of a table are; None where its header says it.
+    """
 
     path: Path
     is_still: bool = False
     split: Split | None = None
+    columns: tuple[Column, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +91,13 @@ def load_with_reference(source: Source) -> LoadedSession:
     DataError
         With its path, where it cannot be read or has no reference.
     """
-    session = calibrated(load_session(source.path, allow_damage=True))
+    session = calibrated(load_session(source.path, source.columns, allow_damage=True))
     try:
         t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:
         raise DataError(f"{source.path}: {str(error).removeprefix(f'{session.name}: ')}") from error
-    warnings = () if source.is_still else tuple(_warnings(source, reference))
+    read = [f"{session.name}: {remark}" for remark in session.remarks]
+    warnings = (*read, *([] if source.is_still else _warnings(source, reference)))
     digest = digest_of(source.path)
     described = SessionSummary(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)
     return LoadedSession(reference, described, t_s)
@@ -162,14 +171,14 @@ def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
     if not free:
         raise DataError("there are no sessions to tune with; all are held out by --test")
     if given:
-        return [Source(s.path, s.is_still, s.split or Split.TRAIN) for s in sources]
+        return [replace(s, split=s.split or Split.TRAIN) for s in sources]
     if len(free) == 1:
         raise DataError(
             f"{free[0].path}: is the only session, so none can be held out to show what the parameters are worth; "
             "record another one, or give one with --test"
         )
     if len(free) <= CROSS_VALIDATED:
-        return [Source(s.path, s.is_still, Split.TRAIN) for s in sources]
+        return [replace(s, split=Split.TRAIN) for s in sources]
     tests = np.random.default_rng(seed).permutation(len(free))[: round(TEST_SHARE * len(free))]
     splits = [Split.TEST if number in tests else Split.TRAIN for number in range(len(free))]
-    return [Source(s.path, s.is_still, split) for s, split in zip(free, splits, strict=True)]
+    return [replace(s, split=split) for s, split in zip(free, splits, strict=True)]

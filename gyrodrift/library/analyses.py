@@ -11,6 +11,7 @@ from gyrodrift.errors import UsageError
 from gyrodrift.progress import OnProgress, untold
 
 if TYPE_CHECKING:
+    from gyrodrift.columns.spec import Column
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
     from gyrodrift.evaluation.dataset import Source
@@ -34,6 +35,7 @@ def tune(
     ranges: Mapping[str, tuple[float, float]] | None = None,
     jobs: int | None = None,
     allow_damage: bool = False,
+    columns: str | None = None,
 ) -> "Tuning":
     """Find the parameters of a filter from sessions with an encoder; `result.run.params` has them.
 
@@ -49,6 +51,8 @@ def tune(
         Threads; None for as many as there are processors.
     allow_damage
         Whether what is whole of a damaged recording is used.
+    columns
+        What the columns of tables are, as in the option `--columns`; None where their headers say it.
 
     Raises
     ------
@@ -71,7 +75,8 @@ def tune(
     held, still = set(_sessions(tests)), set(_sessions(stills))
     every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
     _check_damage(every, allow_damage=allow_damage)
-    sources = [Source(path, path in still, Split.TEST if path in held else None) for path in every]
+    named = _columns(columns)
+    sources = [Source(path, path in still, Split.TEST if path in held else None, named) for path in every]
     return _tuned(plan, sources, jobs)
 
 
@@ -84,6 +89,7 @@ def diagnose(
     jobs: int = 1,
     on_progress: OnProgress = untold,
     allow_damage: bool = False,
+    columns: str | None = None,
 ) -> "Diagnosis":
     """Explain the gap between a simulated rig and recordings; `result.verdict` says which effect is missing.
 
@@ -99,6 +105,8 @@ def diagnose(
         Processes.
     allow_damage
         Whether what is whole of a damaged recording is used.
+    columns
+        What the columns of tables are, as in the option `--columns`; None where their headers say it.
 
     Raises
     ------
@@ -123,7 +131,9 @@ def diagnose(
         raise UsageError(str(error)) from error
     of_baseline = _sessions(baseline)
     jobs = _positive("jobs", jobs)
-    asked = DiagnosisRequest(_sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline)
+    asked = DiagnosisRequest(
+        _sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline, columns=_columns(columns)
+    )
     _check_damage([*asked.paths, *of_baseline], allow_damage=allow_damage)
     return diagnosis.diagnose(asked)
 
@@ -139,6 +149,7 @@ def compare(
     jobs: int = 1,
     on_progress: OnProgress = untold,
     allow_damage: bool = False,
+    columns: str | None = None,
 ) -> "Comparison":
     """Run every installed method over sessions with an encoder; `result.entries` and `result.means` go together.
 
@@ -154,6 +165,8 @@ def compare(
         Processes.
     allow_damage
         Whether what is whole of a damaged recording is used.
+    columns
+        What the columns of tables are, as in the option `--columns`; None where their headers say it.
 
     Raises
     ------
@@ -179,6 +192,7 @@ def compare(
         config=None if config is None or given is None else comparison.config_file(Path(config), given.blocks),
         jobs=_positive("jobs", jobs),
         progress=on_progress,
+        columns=_columns(columns),
     )
     _check_damage([*asked.paths, *asked.train], allow_damage=allow_damage)
     return comparison.compare(asked)
@@ -217,6 +231,12 @@ def _check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
     damages = [] if allow_damage else damages_of(paths)
     if damages:
         raise DamagedError(damages)
+
+
+def _columns(spec: str | None) -> "tuple[Column, ...] | None":
+    from gyrodrift.columns.spec import columns_of
+
+    return None if spec is None else columns_of(spec)
 
 
 def _need(function: str, *packages: str) -> None:

@@ -8,13 +8,15 @@ if TYPE_CHECKING:
     from gyrodrift.session.session import Session
 
 
-def load_session(path: str | PathLike[str], *, allow_damage: bool = False) -> "Session":
-    """A recorded session (`.mcap` or `.csv`) as arrays.
+def load_session(path: str | PathLike[str], *, columns: str | None = None, allow_damage: bool = False) -> "Session":
+    """A recorded session (`.mcap`) or a table (`.csv`, `.json` and others) as arrays.
 
     Parameters
     ----------
     path
         The file.
+    columns
+        What the columns of a table are, as in the option `--columns`; None where its header says it.
     allow_damage
         Whether what is whole of a damaged recording is returned; `session.damage` then says what is missing.
 
@@ -25,6 +27,8 @@ def load_session(path: str | PathLike[str], *, allow_damage: bool = False) -> "S
     DataError
         Where it is missing, of an unknown kind, or no session.
     """
+    from gyrodrift.columns.spec import columns_of
     from gyrodrift.session import files
 
-    return files.load_session(Path(path), allow_damage=allow_damage)
+    named = None if columns is None else columns_of(columns)
+    return files.load_session(Path(path), named, allow_damage=allow_damage)

@@ -3,9 +3,8 @@
 Other columns, such as those that `filter` adds, are passed over.
 """
 
-import csv
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
-from gyrodrift.nearest import nearest, question
+from gyrodrift.nearest import nearest
 from gyrodrift.session.session import Session
 
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
@@ -25,27 +24,32 @@ ALIKE = 0.8
 """A column this like one that is not there is taken for a slip of the keyboard."""
 
 REQUIRED = ("t_device_s", "rate_dps")
+LONGEST_HEADER = 1 << 16
 
 MOST_COLUMNS = 1000
 """Each unknown column is compared with the known ones, which takes a while; no table of a session has more."""
 
 
-def read_csv(path: Path) -> Session:
-    """Load a `.csv` session. Lines starting with `#` are comments, an empty cell is NaN.
+def read_exact(path: Path) -> Session | None:
+    """A `.csv` session as this program writes it; None where anything is different, and a closer look is needed.
+
+    Lines starting with `#` are comments.
 
     Raises
     ------
     DataError
-        With the line and column of the first value that is no number, or what the header lacks.
+        Where it cannot be read.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            names, header_line = _header(path, file)
-            table = _table(path, file, names, header_line)
+            names = _names(file)
+            table = _table(file, names) if names else None
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DataError(f"{path}: is not text: {error}") from error
+    except UnicodeDecodeError:
+        return None
+    if table is None:
+        return None
     columns = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
     seq = columns.get("seq")
     return Session(
@@ -53,81 +57,50 @@ def read_csv(path: Path) -> Session:
         t_device_s=columns["t_device_s"],
         rate_dps=columns["rate_dps"],
         t_host_s=columns.get("t_host_s"),
-        seq=None if seq is None else _counter(seq),
+        seq=None if seq is None else counter(seq),
         encoder_deg=columns.get("encoder_deg"),
         temp_c=columns.get("temp_c"),
         still=columns.get("still"),
     )
 
 
-def _header(path: Path, file: TextIO) -> tuple[list[str], int]:
-    number, line = next(
-        ((number, line) for number, line in enumerate(iter(file.readline, ""), 1) if _is_content(line)), (0, "")
-    )
-    if not line:
-        raise DataError(f"{path}: is empty; expected a header with {', '.join(REQUIRED)}")
+def _names(file: TextIO) -> list[str]:
+    """The names in the header; none where it is not one of ours."""
+    line = next((line for line in iter(lambda: file.readline(LONGEST_HEADER), "") if _is_content(line)), "")
     words = [word.strip() for word in line.split(",")]
     if len(words) > MOST_COLUMNS:
-        raise DataError(f"{path}:{number}: has {len(words)} columns, more than {MOST_COLUMNS}: this is no session")
+        return []
     names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
-    known = f"columns are {', '.join(COLUMNS)}"
-    for column, name in enumerate(names, 1):
-        meant = [] if name in COLUMNS else nearest(name, set(COLUMNS) - set(names), alike=ALIKE)
-        if meant:
-            raise DataError(f"{path}:{number}: column {column} is {name!r}; {question(meant)} {known}")
-        if name in COLUMNS and name in names[: column - 1]:
-            raise DataError(f"{path}:{number}: column {name} stands twice; {known}")
-    for name in REQUIRED:
-        if name not in names:
-            said = ", ".join(words)
-            raise DataError(f"{path}:{number}: there is no column {name}, which is required, in {said}; {known}")
-    return names, number
+    ours = [name for name in names if name in COLUMNS]
+    is_known = set(REQUIRED) <= set(ours) and len(ours) == len(set(ours)) and not slips_in(names)
+    return names if is_known else []
+
+
+def slips_in(names: Sequence[str]) -> dict[int, list[str]]:
+    """Indices of names that look like one of ours that is not there, with what is meant."""
+    absent = set(COLUMNS) - set(names)
+    found = {at: nearest(name, absent, alike=ALIKE) for at, name in enumerate(names) if name not in COLUMNS}
+    return {at: meant for at, meant in found.items() if meant}
 
 
 def _is_content(line: str) -> bool:
     return bool(line.strip()) and not line.startswith("#")
 
 
-def _table(path: Path, file: TextIO, names: list[str], header_line: int) -> Floats:
-    """All rows, shape (n, known columns): by numpy's C reader, or cell by cell where that one stumbles."""
+def _table(file: TextIO, names: list[str]) -> Floats | None:
+    """All rows, shape (n, known columns), by numpy's C reader; None where that one stumbles."""
     taken = [at for at, name in enumerate(names) if name in COLUMNS]
-    start = file.tell()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy warns of a file without rows
             columns = taken if len(taken) < len(names) else None  # without them numpy sees rows of other lengths
             table: Floats = np.loadtxt(file, delimiter=",", comments="#", ndmin=2, dtype=np.float64, usecols=columns)
     except (ValueError, UserWarning):
-        file.seek(start)
-        table = _cell_by_cell(path, file, names, header_line)
-    if table.size == 0:
-        raise DataError(f"{path}: has a header and no samples")
-    if table.shape[1] != len(taken):
-        raise DataError(f"{path}: rows have {table.shape[1]} values, the header has {len(names)} columns")
-    return table
+        return None
+    return table if table.size and table.shape[1] == len(taken) else None
 
 
-def _cell_by_cell(path: Path, file: TextIO, names: list[str], header_line: int) -> Floats:
-    reader = csv.reader(file)
-    rows = []
-    for row in reader:
-        if not _is_content(",".join(row)):
-            continue
-        line = header_line + reader.line_num
-        if len(row) != len(names):
-            raise DataError(f"{path}:{line}: has {len(row)} values, the header has {len(names)} columns")
-        rows.append([_number(path, line, *cell) for cell in zip(names, row, strict=True) if cell[0] in COLUMNS])
-    return np.array(rows, dtype=np.float64).reshape(-1, sum(name in COLUMNS for name in names))
-
-
-def _number(path: Path, line: int, name: str, text: str) -> float:
-    try:
-        return float(text) if text.strip() else float("nan")
-    except ValueError:
-        raise DataError(f"{path}:{line}: {name} is {text!r}, expected a number") from None
-
-
-def _counter(column: Floats) -> NDArray[np.int64]:
+def counter(column: Floats) -> NDArray[np.int64]:
     """A counter beyond all that is counted is none."""
     return np.where(np.abs(column) < WHOLE, column, -1).astype(np.int64)
 

@@ -1,18 +1,30 @@
 """Sessions as files: what a path stands for, and the one way to load and to write one, by its ending."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.files import UnreadableError, check_ordinary, whole_file, write_whole
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
+TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson")
+"""Endings of tables, in small or capital letters."""
 
 
-def load_session(path: Path, *, allow_damage: bool = False) -> Session:
+def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_damage: bool = False) -> Session:
     """Load a session by its ending.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        What the columns of a table are; without them its header has to say it.
+    allow_damage
+        Whether what is whole of a damaged recording is returned.
 
     Raises
     ------
@@ -29,15 +41,19 @@ def load_session(path: Path, *, allow_damage: bool = False) -> Session:
         check_ordinary(path)
     except UnreadableError as error:
         raise DataError(f"{path}: {error}: this is no session") from error
-    if path.suffix == ".csv":
-        from gyrodrift.session.csv import read_csv  # noqa: PLC0415 - each format costs only who reads it
+    ending = path.suffix.lower()
+    if ending in TABLES:
+        from gyrodrift.session.tables.read import read_table  # noqa: PLC0415 - each format costs only who reads it
 
-        return read_csv(path)
-    if path.suffix == ".mcap":
+        return read_table(path, columns)
+    if columns is not None:
+        raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
+    if ending == ".mcap":
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415
 
         return read_mcap(path, allow_damage=allow_damage)
-    raise DataError(_unknown_ending(path))
+    read = ", ".join((".mcap", *TABLES))
+    raise DataError(f"{path}: sessions end in {read}, not {path.suffix or 'nothing'}")
 
 
 def damages_of(paths: Iterable[Path]) -> list[tuple[Path, RecordingDamage]]:
@@ -128,7 +144,7 @@ def _seen_in(folder: Path) -> list[Path]:
 
 
 def _sessions_in(folder: Path) -> list[Path]:
-    return [p for p in _seen_in(folder) if p.suffix in ENDINGS and not _is_bare(p)]
+    return [p for p in _seen_in(folder) if p.suffix.lower() in ENDINGS and not _is_bare(p)]
 
 
 def _is_bare(path: Path) -> bool:

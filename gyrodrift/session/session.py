@@ -25,6 +25,8 @@ class Session:
         Single missing values are NaN (−1 in `seq`).
     still
         1 where something else than the rate said that the device stands still, 0 where it moves; likewise.
+    remarks
+        What a person is to be told of how it was read, a sentence each.
     metadata
         Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
     damage
@@ -41,6 +43,7 @@ class Session:
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     still: Floats | None = None
     damage: RecordingDamage | None = None
+    remarks: tuple[str, ...] = ()
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""
@@ -55,4 +58,5 @@ class Session:
             temp_c=None if self.temp_c is None else self.temp_c[rows],
             still=None if self.still is None else self.still[rows],
             metadata=self.metadata,
+            remarks=self.remarks,
         )

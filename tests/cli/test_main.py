@@ -123,7 +123,7 @@ def test_what_is_unknown_gets_the_nearest_before_anything_else_is_said(
 
 def test_every_unknown_option_is_told_at_once(capsys: pytest.CaptureFixture[str]) -> None:
     """A line each; what stands behind -- and negative numbers are none."""
-    assert main(["filter", "--otu", "a", "--confg", "b", "--", "--session"]) == 2
+    assert main(["filter", "--otu", "a", "--configg", "b", "--", "--session"]) == 2
     first, second = capsys.readouterr().err.splitlines()
     assert first.endswith("did you mean --out?")
     assert second.endswith("did you mean --config?")

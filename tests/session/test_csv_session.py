@@ -60,10 +60,10 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
         ),
         (
             "t_device_s,speed\n0,1\n",
-            "s.csv:1: there is no column rate_dps, which is required, in t_device_s, speed; columns",
+            "s.csv:1: its header does not say which column is the rate and in which unit",
         ),
-        ("0,1\n1,2\n", "s.csv:1: there is no column t_device_s, which is required, in 0, 1; columns are"),
-        ("# x\nt_device_s,temp_c\n0,1\n", "s.csv:2: there is no column rate_dps, which is required"),
+        ("0,1\n1,2\n", "s.csv: it has no header, so nothing says which column is the rate and in which unit"),
+        ("# x\nt_device_s,temp_c\n0,1\n", "s.csv:2: its header does not say which column is the rate"),
         ("t_device_s,rate_dps,rate_dps\n0,1,1\n", "s.csv:1: column rate_dps stands twice"),
         ("t_device_s,rate_dps\n0,1\n1,fast\n", "s.csv:3: rate_dps is 'fast', expected a number"),
         ("t_device_s,rate_dps\n0,1\n\n1\n", "s.csv:4: has 1 values, the header has 2 columns"),
@@ -84,12 +84,12 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes,
     [
         ("none.csv", "there is no such session"),
         ("", "this is a folder"),
-        ("s.txt", r"end in \.mcap or \.csv, not \.txt"),
+        ("s.bin", r"end in \.mcap, \.csv, \.tsv, .*, not \.bin"),
     ],
 )
 def test_what_is_no_session_is_named(tmp_path: Path, name: str, message: str) -> None:
     """Missing, a folder, another kind of file."""
-    written(tmp_path, "", "s.txt")
+    written(tmp_path, "", "s.bin")
     with pytest.raises(DataError, match=message):
         load_session(tmp_path / name)
 

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.arrays import Floats
-from gyrodrift.session.csv import csv_pieces, read_csv
+from gyrodrift.session.csv import csv_pieces
+from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
 any_float = st.floats(width=64)
@@ -33,7 +34,7 @@ def test_what_is_written_is_read_again_with_the_same_bits(
     path: Path = tmp_path_factory.mktemp("s") / "s.csv"
     chunks = [session_of(part) for part in (values[:cut], values[cut:]) if part]
     path.write_text("".join(csv_pieces(chunks)))
-    read, whole = read_csv(path), session_of(values)
+    read, whole = load_session(path), session_of(values)
     assert read.seq is not None
     assert read.encoder_deg is not None
     assert np.array_equal(read.t_device_s, whole.t_device_s)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
+from gyrodrift.columns.spec import Column
 from gyrodrift.diagnose.recording.checks import check_recording
 from gyrodrift.diagnose.recording.numbering import backlog_of
 from gyrodrift.diagnose.recording.outages import between_outages
@@ -22,17 +23,19 @@ class CheckedSession(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def checked_session(path: Path) -> CheckedSession:
+def checked_session(path: Path, columns: tuple[Column, ...] | None = None) -> CheckedSession:
     """A session as recordings that went through the checks, its rates put right by the calibration that it keeps.
 
     Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
+    `columns` say what those of a table are, where its header does not.
 
     Raises
     ------
     DataError
         Where it cannot be read, or has no encoder.
     """
-    session, remarks = load_session(path, allow_damage=True), []
+    session = load_session(path, columns, allow_damage=True)
+    remarks = [f"{session.name}: {remark}" for remark in session.remarks]
     calibration = calibration_of(session)
     if calibration is not None:
         session = with_calibration(session, calibration)

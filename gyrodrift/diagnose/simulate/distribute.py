@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
+from gyrodrift.columns.spec import Column
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
@@ -21,10 +22,11 @@ REPLAYED = "sessions replayed"
 
 
 class Origin(NamedTuple):
-    """Where a recording comes from: a session, and which of its parts it is, from 0."""
+    """Where a recording comes from: a session, which of its parts it is, from 0, and how its table was read."""
 
     path: Path
     part: int
+    columns: tuple[Column, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,8 +128,8 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     DataError
         Where it cannot be read, or does not go through the checks any more.
     """
-    path, part = task.origin
-    recordings = checked_session(path).recordings
+    path, part, columns = task.origin
+    recordings = checked_session(path, columns).recordings
     if part >= len(recordings):
         raise DataError(f"{path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]

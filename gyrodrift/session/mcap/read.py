@@ -162,6 +162,7 @@ class _Columns:
             still=self._still(),
             metadata=metadata,
             damage=self._found.damage(found["t_device_s"]),
+            remarks=(),
         )
 
 

@@ -1,0 +1,148 @@
+"""Tables whose head is known: which of their columns are taken, and where that is documented."""
+
+import re
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gyrodrift.columns.spec import Column, parsed
+
+NOTHING: Mapping[str, str] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class KnownTable:
+    """A form of table that is read without options.
+
+    name
+        Program or device that writes it.
+    columns
+        SPEC by label; the table has all of these labels. A label that begins with `*` fits each that ends so.
+    source
+        Where the columns and their units are documented.
+    file
+        Pattern of the file's name, for heads that other tables of the program have, too; empty for any name.
+    scale_key
+        Pair of the preamble that holds deg/s per count, as the bits of a float; empty where the SPEC says it all.
+    where
+        Column and value of the rows that are taken, in tables that mix sensors.
+    """
+
+    name: str
+    columns: str
+    source: str
+    file: str = ""
+    scale_key: str = ""
+    where: tuple[str, str] | None = None
+
+    def indices(self, path: Path, labels: tuple[str, ...]) -> list[tuple[int, Column]] | None:
+        """The columns with their indices; None for a table that this is not."""
+        if self.file and not re.search(self.file, path.name, re.IGNORECASE):
+            return None
+        if self.where is not None and label_index(labels, self.where[0]) is None:
+            return None
+        placed = [(label_index(labels, column.label), column) for column in parsed(self.columns)]
+        return (
+            [(at, column) for at, column in placed if at is not None] if all(p[0] is not None for p in placed) else None
+        )
+
+    def scale(self, preamble: Mapping[str, str]) -> float | None:
+        """What rates are multiplied by besides their unit; None where the preamble does not say it."""
+        if not self.scale_key:
+            return 1.0
+        try:
+            bits = struct.pack(">I", int(preamble[self.scale_key], 16))
+        except (KeyError, ValueError, struct.error):
+            return None
+        scale: float = struct.unpack(">f", bits)[0]
+        return scale if 1e-6 < scale < 1e3 else None
+
+
+def plain(label: str) -> str:
+    """A label without case, marks of comments, and the number of its spaces."""
+    return " ".join(label.strip().lstrip("#%").split()).casefold()
+
+
+def label_index(labels: tuple[str, ...], label: str) -> int | None:
+    """Where a label stands; None where it does not, or more than once."""
+    wanted = plain(label)
+    fits = [
+        at
+        for at, there in enumerate(labels)
+        if plain(there) == wanted or (wanted.startswith("*") and plain(there).endswith(wanted[1:]))
+    ]
+    return fits[0] if len(fits) == 1 else None
+
+
+KNOWN = (
+    KnownTable(
+        "phyphox",
+        "Time (s)=t_s, Gyroscope z (rad/s)=rate:rads",
+        "phyphox.org, export of the experiment Gyroscope",
+    ),
+    KnownTable(
+        "Sensor Logger",
+        "time=t_ns, seconds_elapsed=_, z=rate:rads",
+        "github.com/tszheichoi/awesome-sensor-logger, CROSSPLATFORM.md: Gyroscope in rad/s, time in ns since 1970",
+        file=r"gyroscope",
+    ),
+    KnownTable(
+        "Sensor Logger (JSON)",
+        "time=t_ns, seconds_elapsed=_, z=rate:rads",
+        "likewise, JSON export: an object a sample, with the sensor's name",
+        where=("sensor", "Gyroscope"),
+    ),
+    KnownTable(
+        "SensorLog (gyroscope)",
+        "gyroTimestamp_sinceReboot(s)=t_s, gyroRotationZ(rad/s)=rate:rads",
+        "sensorlog.berndthomas.net, list of columns",
+    ),
+    KnownTable(
+        "SensorLog (device motion)",
+        "motionTimestamp_sinceReboot(s)=t_s, motionRotationRateZ(rad/s)=rate:rads",
+        "likewise; iOS has taken its own bias off",
+    ),
+    KnownTable(
+        "Physics Toolbox",
+        "time=t_s, gFx=_, gFy=_, gFz=_, wx=_, wy=_, wz=rate:rads",
+        "vieyrasoftware.net, multi record: w in rad/s",
+    ),
+    KnownTable(
+        "EuRoC",
+        "timestamp [ns]=t_ns, w_RS_S_z [rad s^-1]=rate:rads",
+        "ASL dataset format, imu0/data.csv",
+    ),
+    KnownTable(
+        "rostopic echo -p",
+        "%time=t_ns, field.header.stamp=_, field.angular_velocity.z=rate:rads",
+        "wiki.ros.org/rostopic; sensor_msgs/Imu is in rad/s",
+    ),
+    KnownTable(
+        "bagpy",
+        "Time=t_s, header.stamp.secs=_, angular_velocity.z=rate:rads",
+        "jmscslgroup.github.io/bagpy; sensor_msgs/Imu is in rad/s",
+    ),
+    KnownTable(
+        "PlotJuggler",
+        "__time=t_s, */angular_velocity/z=rate:rads",
+        "facontidavide.github.io/PlotJuggler, export as csv; sensor_msgs/Imu is in rad/s",
+    ),
+    KnownTable(
+        "Betaflight blackbox",
+        "loopIteration=_, time=t_us, gyroADC[2]=rate",
+        "betaflight.com/docs, blackbox: gyro_scale is deg/s a count, its bits as a float",
+        scale_key="gyro_scale",
+    ),
+    KnownTable(
+        "blackbox_decode",
+        "loopIteration=_, time (us)=t_us, gyroADC[2] (deg/s)=rate:dps",
+        "github.com/betaflight/blackbox-tools, --unit-rotation deg/s",
+    ),
+    KnownTable(
+        "WitMotion",
+        "Time(s)=_, ChipTime()=t_s, AsZ(°/s)=rate:dps",
+        "wit-motion.com, recording of the PC software",
+    ),
+)
+"""In this order: the first one that fits is taken."""

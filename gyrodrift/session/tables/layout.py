@@ -1,0 +1,106 @@
+"""Where a table begins: its preamble, its header, the line of units, and the first rows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from gyrodrift.columns.units import unit_of
+from gyrodrift.errors import DataError
+from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
+from gyrodrift.session.tables.dialect import Dialect, dialect_of, is_data, split, width_of
+from gyrodrift.session.tables.plan import Head
+from gyrodrift.session.tables.text import Lines, opened
+
+LOOKED_AT = 400
+"""Lines of the beginning that are looked at: preambles of flight logs have some 150."""
+
+COMMENT_MARKS = "#/ \t"
+
+
+@dataclass(frozen=True, slots=True)
+class TableLayout:
+    """How the text of a table is cut into rows.
+
+    first_line
+        Number of the first line that may be a row.
+    """
+
+    dialect: Dialect
+    head: Head
+    first_line: int
+
+
+def layout_of(path: Path) -> TableLayout:
+    """Look at the beginning of a table.
+
+    Raises
+    ------
+    DataError
+        Where it cannot be read, is empty or no text, or has no rows.
+    """
+    with opened(path) as file:
+        lines = Lines(file)
+        sample = [(lines.number, line) for line in islice(lines, LOOKED_AT) if line.strip("\0 \t\r\n")]
+    if not sample and not lines.comments:
+        raise DataError(f"{path}: is empty; expected a header with {', '.join(REQUIRED)}")
+    texts = [line for _, line in sample]
+    dialect = dialect_of(texts)
+    rows = [[cell.strip() for cell in row] for row in split(texts, dialect.delimiter)]
+    width = width_of(rows)
+    if width > MOST_COLUMNS:
+        raise DataError(f"{path}:{sample[0][0]}: has {width} columns, more than {MOST_COLUMNS}: this is no session")
+    first = next((at for at, row in enumerate(rows) if len(row) == width and is_data(row)), None)
+    if first is None:
+        what = "has a header and no samples" if sample else f"is empty; expected a header with {', '.join(REQUIRED)}"
+        raise DataError(f"{path}: {what}")
+    labels, line = _header(rows[:first], [number for number, _ in sample], width) or _commented(lines, dialect, width)
+    labels = _fitted(labels, [row for row in rows[first:] if len(row) == width])
+    preamble = {row[0]: row[1] for row in rows[:first] if len(row) == 2}
+    kept = tuple(row for row in rows[first:] if len(row) == width)
+    return TableLayout(dialect, Head(path, labels, width, line, kept, preamble), sample[first][0])
+
+
+def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> tuple[tuple[str, ...], int] | None:
+    """The last row of words before the rows; with a line of units behind it, both in one."""
+    likely = [at for at, row in enumerate(before) if abs(len(row) - width) <= 1 and len(row) > 1]
+    if not likely:
+        return None
+    at = likely[-1]
+    row = before[at]
+    if at - 1 in likely and len(before[at - 1]) == len(row) and _is_units(row):
+        row, at = [_with_unit(*both) for both in zip(before[at - 1], row, strict=True)], at - 1
+    return tuple(row), numbers[at]
+
+
+def _is_units(row: Sequence[str]) -> bool:
+    filled = [cell for cell in row if cell]
+    return bool(filled) and all(unit_of(cell.strip("()[]")) is not None for cell in filled)
+
+
+def _with_unit(label: str, unit: str) -> str:
+    return f"{label} ({unit.strip('()[]')})" if unit else label
+
+
+def _commented(lines: Lines, dialect: Dialect, width: int) -> tuple[tuple[str, ...], int]:
+    """The header behind a `#`, as some programs write it; none where no comment has as many cells."""
+    for number, line in reversed(lines.comments):
+        row = next(iter(split([line.lstrip(COMMENT_MARKS)], dialect.delimiter)), [])
+        if len(row) == width and width > 1 and not is_data(row):
+            return tuple(cell.strip() for cell in row), number
+    return (), 0
+
+
+def _fitted(labels: tuple[str, ...], rows: Sequence[list[str]]) -> tuple[str, ...]:
+    """Labels for rows with one cell more: behind a delimiter at the end, or before the names of R's rows."""
+    if not rows or not labels:
+        return labels
+    width = len(rows[0])
+    if len(labels) == width + 1 and not labels[-1]:
+        return labels[:-1]
+    if len(labels) != width - 1:
+        return labels
+    if all(not row[-1] for row in rows):
+        return (*labels, "")
+    counts = [row[0] for row in rows]
+    return ("", *labels) if counts == [str(number) for number in range(1, len(rows) + 1)] else labels

@@ -1,0 +1,109 @@
+"""What is asked of a person where a table does not say which column is the rate, and in which unit."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import isfinite
+
+from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.units import unit_in, without_unit
+from gyrodrift.errors import DataError, shortened
+from gyrodrift.nearest import question
+from gyrodrift.session.csv import COLUMNS, OLD_NAMES, REQUIRED, slips_in
+from gyrodrift.session.tables.plan import Head, clock_unit
+from gyrodrift.session.tables.times import is_time
+
+SHOWN = 20
+LABEL_SHOWN = 48
+MEANINGS = {
+    "clock": "a clock",
+    "seq": "a counter",
+    "rate": "a rate about the vertical axis",
+    "gx": "a rate about x",
+    "gy": "a rate about y",
+    "temp": "a temperature",
+    "encoder": "a reference angle",
+    "ax": "an acceleration",
+    "ay": "an acceleration",
+    "az": "an acceleration",
+    "mx": "a magnetic field",
+    "my": "a magnetic field",
+    "mz": "a magnetic field",
+    "yaw": "an angle about the vertical axis",
+    "pitch": "an angle",
+    "roll": "an angle",
+    "angle": "an angle",
+}
+HOW = (
+    "name them with --columns, one entry a column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate about"
+    " the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
+    " sheet); an angle is yaw:deg or yaw:rad; _ is not used"
+)
+
+
+def unclear(head: Head) -> DataError:
+    """The error that shows each column with what it looks like."""
+    place = f"{head.path}:{head.line}" if head.line else f"{head.path}"
+    said = "its header does not say" if head.labels else "it has no header, so nothing says"
+    lines = [_described(head, index) for index in range(min(head.width, SHOWN))]
+    more = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
+    return DataError("\n".join([f"{place}: {said} which column is the rate and in which unit:", *lines, *more, HOW]))
+
+
+def check_header(head: Head) -> None:
+    """See that the header is as wide as the rows, and that no name of ours in it has a slip of the keyboard.
+
+    Raises
+    ------
+    DataError
+        With both widths, or the name that is meant.
+    """
+    if head.labels and head.width != len(head.labels):
+        widths = f"rows have {head.width} values, the header has {len(head.labels)} columns"
+        raise DataError(f"{head.path}:{head.line}: {widths}")
+    labels = [label.strip() for label in head.labels]
+    is_ours = bool(set(labels) & {"t_device_s", *OLD_NAMES})
+    for at, meant in slips_in(labels).items():
+        if is_ours or set(meant) & set(REQUIRED):
+            known = f"columns are {', '.join(COLUMNS)}"
+            raise DataError(f"{head.path}:{head.line}: column {at + 1} is {labels[at]!r}; {question(meant)} {known}")
+
+
+def _described(head: Head, index: int) -> str:
+    label = head.labels[index].strip() if index < len(head.labels) else ""
+    texts = head.texts(index)
+    name = f" {shortened(label, LABEL_SHOWN)}" if label else ""
+    return f"  column {index + 1}{name}: {_values(texts)}; {_looks(label, texts)}"
+
+
+def _values(texts: Sequence[str]) -> str:
+    if not texts:
+        return "empty"
+    if is_time(texts[0]):
+        return f"{texts[0]} …"
+    try:
+        numbers = [float(text.replace(",", ".")) for text in texts]
+    except ValueError:
+        return f"words such as {shortened(texts[0], LABEL_SHOWN)!r}"
+    finite = [number for number in numbers if isfinite(number)]
+    if not finite:
+        return "no number"
+    return f"{min(finite):.6g} … {max(finite):.6g}{_trend(finite)}"
+
+
+def _trend(numbers: Sequence[float]) -> str:
+    steps = [after - before for before, after in pairwise(numbers)]
+    if not steps:
+        return ""
+    if not any(steps):
+        return ", never changes"
+    return f", grows by {sorted(steps)[len(steps) // 2]:.4g} a row" if min(steps) > 0.0 else ""
+
+
+def _looks(label: str, texts: Sequence[str]) -> str:
+    if not label:
+        return "no label"
+    unit = unit_in(label)
+    kind = kind_of(without_unit(label)) or kind_of(label)
+    what = MEANINGS.get(kind, "not known")
+    has_unit = unit is not None or bool(clock_unit(label, texts))
+    return f"{what}, {f'unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"

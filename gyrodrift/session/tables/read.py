@@ -1,0 +1,161 @@
+"""Sessions from tables of other programs, and from our own tables as other programs save them."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gyrodrift.columns.spec import Column
+from gyrodrift.errors import DataError
+from gyrodrift.session.csv import counter, read_exact
+from gyrodrift.session.session import Session
+from gyrodrift.session.tables.dialect import Dialect, split
+from gyrodrift.session.tables.layout import TableLayout, layout_of
+from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
+from gyrodrift.session.tables.plan import (
+    OWN,
+    Head,
+    TableColumns,
+    columns_by_spec,
+    known_columns,
+    labelled_columns,
+    own_columns,
+)
+from gyrodrift.session.tables.question import check_header, unclear
+from gyrodrift.session.tables.rows import ColumnsRead, RowReader
+from gyrodrift.session.tables.text import Lines, opened
+from gyrodrift.session.tables.turning import rates_of
+from gyrodrift.session.tables.wire import wire_columns
+
+BAD_SHARE = 0.1
+"""Bad rows beyond this share say that the table is read wrongly."""
+
+KEPT = "table"
+"""Name of the metadata that say how a table was read."""
+
+
+def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
+    """Load a table.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        What its columns are; without them its header has to say it.
+
+    Raises
+    ------
+    DataError
+        Where it is no table, does not say which column is the rate and in which unit, or has hardly a good row.
+    UsageError
+        Where it has no such columns.
+    """
+    if columns is None and (session := read_exact(path)) is not None:
+        return session
+    if is_json(path):
+        head = json_head(path)
+        found = _columns(head, columns)
+        reader = RowReader(head, found, has_decimal_comma=False, keeps_empty=False)
+        read = reader.read((line, row) for line, each in json_objects(path) for row in json_rows([each], head.labels))
+        return _session(head, found, read, None)
+    layout = layout_of(path)
+    found = _columns(layout.head, columns)
+    with opened(path) as file:
+        has_comma, is_own = layout.dialect.has_decimal_comma, found.form == OWN
+        reader = RowReader(layout.head, found, has_decimal_comma=has_comma, keeps_empty=is_own)
+        read = reader.read(_rows(Lines(file), layout))
+    return _session(layout.head, found, read, layout.dialect)
+
+
+def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
+    if columns is None or columns[0].label:
+        check_header(head)
+    if columns is not None:
+        return columns_by_spec(head, columns)
+    found = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
+    if found is None:
+        raise unclear(head)
+    return found
+
+
+def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
+    wanted = (line for line in lines if lines.number >= layout.first_line)
+    for row in split(wanted, layout.dialect.delimiter):
+        yield lines.number, row
+
+
+def _session(head: Head, found: TableColumns, read: ColumnsRead, dialect: Dialect | None) -> Session:
+    refused = read.refused
+    place = f"{head.path}:{refused.line}"
+    if not read.count and not refused.count:
+        raise DataError(f"{head.path}: has a header and no samples")
+    is_torn = refused.count == 1 and refused.is_last and read.count > 0 and _is_torn(head.path)
+    if refused.count and not is_torn and refused.count > BAD_SHARE * (read.count + refused.count):
+        more = f"; {refused.count} of {read.count + refused.count} rows are bad" if refused.count > 1 else ""
+        raise DataError(f"{place}: {refused.why}{more}")
+    remarks = (*found.remarks, *_remarks(read))
+    return replace(_arrays(head.path.stem, read), metadata=_kept(found, read, dialect, remarks), remarks=remarks)
+
+
+def _is_torn(path: Path) -> bool:
+    """Whether a file ends within a line, or in zeros, which a power cut leaves behind."""
+    with path.open("rb") as file:
+        file.seek(-min(2, path.stat().st_size), 2)
+        end = file.read()
+    return not set(end) & set(b"\r\n")
+
+
+def _remarks(read: ColumnsRead) -> Iterator[str]:
+    refused = read.refused
+    if refused.count:
+        rows = "1 bad row is" if refused.count == 1 else f"{refused.count} bad rows are"
+        yield f"{rows} left out; line {refused.line} {refused.why}"
+    if read.headers:
+        yield f"{'1 repeated header is' if read.headers == 1 else f'{read.headers} repeated headers are'} passed over"
+    if read.without_rate:
+        yield f"{read.without_rate} rows have no rate and are passed over"
+
+
+def _kept(
+    found: TableColumns, read: ColumnsRead, dialect: Dialect | None, remarks: Sequence[str]
+) -> dict[str, dict[str, str]]:
+    """How it was read; nothing of a session of ours that is as we write it."""
+    if found.form == OWN and not remarks:
+        return {}
+    about = {
+        "form": found.form,
+        "separated by": str(dialect) if dialect else "JSON",
+        "first stamp": read.began,
+        "remarks": "; ".join(remarks),
+    }
+    return {KEPT: {name: text for name, text in about.items() if text}}
+
+
+def _arrays(name: str, read: ColumnsRead) -> Session:
+    t_s, rate_dps, yaw_deg = (read.column(target) for target in ("t_device_s", "rate_dps", "yaw_deg"))
+    if t_s is None:
+        raise DataError(f"{name}: has no clock")
+    if yaw_deg is not None:
+        t_s, rate_dps = rates_of(t_s, yaw_deg)
+        return _with_samples(Session(name, t_s, rate_dps))
+    seq = read.column("seq")
+    return _with_samples(
+        Session(
+            name,
+            t_s,
+            np.empty(0) if rate_dps is None else rate_dps,
+            t_host_s=read.column("t_host_s"),
+            seq=None if seq is None else counter(np.where(np.isnan(seq), -1.0, seq)),
+            encoder_deg=read.column("encoder_deg"),
+            temp_c=read.column("temp_c"),
+            still=read.column("still"),
+        )
+    )
+
+
+def _with_samples(session: Session) -> Session:
+    if not len(session.rate_dps):
+        raise DataError(f"{session.name}: has no samples")
+    return session

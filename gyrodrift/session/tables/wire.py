@@ -1,0 +1,83 @@
+"""Our own lines captured by another program: `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]` without a header.
+
+Two to five numbers may be anything, so that they are taken for this form only where all of its columns are plausible.
+"""
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.session.tables.plan import Head, TableColumns, Taken
+
+FORM = "csv protocol of gyrodrift"
+TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
+STEP_US = (50.0, 1e6)
+"""Time between samples of a gyro that a sketch prints: 20 kHz to 1 Hz."""
+
+MOST_DPS = 4000.0
+TEMPERATURES_C = (-55.0, 150.0)
+"""What parts are made for (military range, with what a junction may reach)."""
+
+LEAST_ROWS = 10
+TURN_DEG = 360.0
+SHARE = 0.5
+"""Of the motion of an angle, what its rate may leave of it at most."""
+
+SMOOTH = 0.9
+"""Correlation of neighbouring samples; the noise of a rate at rest has none, an angle nearly 1."""
+
+
+def wire_columns(head: Head) -> TableColumns | None:
+    """The columns of such lines; None where they cannot be it."""
+    if head.labels or not 2 <= head.width <= len(TARGETS):
+        return None
+    try:
+        table = np.array([[float(cell) for cell in row] for row in head.rows])
+    except ValueError:
+        return None
+    if len(table) < LEAST_ROWS or not _is_plausible(table):
+        return None
+    taken = [Taken(at, target, unit="t_us" if at == 0 else "") for at, target in enumerate(TARGETS[: head.width])]
+    said = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
+    return TableColumns(FORM, tuple(taken), remarks=(said,))
+
+
+def _is_plausible(table: Floats) -> bool:
+    steps_us = np.diff(table[:, 0])
+    is_clock = bool((table[:, 0] % 1.0 == 0.0).all() and (steps_us > 0.0).all())
+    is_steady = STEP_US[0] <= float(np.median(steps_us)) <= STEP_US[1]
+    return is_clock and is_steady and _is_rate(table) and _is_rest(table)
+
+
+def _is_rate(table: Floats) -> bool:
+    """Not raw counts, which are whole, and without an encoder no angle, which is smooth where it does not turn."""
+    rate_dps = table[:, 1]
+    if (rate_dps % 1.0 == 0.0).all() or not rate_dps.std() or not (np.abs(rate_dps) <= MOST_DPS).all():
+        return False
+    if table.shape[1] > 2:
+        return _turns(table)
+    quiet = _quietest(rate_dps)
+    return float(np.std(quiet)) > 0.0 and abs(float(np.corrcoef(quiet[1:], quiet[:-1])[0, 1])) < SMOOTH
+
+
+def _quietest(values: Floats) -> Floats:
+    size = max(LEAST_ROWS, len(values) // 8)
+    parts = [values[at : at + size] for at in range(0, len(values) - size + 1, size)]
+    return min(parts, key=lambda part: float(np.ptp(part)) or np.inf)
+
+
+def _turns(table: Floats) -> bool:
+    """Whether the rate adds up to the angle; an angle that stands still says nothing against it."""
+    turned = (np.diff(table[:, 2]) + 0.5 * TURN_DEG) % TURN_DEG - 0.5 * TURN_DEG
+    expected = table[1:, 1] * np.diff(table[:, 0]) * 1e-6
+    moved = float(np.ptp(np.cumsum(turned)))
+    if moved == 0.0:
+        return float(np.ptp(np.cumsum(expected - np.median(expected)))) < 1.0
+    left = np.cumsum(turned - expected)
+    return float(np.ptp(left - np.linspace(left[0], left[-1], len(left)))) <= SHARE * moved
+
+
+def _is_rest(table: Floats) -> bool:
+    temp_c = table[:, 3] if table.shape[1] > 3 else np.empty(0)
+    still = table[:, 4] if table.shape[1] > 4 else np.empty(0)
+    is_warm = bool(((temp_c >= TEMPERATURES_C[0]) & (temp_c <= TEMPERATURES_C[1]) | np.isnan(temp_c)).all())
+    return is_warm and bool((np.isin(still, (0.0, 1.0)) | np.isnan(still)).all())
