@@ -13,7 +13,8 @@ from pathlib import Path
 from gyrodrift.errors import UsageError
 
 COMMANDS = ("zero", "heading", "rest", "rate", "status", "reload", "stop")
-PATIENCE_S = 5.0
+PATIENCE_S, RELOAD_PATIENCE_S = 5.0, 45.0
+"""A reload takes as long as two readings of a config at most: the one under way, and its own."""
 
 EXAMPLES = """\
 gyrodrift ctl /run/user/1000/gyro status
@@ -34,7 +35,8 @@ def run(arguments: argparse.Namespace) -> int:
     words = [arguments.command, *([arguments.value] if arguments.value is not None else [])]
     from gyrodrift.service.control_client import ControlClient
 
-    with ControlClient(arguments.socket, PATIENCE_S) as service:
+    patience_s = RELOAD_PATIENCE_S if arguments.command == "reload" else PATIENCE_S
+    with ControlClient(arguments.socket, patience_s) as service:
         answer = service.ask(" ".join(words))
     json.dump(answer, sys.stdout)
     print()

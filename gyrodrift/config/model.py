@@ -24,6 +24,9 @@ from gyrodrift.public_yaml import public_yaml
 
 SAMPLE_RATE = "sample_rate_hz"
 
+LONGEST_COLUMNS = 4096
+"""Characters, as of a line of text; columns are read once more by the service, between two samples."""
+
 
 @dataclass(frozen=True, slots=True)
 class Config:
@@ -170,6 +173,9 @@ def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
     from gyrodrift.columns.spec import parsed  # noqa: PLC0415 - few configs have columns
 
     spec = ", ".join(entries)
+    if len(spec) > LONGEST_COLUMNS:
+        report(f"are {len(spec)} characters; expected no more than {LONGEST_COLUMNS}")
+        return None
     try:
         parsed(spec)
     except ValueError as error:

@@ -6,7 +6,7 @@ from math import nan
 from typing import Any
 
 from gyrodrift.errors import ConfigError
-from gyrodrift.service.control import CommandError, ControlCommand, number
+from gyrodrift.service.control import CommandError, ControlCommand, Later, number
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.reporting import Reporting
 from gyrodrift.service.rest_word import RestWord
@@ -75,14 +75,20 @@ class ServiceCommands:
         _none(words, "status")
         return asdict(self.reporting.status())
 
-    def _reload(self, words: list[str]) -> Mapping[str, Any]:
+    def _reload(self, words: list[str]) -> Later:
         _none(words, "reload")
         if self.filtering.watch is None:
             raise CommandError("the service runs without --config")
-        try:
-            return {"changes": self.filtering.reload(self.filtering.watch)}
-        except ConfigError as error:
-            raise CommandError(str(error)) from error
+        changes = self.filtering.reload(self.filtering.watch)
+
+        def answer() -> Mapping[str, Any] | None:
+            try:
+                found = changes()
+            except ConfigError as error:
+                raise CommandError(str(error)) from error
+            return None if found is None else {"changes": found}
+
+        return answer
 
     def _stop(self, words: list[str]) -> Mapping[str, Any]:
         _none(words, "stop")

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -46,12 +47,27 @@ class CommandError(Exception):
     """A command cannot be carried out; the text is for the person who gave it."""
 
 
+Later = Callable[[], Mapping[str, Any] | None]
+"""Gives the fields of an answer, None as long as they are not there, or raises CommandError; waits for nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Due:
+    """An answer that is not there yet, and the words of the command."""
+
+    words: list[str]
+    run: Callable[[], Mapping[str, Any] | Later | None]
+
+
 @dataclass(frozen=True, slots=True)
 class ControlCommand:
-    """One of those that there are; `run` takes the words behind its name and gives the fields of the answer."""
+    """One of those that there are; `run` takes the words behind its name.
+
+    It gives the fields of the answer, or what is asked for them until they are there.
+    """
 
     usage: str
-    run: Callable[[list[str]], Mapping[str, Any]]
+    run: Callable[[list[str]], Mapping[str, Any] | Later]
 
 
 @dataclass(slots=True)
@@ -62,6 +78,8 @@ class _Client:
         What it has sent and nobody has carried out yet: less than READ_BYTES and a command.
     answer
         What it has not read yet: to one command.
+    due
+        The answer that it waits for.
     heard_s
         When it last sent or read something, on the monotonic clock.
     has_ended
@@ -72,23 +90,24 @@ class _Client:
     heard_s: float
     asked: bytes = b""
     answer: bytes = b""
+    due: _Due | None = None
     has_ended: bool = False
 
     @property
     def is_due(self) -> bool:
         """A command is there whole, or too long to be one, and the answer to the one before has been read."""
-        return not self.answer and (b"\n" in self.asked or len(self.asked) > LONGEST_COMMAND)
+        return not self.answer and self.due is None and (b"\n" in self.asked or len(self.asked) > LONGEST_COMMAND)
 
     @property
     def is_over(self) -> bool:
         """Nothing is left to be done for it."""
-        return self.has_ended and not self.answer and not self.is_due
+        return self.has_ended and not self.answer and self.due is None and not self.is_due
 
     def wanted(self) -> int:
         """Events of `poll` that let it go on; 0 where none is waited for."""
         if self.answer:
             return select.POLLOUT
-        return 0 if self.is_due or self.has_ended else select.POLLIN
+        return 0 if self.is_due or self.due is not None or self.has_ended else select.POLLIN
 
 
 class Control:
@@ -123,7 +142,7 @@ class Control:
             raise UsageError(f"--control {path}: {error}") from error
         self._clients: dict[int, _Client] = {}
         self._resume_s = -inf
-        self._is_due = False
+        self._is_due = self._is_waited = False
         self._wakes: dict[int, int] = {}
         self._look_ahead()
 
@@ -141,7 +160,10 @@ class Control:
     def serve(self, ready: set[int]) -> None:
         """Do what can be done on these descriptors without waiting, and no more than one command."""
         begun_s = self._monotonic()
-        if begun_s < self._resume_s or not (self._is_due or ready & self._wakes.keys()):
+        if begun_s < self._resume_s:
+            return
+        has_answered = self._answer_those_who_wait() if self._is_waited else False
+        if not (has_answered or self._is_due or ready & self._wakes.keys()):
             return
         if self._listening.fileno() in ready:
             self._accept(begun_s)
@@ -166,6 +188,7 @@ class Control:
         """What the next turn is for."""
         wanted = {fd: client.wanted() for fd, client in self._clients.items()}
         self._is_due = any(client.is_due for client in self._clients.values())
+        self._is_waited = any(client.due is not None for client in self._clients.values())
         self._wakes = {fd: events for fd, events in wanted.items() if events}
         self._wakes[self._listening.fileno()] = select.POLLIN
 
@@ -215,27 +238,53 @@ class Control:
         client = self._clients[fd] = self._clients.pop(fd)
         line, _, rest = client.asked.partition(b"\n")
         if len(line) > LONGEST_COMMAND:
-            answer = {"ok": False, "error": f"a command has no more than {LONGEST_COMMAND} bytes"}
+            answer: dict[str, Any] | _Due = {
+                "ok": False,
+                "error": f"a command has no more than {LONGEST_COMMAND} bytes",
+            }
             client.asked, client.has_ended = b"", True
         else:
             client.asked, answer = rest, self._answer(line)
-        client.answer = _line(answer)
+        self._give(fd, client, answer)
+
+    def _answer_those_who_wait(self) -> bool:
+        """Where it is there; whether it was for anybody."""
+        has_answered = False
+        for fd, client in list(self._clients.items()):
+            if client.due is not None:
+                answer = self._outcome(client.due.words, client.due.run)
+                has_answered |= isinstance(answer, dict)
+                self._give(fd, client, answer)
+        return has_answered
+
+    def _give(self, fd: int, client: _Client, answer: dict[str, Any] | _Due) -> None:
+        """Send an answer, or keep that it is due."""
+        if isinstance(answer, _Due):
+            client.due = answer
+            return
+        client.due, client.answer = None, _line(answer)
         self._go_on(fd, client, self._monotonic())
 
-    def _answer(self, line: bytes) -> dict[str, Any]:
+    def _answer(self, line: bytes) -> dict[str, Any] | _Due:
         words = line.decode(errors="replace").split()
         command = self._commands.get(words[0]) if words else None
         if command is None:
             known = ", ".join(each.usage for each in self._commands.values())
             return {"ok": False, "error": f"{' '.join(words)[:80]!r} is no command; commands are {known}"}
+        return self._outcome(words, partial(command.run, words[1:]))
+
+    def _outcome(self, words: list[str], run: Callable[[], Mapping[str, Any] | Later | None]) -> dict[str, Any] | _Due:
+        """What a command gave, or what it is asked again."""
         try:
-            fields = command.run(words[1:])
+            fields = run()
         except CommandError as error:
             return {"ok": False, "error": str(error)}
         except Exception as error:  # noqa: BLE001 - whatever is wrong with one command is not for the service
             reason = f"{type(error).__name__}: {error}"
             self._log.error("control_failed", command=words[0], reason=reason)
             return {"ok": False, "error": f"{words[0]} failed: {reason}"}
+        if fields is None or callable(fields):
+            return _Due(words, fields or run)
         if words[0] != "status":
             self._log.info("control", command=" ".join(words))
         return {"ok": True, **fields}

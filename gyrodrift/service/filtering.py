@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -73,6 +74,7 @@ class Filtering:
     applied_s: float | None = None
     _is_gone: bool = False
     _refuted: int = 0
+    _outcome: "list[str] | ConfigError" = field(default_factory=list)
 
     def __post_init__(self) -> None:
         given = self.watch.config.calibration if self.watch is not None else None
@@ -120,6 +122,8 @@ class Filtering:
     def close(self) -> None:
         """Let the sinks end, all at the same time and each whatever the others make of it."""
         with ExitStack() as closing:
+            if self.watch is not None:
+                closing.callback(self.watch.close)
             for sink in self.sinks:
                 sink.finish()
                 closing.callback(sink.close)
@@ -186,21 +190,19 @@ class Filtering:
         for listener in self.event_listeners:
             listener(event, fields)
 
-    def reload(self, watch: "ConfigWatch") -> list[str]:
-        """Read the config again, changed or not; what changed.
+    def reload(self, watch: "ConfigWatch") -> Callable[[], list[str] | None]:
+        """Have the config read again, changed or not; what gives the changes, and None until they are there.
 
-        Raises
-        ------
-        ConfigError
-            With every mistake; the old config stays.
+        It raises ConfigError with every mistake; the old config stays then.
         """
-        old = watch.config
-        try:
-            new = watch.poll(again=True)
-        except ConfigError as error:
-            self._refuse(error)
-            raise
-        return [] if new is None else self._apply(watch, old, new)
+        return partial(self._outcome_of, watch, watch.ask())
+
+    def _outcome_of(self, watch: "ConfigWatch", reading: int) -> list[str] | None:
+        if watch.ended < reading:
+            return None
+        if isinstance(self._outcome, ConfigError):
+            raise self._outcome
+        return self._outcome
 
     def _tell_refuted(self) -> None:
         """A witness of rest that the rate has contradicted."""
@@ -220,10 +222,11 @@ class Filtering:
         try:
             new = watch.poll()
         except ConfigError as error:
+            self._outcome = error
             self._refuse(error)
         self._tell_gone(watch)
         if new is not None:
-            self._apply(watch, old, new)
+            self._outcome = self._apply(watch, old, new)
 
     def _refuse(self, error: ConfigError) -> None:
         self.refused += 1

@@ -13,6 +13,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from config_support import ReadHere
 
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
@@ -156,7 +157,7 @@ class Kept:
 def test_the_service_changes_over_to_it_and_keeps_yaw(tmp_path: Path) -> None:
     """A second at 1 deg/s by the one filter, a second with 0.5 deg/s taken off by the other: 1.5 deg."""
     plain = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
-    watch, output = ConfigWatch(config_of(tmp_path, plain)), Kept()
+    watch, output = ConfigWatch(config_of(tmp_path, plain), ReadHere), Kept()
     link = SimpleNamespace(device=DeviceDescription(), name="")
     filtering = Filtering(cast("Any", link), [output], open_log("error", "json"), watch)
 

@@ -22,7 +22,7 @@ from gyrodrift.service import output_feed
 from gyrodrift.service.control_client import ControlClient
 from gyrodrift.service.output_feed import OutputFeed
 
-RELOADS = 15
+RELOADS = 6
 TCP = output_of("tcp:port=0")
 HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 

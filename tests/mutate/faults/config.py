@@ -14,10 +14,18 @@ FAULTS = (
     Fault(
         "config/mistake-told-over-and-over",
         "gyrodrift/config/watch.py",
-        "        self._seen = found\n        self.config = load_config(self.path)\n        return self.config",
-        "        self.config = load_config(self.path)\n        self._seen = found\n        return self.config",
-        "A file with mistakes is told at every tick.",
+        "            self._seen = found\n            self._begin_reading()\n",
+        "            self._begin_reading()\n",
+        "A file that was changed is read at every tick.",
         ("tests/config/test_watch.py",),
+    ),
+    Fault(
+        "config/reading-is-waited-for",
+        "gyrodrift/config/reading.py",
+        "        os.set_blocking(self._said.fileno(), False)\n",
+        "        os.set_blocking(self._said.fileno(), True)\n",
+        "The service waits for the process that reads its config.",
+        ("tests/config/test_reading.py",),
     ),
     Fault(
         "config/gone-at-once",

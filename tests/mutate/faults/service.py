@@ -99,8 +99,8 @@ FAULTS = (
     Fault(
         "service/refused-config-taken",
         f"{SERVICE}/filtering.py",
-        "        if new is not None:\n            self._apply(watch, old, new)\n",
-        "        self._apply(watch, old, watch.config if new is None else new)\n",
+        "        if new is not None:\n            self._outcome = self._apply(watch, old, new)\n",
+        "        self._outcome = self._apply(watch, old, watch.config if new is None else new)\n",
         "The config is applied at every tick, whether it has changed or not.",
         (f"{TESTS}/test_serve.py::test_a_changed_config_is_applied_between_two_samples_and_told_key_by_key",),
     ),

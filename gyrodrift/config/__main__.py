@@ -1,0 +1,28 @@
+"""The process that reads a config for a running service: `python -m gyrodrift.config PID PATH`.
+
+PID is the service, which this process does not outlive. What was read goes to stdout, pickled: the version of this
+program, and the config, or None and every mistake.
+"""
+
+import pickle
+import sys
+from pathlib import Path
+
+from gyrodrift import __version__
+from gyrodrift.config.in_time import load_in_time
+from gyrodrift.config.model import Config
+from gyrodrift.errors import ConfigError
+from gyrodrift.parallel import end_with_parent
+
+
+def _read(path: Path) -> tuple[Config | None, tuple[str, ...]]:
+    try:
+        return load_in_time(path), ()
+    except ConfigError as error:
+        return None, error.problems
+
+
+if __name__ == "__main__":
+    _, parent, path = sys.argv
+    end_with_parent(int(parent))
+    pickle.dump((__version__, *_read(Path(path))), sys.stdout.buffer)

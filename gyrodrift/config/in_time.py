@@ -1,0 +1,51 @@
+"""Reading a config in bounded time: one that takes longer is refused, whatever it is made of."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from gyrodrift.config.model import Config, load_config
+from gyrodrift.errors import ConfigError
+
+MOST_CPU_S = 1.0
+"""Processor time; a config of 128 KiB takes up to 0.7 s on a desktop, an ordinary one 0.01 s."""
+
+TOO_LONG = "takes too long to read"
+
+
+class _TimeIsUpError(BaseException):
+    """Raised wherever the reading is; no handler of an ordinary exception takes it for one of its own."""
+
+
+def load_in_time(path: Path) -> Config:
+    """Read and check a config as `load_config` does, in the main thread of this process.
+
+    Raises
+    ------
+    ConfigError
+        With every mistake, or because it takes more than MOST_CPU_S.
+    """
+    try:
+        with _processor_time(MOST_CPU_S):
+            return load_config(path)
+    except _TimeIsUpError:
+        problem = f"{path}: {TOO_LONG}: more than {MOST_CPU_S:g} s of processor time; make it simpler or shorter"
+        raise ConfigError([problem]) from None
+
+
+@contextmanager
+def _processor_time(most_s: float) -> Iterator[None]:
+    """Raise _TimeIsUpError where what is inside takes longer."""
+    before = signal.signal(signal.SIGPROF, _end)
+    try:
+        signal.setitimer(signal.ITIMER_PROF, most_s)
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def _end(_number: int, _frame: FrameType | None) -> None:
+    raise _TimeIsUpError
