@@ -10,7 +10,7 @@ from gyrodrift.session.foreign.channels import ForeignFile, Messages, chosen_top
 from gyrodrift.session.foreign.records import ForeignRecord, records
 from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import TABLE, Session
 
 OWN_CHANNELS = {READS.name: "read of raw bytes", EVENTS.name: "link event"}
 IMU_REST = "orientation, acceleration and rates about x and y"
@@ -36,8 +36,9 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
     if session.damage is not None:
         found.append("what is damaged")
     found += _beside_samples(source, session, topic) if source.suffix == ".mcap" else _comments(source)
-    if form == "csv" and session.metadata:
-        found.append(f"metadata ({', '.join(session.metadata)})")
+    kept = [name for name in session.metadata if name != TABLE]
+    if form == "csv" and kept:
+        found.append(f"metadata ({', '.join(kept)})")
     return found
 
 

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from gyrodrift.arrays import Floats
 from gyrodrift.session.damage import RecordingDamage
 
+TABLE = "table"
+"""Name of the metadata that say how a table of another program was read."""
+
 
 @dataclass(frozen=True, slots=True)
 class Session:

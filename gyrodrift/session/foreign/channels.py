@@ -12,10 +12,13 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message
 from gyrodrift.session.foreign.ros import ROS_MESSAGES
+from gyrodrift.session.foreign.ros1 import NAMES
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
 
-UNDERSTOOD = "gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr), or json with t_device_s and rate_dps"
+UNDERSTOOD = (
+    "gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr; ros1msg, ros1), or json with t_device_s and rate_dps"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +40,8 @@ class Messages:
         if self.encoding == MessageEncoding.JSON or self.schema is None:
             return self.encoding == MessageEncoding.JSON
         forms = (self.encoding, self.schema.encoding)
+        if forms == (MessageEncoding.ROS1, SchemaEncoding.ROS1):
+            return self.schema.name in NAMES
         return forms == (MessageEncoding.CDR, SchemaEncoding.ROS2) and self.schema.name in ROS_MESSAGES
 
 

@@ -1,7 +1,7 @@
 """Sessions in MCAP files that others wrote.
 
-Three kinds of messages are understood: `gyrodrift/Sample` and `sensor_msgs/msg/Imu` in CDR with a ros2msg schema, and
-JSON objects with the column names of a session.
+Four kinds of messages are understood: `gyrodrift/Sample` and `sensor_msgs/msg/Imu` in CDR with a ros2msg schema, the
+latter as ROS 1 serialises it, and JSON objects with the column names of a session.
 """
 
 import struct
@@ -20,6 +20,7 @@ from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
 from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message, records
 from gyrodrift.session.foreign.ros import cdr_decoder
+from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
 from gyrodrift.session.session import Session
@@ -67,9 +68,10 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
+    t_s, remarks = _running(rows["t_device_s"], rows["t_host_s"])
     return Session(
         name=path.stem,
-        t_device_s=rows["t_device_s"].copy(),
+        t_device_s=t_s,
         rate_dps=rows["rate_dps"].copy(),
         t_host_s=_column(rows["t_host_s"]),
         seq=None if (rows["seq"] < 0).all() else rows["seq"].copy(),
@@ -77,7 +79,17 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         temp_c=_column(rows["temp_c"]),
         still=_column(rows["still"]),
         metadata=contents.metadata,
+        remarks=remarks,
     )
+
+
+def _running(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:
+    """The clock of the samples: that of the log where their stamps stand still, as drivers that set none leave them."""
+    stands = len(stamps_s) > 1 and bool((stamps_s == stamps_s[0]).all())
+    if not stands or not len(np.unique(logged_s)) > 1:
+        return stamps_s.copy(), ()
+    said = f"all of its stamps are {stamps_s[0]:g} s, so the time at which each message was logged is taken"
+    return logged_s - logged_s[0], (said,)
 
 
 def _column(values: Floats) -> Floats | None:
@@ -103,4 +115,6 @@ def _samples(place: str, found: Iterable[ForeignRecord], decoders: dict[int, Dec
 def _decoder(path: Path, channel: Messages) -> Decode:
     if channel.encoding == MessageEncoding.JSON or channel.schema is None:
         return json_sample
+    if channel.encoding == MessageEncoding.ROS1:
+        return ros1_imu_sample
     return cdr_decoder(f"{path}: {channel.topic}", channel.schema)

@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.session.csv import counter, read_exact
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import TABLE, Session
 from gyrodrift.session.tables.dialect import Dialect, split
 from gyrodrift.session.tables.layout import TableLayout, layout_of
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
@@ -30,9 +30,6 @@ from gyrodrift.session.tables.wire import wire_columns
 
 BAD_SHARE = 0.1
 """Bad rows beyond this share say that the table is read wrongly."""
-
-KEPT = "table"
-"""Name of the metadata that say how a table was read."""
 
 
 def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
@@ -130,7 +127,7 @@ def _kept(
         "first stamp": read.began,
         "remarks": "; ".join(remarks),
     }
-    return {KEPT: {name: text for name, text in about.items() if text}}
+    return {TABLE: {name: text for name, text in about.items() if text}}
 
 
 def _arrays(name: str, read: ColumnsRead) -> Session:

@@ -90,7 +90,8 @@ def test_what_is_not_understood_is_listed(tmp_path: Path, topic: str | None) -> 
     text = refused(tmp_path, recorder.content(), topic)
     assert text == (
         f"{topic or 'no channel'} holds samples; "
-        "expected gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr), or json with t_device_s and rate_dps; "
+        "expected gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr; ros1msg, ros1), "
+        "or json with t_device_s and rate_dps; "
         "there are /camera (sensor_msgs/msg/Image, ros2msg, cdr), "
         "/idl (sensor_msgs/msg/Imu, ros2idl, cdr), /p (no schema, protobuf)"
     )

@@ -1,11 +1,16 @@
-"""Messages of ROS 2 that others wrote: turns about z, and schemas that are not to be believed."""
+"""Messages of ROS 2 and 1 that others wrote: turns about z, and schemas that are not to be believed."""
 
 import math
+import struct
+from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from foreign_support import SAMPLE_TEXT, Recorder, imu, refused, ros, written
 
+from gyrodrift.errors import DataError
+from gyrodrift.session.files import load_session
 from gyrodrift.session.foreign.read import read_foreign
 
 
@@ -64,3 +69,48 @@ def test_a_schema_of_very_many_fields_is_refused(tmp_path: Path) -> None:
     text = refused(tmp_path, recorder.content())
     assert "has 400" in text
     assert "at most 2000" in text
+
+
+def ros1_imu(stamp: tuple[int, int], rate_rads: float, frame: bytes = b"imu_link", covariance: float = 0.0) -> bytes:
+    """`sensor_msgs/Imu` as roscpp lays it out."""
+    nine = [0.0] * 9
+    values = [0.0, 0.0, 0.0, 1.0, *nine, 0.1, 0.2, rate_rads, covariance, *nine[1:], 0.0, 0.0, 9.8, *nine]
+    return struct.pack("<IIII", 7, *stamp, len(frame)) + frame + struct.pack("<37d", *values)
+
+
+def in_ros1(payloads: Iterable[bytes]) -> bytes:
+    recorder = Recorder()
+    recorder.add(recorder.channel("/imu/data", "ros1", ("sensor_msgs/Imu", "ros1msg", "Header header\n")), payloads)
+    return recorder.content()
+
+
+def test_an_imu_of_ros_1_is_read_as_one_of_ros_2(tmp_path: Path) -> None:
+    """As `mcap convert` keeps it of a bag."""
+    path = written(
+        tmp_path, in_ros1(ros1_imu((1_600_000_000, 250_000_000 + 10**7 * i), math.radians(i)) for i in range(5))
+    )
+    session = load_session(path)
+    assert session.rate_dps == pytest.approx(np.arange(5.0))
+    assert session.t_device_s[0] == 1_600_000_000.25
+    assert session.remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("payload", "message"),
+    [
+        (ros1_imu((1, 0), 0.1)[:-1], "message 1 does not fit its schema sensor_msgs/Imu"),
+        (b"\0" * 7, "message 1 does not fit its schema sensor_msgs/Imu"),
+        (ros1_imu((1, 0), 0.1, covariance=-1.0), "message 1 has no rate: angular_velocity_covariance begins with -1"),
+    ],
+)
+def test_an_imu_of_ros_1_that_is_none_is_named(tmp_path: Path, payload: bytes, message: str) -> None:
+    with pytest.raises(DataError, match=message):
+        load_session(written(tmp_path, in_ros1([payload])))
+
+
+@pytest.mark.parametrize("stamp", [0, 1_600_000_000])
+def test_stamps_that_stand_still_give_way_to_the_time_of_the_log(tmp_path: Path, stamp: int) -> None:
+    """As drivers leave them that set none; it is told."""
+    session = load_session(written(tmp_path, in_ros1(ros1_imu((stamp, 0), 0.1) for _ in range(4))))
+    assert session.t_device_s == pytest.approx([0.0, 0.01, 0.02, 0.03], abs=1e-6)
+    assert "the time at which each message was logged is taken" in session.remarks[0]
