@@ -1,0 +1,161 @@
+"""`gyrodrift serve` at boards of other people: it proposes what something says, and asks for everything else."""
+
+from collections.abc import Callable
+from math import radians
+from pathlib import Path
+from random import Random
+from threading import Thread
+from typing import NamedTuple
+
+import pytest
+from support import never, speaking_on
+
+from gyrodrift.cli import main
+
+
+class Motion(NamedTuple):
+    """One moment: number of the line, time in s, rates in deg/s, accelerations in g, and yaw in degrees."""
+
+    i: int
+    t_s: float
+    x: float
+    y: float
+    z: float
+    ax: float
+    ay: float
+    az: float
+    yaw: float
+
+
+def motion(i: int, dice: Random) -> Motion:
+    """At rest, level, with a bias of 0.5 deg/s; yaw is where it has been left."""
+    noise = [dice.gauss(mean, 0.05) for mean in (0.3, -0.8, 0.5)]
+    level = [dice.gauss(mean, 0.003) for mean in (0.01, -0.02, 0.995)]
+    return Motion(i, 0.02 * i, *noise, *level, 170.0)
+
+
+Printed = Callable[[Motion], str]
+PROPOSED: dict[str, tuple[Printed, str]] = {
+    "accelerations in m/s² beside rates of two digits": (
+        lambda m: (
+            f"AccelX:{9.81 * m.ax:.2f},AccelY:{9.81 * m.ay:.2f},AccelZ:{9.81 * m.az:.2f}, "
+            f"GyroX:{radians(m.x):.2f},GyroY:{radians(m.y):.2f},GyroZ:{radians(m.z):.2f}\r\n"
+        ),
+        "GyroZ=rate:rads",
+    ),
+    "a degree sign of Latin-1": (lambda m: f"Gx: {m.x:.2f}\xb0/s\tGz: {m.z:.2f}\xb0/s\r\n", "Gz=rate:dps"),
+    "a line with a pace in Hz": (
+        lambda m: (
+            f"a(x,y,z) {1e3 * m.ax:.2f} {1e3 * m.ay:.2f} {1e3 * m.az:.2f} [mg] g(x,y,z) {m.x:.2f} {m.y:.2f} {m.z:.2f} "
+            f"[dps] o(y,p,r) {m.yaw:.2f} -0.37 5.95 rate = {943 + m.x:.2f} Hz\r\n"
+        ),
+        "g z=rate:dps",
+    ),
+    "angles, and a pace in Hz in turns": (
+        lambda m: f"rate = {735 + m.x:.2f} Hz\r\nYaw, Pitch, Roll: {m.yaw:.2f}, 0.18, -178.11\r\n",
+        "Yaw=yaw:deg",
+    ),
+    "known firmware behind a #": (
+        lambda m: f"#YPRAG={-m.yaw:.2f},-0.48,1.51,2,-6,-255,{radians(m.x):.4f},0.01,{-radians(m.z):.4f}\r\n",
+        "YPRAG 9=rate:rads:-",
+    ),
+    "the example that all copy": (lambda m: f"ypr\t{m.yaw:.2f}\t0.53\t-1.20\r\n", "ypr x=yaw:deg"),
+    "a heading above its values, in dps": (
+        lambda m: f"Accelerometer (g):\r\n Z = {m.az:.4f}\r\nGyroscope (dps):\r\n X = {m.x:.4f}\r\n Z = {m.z:.4f}\r\n",
+        "Gyroscope (dps) Z=rate:dps",
+    ),
+}
+
+UNIT_ASKED: dict[str, tuple[Printed, str]] = {
+    "lines that end in CR": (lambda m: f"gx={m.x:.2f},gy={m.y:.2f},gz={m.z:.2f}\r", "gz=rate:UNIT"),
+    "lines that differ by their first word": (
+        lambda m: (
+            f"Orient:\tx= {m.yaw:.2f} |\ty= 0.12 |\tz= -1.31\r\nGyro:\tx= {m.x:.2f} |\ty= {m.y:.2f} |\tz= {m.z:.2f}\r\n"
+            "Linear:\tx= 0.01 |\ty= -0.02 |\tz= 0.00\r\n\r\ntemperature: 25\r\n--\r\n"
+        ),
+        "Gyro z=rate:UNIT",
+    ),
+    "one value a line under a heading": (
+        lambda m: (
+            f"Gyroscope:\r\n X = {m.x:.4f}\r\n Y = {m.y:.4f}\r\n Z = {m.z:.4f}\r\n\r\n"
+            "Thermometer:\r\n Degrees C = 25.1\r\n"
+        ),
+        "Gyroscope Z=rate:UNIT",
+    ),
+    "Teleplot with times": (
+        lambda m: f">gx:{1000 * m.t_s:.0f}:{m.x:.2f}\r\n>gz:{1000 * m.t_s:.0f}:{m.z:.2f}\r\n",
+        "gz=rate:UNIT",
+    ),
+    "JSON of a kilobyte": (
+        lambda m: f'{{"gz":{m.z:.3f},{",".join(f"{chr(34)}ch{n}{chr(34)}:{n}.5" for n in range(90))}}}\r\n',
+        "gz=rate:UNIT",
+    ),
+    "counts": (lambda m: f"gx:{131 * m.x:.0f} gy:{131 * m.y:.0f} gz:{131 * m.z:.0f}\r\n", "gz=rate:UNIT"),
+}
+
+ASKED: dict[str, Printed] = {
+    "marks around three numbers": lambda m: f"<{m.x:.2f},{m.y:.2f},{m.z:.2f}>\r\n",
+    "three axes behind a clock": lambda m: f"{2_000_000 + 20_000 * m.i},{m.x:.3f},{m.y:.3f},{m.z:.3f}\r\n",
+    "raw counts": lambda m: f"{430 + int(131 * m.x)},{int(131 * m.y)},{int(131 * m.z)}\r\n",
+    "whole seconds of Unix time": lambda m: f"{1_700_000_000 + m.i // 50},{m.x:.2f},{m.y:.2f},{m.z:.2f}\r\n",
+    "accelerations in counts before rates": lambda m: (
+        f"{256 * m.ax:.0f}\t{256 * m.ay:.0f}\t{256 * m.az:.0f}\t{m.x:.2f}\t{m.y:.2f}\t{m.z:.2f}\r\n"
+    ),
+    "angles by axis": lambda m: f"X : 0.10\tY : 0.20\tZ : {m.yaw:.2f}\r\n",
+    "date, time and many columns": lambda m: (
+        f"07/01/2020,13:35:{41 + m.t_s:05.2f},{1e3 * m.ax:.2f},{1e3 * m.ay:.2f},{1e3 * m.az:.2f},"
+        f"{m.x:.2f},{m.y:.2f},{m.z:.2f},8.25,32.55,-63.60,29.70,{10 + m.x / 10:.2f},\r\n"
+    ),
+    "seconds of two digits": lambda m: f"{m.t_s / 4:.2f},{m.x:.2f},{m.y:.2f},{m.z:.2f}\r\n",
+}
+
+
+def said(port: Path, capsys: pytest.CaptureFixture[str], printed: Printed) -> str:
+    """What the command says of a board that prints this, when it gives up."""
+    dice = Random(1)
+
+    def speak() -> None:
+        device.wait_for_reader(never)
+        number = 0
+        while not is_over and device.send_all(printed(motion(number, dice)).encode("latin-1"), lambda: bool(is_over)):
+            number += 1
+
+    is_over: list[bool] = []
+    with speaking_on(port) as device:
+        speaker = Thread(target=speak)
+        speaker.start()
+        try:
+            status = main(
+                ["serve", "--port", str(port), "--baud", "115200", "--timeout", "0.6", "--log-level", "error"]
+            )
+        finally:
+            is_over.append(True)
+            speaker.join()
+    out, err = capsys.readouterr()
+    assert (status, out) == (3, "")
+    return err
+
+
+@pytest.mark.parametrize("name", PROPOSED)
+def test_what_something_says_is_proposed_with_its_unit(
+    port: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    printed, columns = PROPOSED[name]
+    assert f"--columns '{columns}'" in said(port, capsys, printed)
+
+
+@pytest.mark.parametrize("name", UNIT_ASKED)
+def test_a_unit_that_nothing_says_is_asked_for(port: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    printed, columns = UNIT_ASKED[name]
+    told = said(port, capsys, printed)
+    assert f"{columns}'" in told
+    assert f"gyrodrift doctor --port {port} --turn" in told
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_what_no_number_is_said_to_be_is_asked_for(port: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    """Without a proposal that somebody could paste."""
+    told = said(port, capsys, ASKED[name])
+    assert "nothing says which of them is the yaw rate" in told
+    assert f"gyrodrift doctor --port {port} --turn" in told
+    assert "--columns '" not in told
