@@ -8,6 +8,7 @@ from gyrodrift.describe.values import SessionDescription, Stretch
 from gyrodrift.doctor.sensors import Sensor
 from gyrodrift.errors import LinkError
 from gyrodrift.link.holder import PortHolder
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.session import Session
@@ -57,6 +58,8 @@ class DeviceEvidence:
         The file, where it was no port.
     failure
         Why the port could not be listened to, or not any further; `search` says why no port was chosen.
+    is_angle
+        Whether the rate was made of an angle that the device sends.
     units
         Fields of the event that the rate has another unit than it is taken for; empty without one.
     """
@@ -69,6 +72,7 @@ class DeviceEvidence:
     link: LinkStatus = field(default_factory=LinkStatus)
     device: DeviceStatus = field(default_factory=DeviceStatus)
     has_clock: bool = True
+    is_angle: bool = False
     units: dict[str, Any] = field(default_factory=dict)
     session: Session | None = None
     description: SessionDescription | None = None
@@ -79,6 +83,12 @@ class DeviceEvidence:
         """The longest stretch without motion."""
         stretches = self.description.stretches if self.description else ()
         return max(stretches, key=lambda each: each.end_s - each.start_s, default=None)
+
+    @property
+    def holds_zero(self) -> bool:
+        """Whether a healthy device of this kind says exactly 0 at rest."""
+        protocol = PROTOCOLS.get(self.link.protocol)
+        return self.is_angle or (protocol is not None and protocol.holds_zero)
 
     @property
     def is_understood(self) -> bool:

@@ -31,8 +31,10 @@ class _Heard:
     samples: list[Sample] = field(default_factory=list)
     units: dict[str, Any] = field(default_factory=dict)
     failure: LinkError | None = None
+    is_angle: bool = False
 
     def on_event(self, event: str, **fields: Any) -> None:
+        self.is_angle |= event == "rate_from_angle"
         if event == "rate_unit_differs":
             self.units = fields
 
@@ -72,6 +74,7 @@ def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Hea
         link=_status(link, description, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
         device=DeviceStatus(about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr),
         has_clock=has_clock,
+        is_angle=heard.is_angle,
         units=heard.units,
         session=session,
         description=description,

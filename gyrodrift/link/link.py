@@ -28,6 +28,7 @@ from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.registry import AUTO, candidates
 from gyrodrift.link.silence import why_silent
 from gyrodrift.link.units.check import UnitCheck
+from gyrodrift.link.unread import spoken
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
@@ -357,7 +358,7 @@ class Link:
             trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
             if now_s - self._trial_s < trial_s:
                 return
-            if self._heard.is_text:
+            if self._heard.is_text or spoken(self._heard.content):
                 self._trial_s = now_s  # the rate is right, whatever is said at it
             else:
                 self._next_baud()

@@ -6,6 +6,7 @@ from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.registry import PROTOCOLS, listed
+from gyrodrift.link.unread import spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 MOST_NAMES = 12
@@ -43,6 +44,9 @@ def why_silent(
             f"{decoder.counters.other} good {decoder.name} frames came {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
         )
+    unread = spoken(heard.content)
+    if unread is not None:
+        return f"the device speaks {unread.name}, which gyrodrift does not read; {unread.advice}"
     if heard.is_text:
         return _why_text(protocol, heard, port, waited)
     wanted = listed() if decoder is None and protocol == "auto" else protocol

@@ -208,6 +208,30 @@ def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> 
     )
 
 
+@pytest.mark.parametrize("protocol", ["witmotion", "witmotion-ble", "bno08x-rvc"])
+def test_a_family_that_says_exactly_0_at_rest_does_not_hang(
+    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], protocol: str
+) -> None:
+    """Its own filter has taken bias and noise away; a device of another family that does so hangs."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n")
+    with device(port, *REST, "--protocol", protocol, "--rig", rig):
+        _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
+    assert_findings(found, [("stuck", "note", "said exactly 0 for"), ("stuck", "note", "no bias can be seen")])
+
+
+def test_a_rate_of_0_of_any_other_device_is_one_that_hangs(
+    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As an MPU-6050 says that has reset itself."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n")
+    with device(port, *REST, "--rig", rig):
+        status, found = doctor(capsys, "--port", port, "--seconds", "2.5")
+    assert status == 3
+    assert_findings(found, [("stuck", "error", "The sensor hangs on its bus")])
+
+
 def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Nothing is made of them in deg/s."""
     (tmp_path / "rig.yaml").write_text(RADIANS_RIG)

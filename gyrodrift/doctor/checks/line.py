@@ -14,7 +14,7 @@ FULL = 0.6
 SILENT_S = 1.0
 """Who listens for half a minute does not wait as long as a service does."""
 
-UNCHECKED = frozenset({"csv", "text"})
+UNCHECKED = frozenset({"csv", "text", "witmotion-ble"})
 """Protocols without a checksum."""
 
 
@@ -34,8 +34,9 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
             "Send the sensor's time with each sample, where the firmware is yours.",
         )
     if link.protocol in UNCHECKED:
+        what = "frames" if link.protocol == "witmotion-ble" else "lines"
         return note(
-            f"{says}: lines without a checksum, so a damaged one may pass for a rate.",
+            f"{says}: {what} without a checksum, so a damaged one may pass for a rate.",
             "Send native frames over long or noisy lines.",
         )
     return ok(f"{says}.")

@@ -158,10 +158,17 @@ def stuck(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the rate goes on changing."""
     if evidence.session is None or not evidence.link.rate_hz:
         return None
-    longest = _longest_run(evidence.session.rate_dps)
+    longest, value_dps = _longest_run(evidence.session.rate_dps)
     seconds = longest / evidence.link.rate_hz
     if seconds < STUCK_S or longest < STUCK_SAMPLES:
         return ok("The rate never stands still for long.", seconds, "s")
+    if value_dps == 0.0 and evidence.holds_zero:
+        return note(
+            f"The rate said exactly 0 for {seconds:.1f} s: this family does so at rest, and no bias can be seen.",
+            "Turn it: if the rate stays 0, the sensor hangs. Only yaw over an hour tells what drift is left.",
+            seconds,
+            "s",
+        )
     return error(
         f"The rate said one value for {seconds:.1f} s, while everything else went on.",
         "The sensor hangs on its bus, or its step hides the noise: look at wires and pull-ups, check what each read "
@@ -188,12 +195,14 @@ def repeats(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def _longest_run(rate_dps: Floats) -> int:
-    """Samples in a row that say one value; the end of the range is not counted, which is a finding of its own."""
+def _longest_run(rate_dps: Floats) -> tuple[int, float]:
+    """Samples in a row that say one value, and it; the end of the range is not counted: a finding of its own."""
     ends = np.concatenate([[-1], np.flatnonzero(np.diff(rate_dps) != 0.0), [len(rate_dps) - 1]])
     most_dps = float(np.nanmax(np.abs(rate_dps), initial=0.0))
     is_rail = (np.abs(rate_dps[ends[1:]]) >= most_dps) & (most_dps > RAIL_LEAST_DPS)
-    return int(np.where(is_rail, 0, np.diff(ends)).max())
+    runs = np.where(is_rail, 0, np.diff(ends))
+    longest = int(runs.argmax())
+    return int(runs[longest]), float(rate_dps[ends[longest + 1]])
 
 
 def _steps_s(evidence: DeviceEvidence) -> Floats:

@@ -69,4 +69,5 @@ PROTOCOL = WireProtocol(
     has_clock=True,
     rank=18,
     has_unit=True,
+    holds_zero=True,
 )

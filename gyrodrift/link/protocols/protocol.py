@@ -41,6 +41,8 @@ class WireProtocol:
         Whether its readings have an angle in place of a rate: the filter of the device has been at work.
     is_plausible
         Whether readings of good frames can be of the protocol: lines without a checksum may look like it.
+    holds_zero
+        Whether its devices say exactly 0 at rest: a filter of theirs has taken bias and noise away.
     without_rate
         What to do where a device speaks it and sends no rate; empty where each of its frames has one.
     """
@@ -56,4 +58,5 @@ class WireProtocol:
     is_unit_said: bool = True
     sends_angle: bool = False
     is_plausible: Callable[[Sequence[Reading]], bool] = _any_reading
+    holds_zero: bool = False
     without_rate: str = ""

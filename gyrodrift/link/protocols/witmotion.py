@@ -77,5 +77,10 @@ def _is_frame(buffer: bytes, at: int) -> bool:
 
 
 PROTOCOL = WireProtocol(
-    "witmotion", "frames of the WT901 family, without a clock", WitmotionDecoder, has_clock=False, rank=20
+    "witmotion",
+    "frames of the WT901 family, without a clock",
+    WitmotionDecoder,
+    has_clock=False,
+    rank=20,
+    holds_zero=True,
 )

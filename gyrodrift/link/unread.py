@@ -1,0 +1,226 @@
+"""Protocols that are known by their bytes and not read: named, with what to do, before anybody suspects the line rate.
+
+One record each. A stream is of a protocol when LEAST frames with a right check stand in what was heard.
+"""
+
+import re
+import zlib
+from binascii import crc_hqx
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import accumulate
+
+LEAST = 3
+LONGEST_HEADER = 256
+
+
+@dataclass(frozen=True, slots=True)
+class UnreadProtocol:
+    """One of them.
+
+    name
+        What it is and who sends it.
+    head
+        What each frame begins with, as a pattern.
+    length
+        Bytes of the frame that begins as these do, LONGEST_HEADER of them or what there is; 0 where it can be none.
+    is_whole
+        Whether the check of a frame is right.
+    advice
+        What to switch on the device, or which program reads it.
+    chained
+        A number in each frame that counts frames; frames then stand right behind each other. None where the check of a
+        frame is enough.
+    """
+
+    name: str
+    head: re.Pattern[bytes]
+    length: Callable[[bytes], int]
+    is_whole: Callable[[bytes], bool]
+    advice: str
+    chained: Callable[[bytes], int] | None = None
+
+    def is_spoken(self, content: bytes) -> bool:
+        """Whether what was heard is of this protocol."""
+        frames, at, before = 0, 0, -1
+        while (found := self.head.search(content, at)) is not None:
+            begin = found.start()
+            length = self.length(content[begin : begin + LONGEST_HEADER])
+            frame = content[begin : begin + length]
+            if not length or len(frame) < length or not self.is_whole(frame):
+                at, frames, before = begin + 1, 0 if self.chained else frames, -1
+                continue
+            if self.chained is not None:
+                count = self.chained(frame)
+                goes_on = begin == at and count == (before + 1) & 0xFF
+                frames, before = frames if goes_on else 0, count
+            at, frames = begin + length, frames + 1
+            if frames > LEAST - (self.chained is None):
+                return True
+        return False
+
+
+def spoken(content: bytes) -> UnreadProtocol | None:
+    """The protocol of what was heard; None where it is none of these."""
+    return next((each for each in UNREAD if each.is_spoken(content)), None)
+
+
+def _fletcher(content: bytes) -> bytes:
+    """Two sums modulo 256 (RFC 1145)."""
+    sums = list(accumulate(content))
+    return bytes((sums[-1] & 0xFF, sum(sums) & 0xFF))
+
+
+def _snp_length(header: bytes) -> int:
+    """UM7 data sheet, packet type: has data, is a batch, registers of the batch."""
+    kind = header[3] if len(header) > 3 else 0
+    registers = (kind >> 2 & 0xF) if kind & 0x40 else 1
+    return 7 + (4 * registers if kind & 0x80 else 0)
+
+
+def _word(header: bytes, at: int, extra: int) -> int:
+    """A length of two bytes, the low one first, and all around it."""
+    return extra + int.from_bytes(header[at : at + 2], "little") if len(header) >= at + 2 else 0
+
+
+def _byte(header: bytes, at: int, extra: int) -> int:
+    return extra + header[at] if len(header) > at else 0
+
+
+def _crc24q(content: bytes) -> int:
+    """RTCM 10403, polynomial 0x1864CFB; 0 for a frame with its CRC."""
+    crc = 0
+    for byte in content:
+        crc ^= byte << 16
+        for _ in range(8):
+            crc = crc << 1 ^ (0x1864CFB if crc & 0x800000 else 0)
+    return crc & 0xFFFFFF
+
+
+def _crc32_from_0(content: bytes) -> int:
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def _is_rosserial(frame: bytes) -> bool:
+    """ROS wiki, rosserial protocol: a sum of the length, and one of topic and message."""
+    return sum(frame[2:5]) & 0xFF == 0xFF and sum(frame[5:]) & 0xFF == 0xFF
+
+
+def _line_length(header: bytes) -> int:
+    return header.find(b"\r\n") + 2 if b"\r\n" in header else 0
+
+
+def _is_navx(frame: bytes) -> bool:
+    """The sum of all before it, in hexadecimal digits."""
+    return b"%02X" % (sum(frame[:-4]) & 0xFF) == frame[-4:-2].upper()
+
+
+def _anything(frame: bytes) -> bool:  # noqa: ARG001 - frames of a fixed form that count
+    return True
+
+
+CONVERT = "a program of its maker can record it, and gyrodrift convert reads tables"
+
+UNREAD = (
+    UnreadProtocol(
+        "MicroStrain MIP (3DM-GX, 3DM-CX, 3DM-GQ)",
+        re.compile(rb"\x75\x65"),
+        lambda header: _byte(header, 3, 6),
+        lambda frame: _fletcher(frame[:-2]) == frame[-2:],
+        f"{CONVERT} of SensorConnect and of its ROS driver",
+    ),
+    UnreadProtocol(
+        "the binary packets (snp) of a Redshift Labs UM6 or UM7",
+        re.compile(rb"snp"),
+        _snp_length,
+        lambda frame: sum(frame[:-2]) & 0xFFFF == int.from_bytes(frame[-2:], "big"),
+        "turn on its NMEA packets with rates ($PCHRS) in place of them, and read them with --columns",
+    ),
+    UnreadProtocol(
+        "MAVLink 1 of a flight controller",
+        re.compile(rb"\xfe"),
+        lambda header: _byte(header, 1, 8),
+        _anything,
+        "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert",
+        lambda frame: frame[2],
+    ),
+    UnreadProtocol(
+        "MAVLink 2 of a flight controller",
+        re.compile(rb"\xfd"),
+        lambda header: _byte(header, 1, 25 if header[2:3] == b"\x01" else 12),
+        _anything,
+        "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert",
+        lambda frame: frame[4],
+    ),
+    UnreadProtocol(
+        "rosserial",
+        re.compile(rb"\xff[\xfe\xff]"),
+        lambda header: _word(header, 2, 8),
+        _is_rosserial,
+        "let rosserial_python read the port, record its sensor_msgs/Imu with rosbag, and give the bag to gyrodrift",
+    ),
+    UnreadProtocol(
+        "the teapot packets of InvenSense's and i2cdevlib's DMP examples",
+        re.compile(rb"\$\x02"),
+        lambda _: 14,
+        lambda frame: frame[10] == 0 and frame[12:] == b"\r\n",
+        "define OUTPUT_READABLE_YAWPITCHROLL in the sketch in place of OUTPUT_TEAPOT, or print the raw gyro",
+        lambda frame: frame[11],
+    ),
+    UnreadProtocol(
+        "Xsens MTData, the older output of an MTi",
+        re.compile(rb"\xfa\xff\x32"),
+        lambda header: _byte(header, 3, 5),
+        lambda frame: sum(frame[1:]) & 0xFF == 0,
+        "switch it to MTData2 with RateOfTurn (0x8020) and SampleTimeFine (0x1060), in MT Manager",
+    ),
+    UnreadProtocol(
+        "UBX of a u-blox receiver",
+        re.compile(rb"\xb5\x62"),
+        lambda header: _word(header, 4, 8),
+        lambda frame: _fletcher(frame[2:-2]) == frame[-2:],
+        "it is a satellite receiver; for its heading turn on NMEA with $--HDT, else choose the port of the gyro",
+    ),
+    UnreadProtocol(
+        "RTCM 3, corrections for satellite receivers",
+        re.compile(rb"\xd3[\x00-\x03]"),
+        lambda header: 6 + (int.from_bytes(header[1:3], "big") & 0x3FF),
+        lambda frame: _crc24q(frame) == 0,
+        "no gyro sends it: choose another port",
+    ),
+    UnreadProtocol(
+        "NovAtel binary logs",
+        re.compile(rb"\xaa\x44\x12\x1c"),
+        lambda header: _word(header, 8, 32),
+        lambda frame: _crc32_from_0(frame[:-4]) == int.from_bytes(frame[-4:], "little"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "NovAtel short binary logs",
+        re.compile(rb"\xaa\x44\x13"),
+        lambda header: _byte(header, 3, 16),
+        lambda frame: _crc32_from_0(frame[:-4]) == int.from_bytes(frame[-4:], "little"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "the frames of a HiPNUC HI226, HI229 or CH100",
+        re.compile(rb"\x5a\xa5"),
+        lambda header: _word(header, 2, 6),
+        lambda frame: crc_hqx(frame[:4] + frame[6:], 0) == int.from_bytes(frame[4:6], "little"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "a navX that sends other messages than yaw, pitch and roll",
+        re.compile(rb"![a-xz](?=[ -~]{6,200}\r\n)"),
+        _line_length,
+        _is_navx,
+        "switch it to its yaw, pitch and roll messages (!y), with navXUI",
+    ),
+    UnreadProtocol(
+        "a navX whose yaw messages (!y) have wrong checksums",
+        re.compile(rb"!y(?=(?:[-+][0-9]{3}\.[0-9]{2}){4}[0-9A-Fa-f]{2}\r\n)"),
+        _line_length,
+        lambda frame: not _is_navx(frame),
+        "the line damages them, or the firmware is none of the maker: look at cable and baud rate, update the firmware",
+    ),
+)

@@ -1,0 +1,209 @@
+"""Protocols that are known and not read: named by their bytes, each with a check of its own."""
+
+import struct
+from binascii import crc_hqx
+from collections.abc import Callable
+from math import sin
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support import speaking_on
+
+from firmware_sim.pty import PtyDevice
+from gyrodrift.errors import DeviceSilentError
+from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.unread import UNREAD, spoken
+
+
+def mip(i: int) -> bytes:
+    """Rates and accelerations, a field each, and the two sums of RFC 1145."""
+    fields = struct.pack(">BBfff", 14, 0x05, 0.1, 0.2, sin(i)) + struct.pack(">BBfff", 14, 0x04, 0.0, 0.0, 1.0)
+    content = b"\x75\x65\x80" + bytes((len(fields),)) + fields
+    first = second = 0
+    for byte in content:
+        first = (first + byte) % 256
+        second = (second + first) % 256
+    return content + bytes((first, second))
+
+
+def um7(i: int) -> bytes:
+    """A batch of three registers of processed rates."""
+    content = b"snp" + bytes((0x80 | 0x40 | 3 << 2, 0x61)) + struct.pack(">3f", 0.0, 1.0, sin(i))
+    return content + struct.pack(">H", sum(content))
+
+
+def x25(content: bytes) -> int:
+    crc = 0xFFFF
+    for byte in content:
+        word = (byte ^ crc) & 0xFF
+        word = (word ^ word << 4) & 0xFF
+        crc = crc >> 8 ^ word << 8 ^ word << 3 ^ word >> 4
+    return crc & 0xFFFF
+
+
+def mavlink1(i: int) -> bytes:
+    """ATTITUDE, whose extra byte is 39, and HEARTBEAT with 50 in turns."""
+    kind, extra, payload = (30, 39, struct.pack("<I6f", i, *[sin(i)] * 6)) if i % 2 else (0, 50, bytes(9))
+    content = bytes((len(payload), i & 0xFF, 1, 1, kind)) + payload
+    return b"\xfe" + content + struct.pack("<H", x25(content + bytes((extra,))))
+
+
+def mavlink2(i: int) -> bytes:
+    """ATTITUDE, signed each third time."""
+    is_signed, payload = not i % 3, struct.pack("<I6f", i, *[sin(i)] * 6)
+    content = bytes((len(payload), is_signed, 0, i & 0xFF, 1, 1, 30, 0, 0)) + payload
+    return b"\xfd" + content + struct.pack("<H", x25(content + b"\x27")) + bytes(13 * is_signed)
+
+
+def rosserial(i: int) -> bytes:
+    """A message of topic 125."""
+    length, body = struct.pack("<H", 12), struct.pack("<H3f", 125, 0.0, 1.0, sin(i))
+    return b"\xff\xfe" + length + bytes((255 - sum(length) % 256,)) + body + bytes((255 - sum(body) % 256,))
+
+
+def teapot(i: int) -> bytes:
+    """A quaternion, as the example of i2cdevlib sends it."""
+    return b"$\x02" + struct.pack(">4h", 16384, 0, 0, i) + bytes((0, i & 0xFF)) + b"\r\n"
+
+
+def mtdata(i: int) -> bytes:
+    """Rates and accelerations of an MTi of the third generation."""
+    content = b"\xff\x32" + bytes((26,)) + struct.pack(">6fH", 0.0, 0.0, 9.81, 0.0, 0.0, sin(i), i)
+    return b"\xfa" + content + bytes((-sum(content) & 0xFF,))
+
+
+def ubx(i: int) -> bytes:
+    """NAV-PVT, shortened."""
+    content = struct.pack("<BBHI", 0x01, 0x07, 24, i) + bytes(20)
+    first = second = 0
+    for byte in content:
+        first = (first + byte) % 256
+        second = (second + first) % 256
+    return b"\xb5\x62" + content + bytes((first, second))
+
+
+def rtcm(i: int) -> bytes:
+    """A CRC of 24 bits by long division."""
+    content = b"\xd3\x00\x13" + struct.pack(">HI", 1005 << 4, i) + bytes(13)
+    rest = int.from_bytes(content, "big") << 24
+    for bit in range(rest.bit_length() - 1, 23, -1):
+        if rest >> bit & 1:
+            rest ^= 0x1864CFB << bit - 24
+    return content + rest.to_bytes(3, "big")
+
+
+def crc32_from_0(content: bytes) -> int:
+    crc = 0
+    for byte in content:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0xEDB88320 if crc & 1 else 0)
+    return crc
+
+
+def novatel(i: int) -> bytes:
+    """A log of 20 bytes behind a header of 28."""
+    content = struct.pack("<3sBHBBH", b"\xaa\x44\x12", 28, 507, 0, 32, 20) + bytes(18) + struct.pack("<5I", *[i] * 5)
+    return content + struct.pack("<I", crc32_from_0(content))
+
+
+def novatel_short(i: int) -> bytes:
+    """RAWIMUSX."""
+    content = struct.pack("<3sBHHI", b"\xaa\x44\x13", 40, 1462, 2000, i) + bytes(40)
+    return content + struct.pack("<I", crc32_from_0(content))
+
+
+def hipnuc(i: int) -> bytes:
+    """Its CRC begins with 0, and leaves itself out."""
+    head, payload = b"\x5a\xa5" + struct.pack("<H", 16), struct.pack("<4f", 0.0, 1.0, 2.0, sin(i))
+    return head + struct.pack("<H", crc_hqx(payload, crc_hqx(head, 0))) + payload
+
+
+def navx(i: int) -> bytes:
+    """Gyro registers in hexadecimal digits."""
+    content = b"!g%04X%04X%04X" % (0, 1, i)
+    return content + b"%02X\r\n" % (sum(content) % 256)
+
+
+def navx_damaged(i: int) -> bytes:
+    """A message of the right form."""
+    return b"!y%+07.2f+000.53-001.20+123.40A5\r\n" % (i / 7 % 180)
+
+
+SPOKEN: dict[str, Callable[[int], bytes]] = {
+    "MicroStrain MIP": mip,
+    "UM6 or UM7": um7,
+    "MAVLink 1": mavlink1,
+    "MAVLink 2": mavlink2,
+    "rosserial": rosserial,
+    "teapot packets": teapot,
+    "MTData": mtdata,
+    "UBX": ubx,
+    "RTCM 3": rtcm,
+    "NovAtel binary": novatel,
+    "NovAtel short": novatel_short,
+    "HiPNUC": hipnuc,
+    "navX that sends other": navx,
+    "navX whose": navx_damaged,
+}
+
+
+def test_each_that_is_known_has_a_stream_here() -> None:
+    """And no stream is taken for another one, wherever listening begins."""
+    assert len(SPOKEN) == len(UNREAD)
+    for name, frame in SPOKEN.items():
+        stream = b"".join(frame(i) for i in range(250, 300))
+        for cut in (0, 1, 5):
+            found = spoken(stream[cut:])
+            assert found is not None, name
+            assert name in found.name
+
+
+@pytest.mark.parametrize("name", SPOKEN)
+def test_a_damaged_frame_hides_no_protocol(name: str) -> None:
+    """Nor a byte that was lost."""
+    frames = [SPOKEN[name](i) for i in range(30)]
+    frames[5], frames[11] = frames[5][:3] + frames[5][4:], frames[11][:-1]
+    found = spoken(b"".join(frames))
+    assert found is not None
+    assert name in found.name
+
+
+@pytest.mark.parametrize("name", SPOKEN)
+def test_two_frames_are_too_few(name: str) -> None:
+    """What came is of any kind then."""
+    assert spoken(SPOKEN[name](1) + SPOKEN[name](2)) is None
+
+
+@given(st.binary(max_size=3000))
+@settings(max_examples=200)
+def test_random_bytes_are_none_of_them(noise: bytes) -> None:
+    """Nor with their heads strewn among them."""
+    assert spoken(noise) is None
+    for head in (b"\x75\x65", b"\xfe\x09", b"\xb5\x62", b"\xfa\xff\x32", b"\xff\xfe"):
+        assert spoken(head.join(noise[i : i + 11] for i in range(0, len(noise), 11))) is None
+
+
+def hear(link: Link, device: PtyDevice, frame: Callable[[int], bytes], now_s: list[float]) -> None:
+    """Frames at 50 Hz, until the link has heard enough."""
+    for i in range(500):
+        device.send(frame(i))
+        now_s[0] += 0.02
+        link.read()
+
+
+@pytest.mark.parametrize("name", SPOKEN)
+def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> None:
+    """And keeps to the rate at which it was heard."""
+    now_s = [100.0]
+    with speaking_on(port) as device:
+        link = Link(LinkOptions(str(port), timeout_s=4.0), lambda *_, **__: None, lambda: now_s[0])
+        with pytest.raises(DeviceSilentError, match="the device speaks") as refused:
+            hear(link, device, SPOKEN[name], now_s)
+        assert name in str(refused.value)
+        assert ", which gyrodrift does not read; " in str(refused.value)
+        assert "baud" not in str(refused.value).replace("cable and baud rate", "")
+        assert link.baud == 115200
+        link.close()
