@@ -29,9 +29,9 @@ class Motion(NamedTuple):
 
 def motion(i: int, dice: Random) -> Motion:
     """At rest, level, with a bias of 0.5 deg/s; yaw is where it has been left."""
-    noise = [dice.gauss(mean, 0.05) for mean in (0.3, -0.8, 0.5)]
-    level = [dice.gauss(mean, 0.003) for mean in (0.01, -0.02, 0.995)]
-    return Motion(i, 0.02 * i, *noise, *level, 170.0)
+    x, y, z = (dice.gauss(mean, 0.05) for mean in (0.3, -0.8, 0.5))
+    ax, ay, az = (dice.gauss(mean, 0.003) for mean in (0.01, -0.02, 0.995))
+    return Motion(i, 0.02 * i, x, y, z, ax, ay, az, 170.0)
 
 
 Printed = Callable[[Motion], str]
