@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 
 class Dimension(StrEnum):
@@ -107,6 +108,9 @@ REPLACED = tuple(
         (r"\s+", ""),
     )
 )
+REMEMBERED = 256
+"""Texts whose unit is kept: a stream says the same few words with every line."""
+
 LONGEST = 40
 """Characters of a unit and of a label that are looked at; none has more, and foreign text has no end."""
 
@@ -115,6 +119,7 @@ BRACKETED = re.compile(r"[(\[{<]([^()\[\]{}<>]{1,40})[)\]}>]")
 TAILS = re.compile(r"[\s_,;|-]+")
 
 
+@lru_cache(maxsize=REMEMBERED)
 def unit_of(text: str) -> Unit | None:
     """The unit that a text is, `rad/s`, `°/s` or `m/s^2`; None where it is none."""
     word = text.strip(" .,;:")

@@ -72,6 +72,7 @@ UNIT_HEAD = re.compile(r"^(\S{1,20})\s++(?=\S)")
 
 WITH_UNIT = re.compile(rf"({NUMBER})\s*+([A-Za-z°ºµμ%][\w/²^°]*+)")
 BETWEEN = re.compile(r"[\s,;|]+")
+LABEL_END, BRACKET = re.compile(r"[:=]"), re.compile(r"[({\[]")
 MARK = re.compile(r"[:=\[(]")
 """Without one of those there is no label."""
 
@@ -125,7 +126,7 @@ def fields_of(line: str) -> Fields | None:
         if state := STATE.match(line):
             return Fields(Form.LABELLED, (as_label(state[1]),), (state[2],), _units(line, [state]))
     line = _unwrapped(line)
-    if headed := HEADED_ROW.fullmatch(line):
+    if line[:1].isalpha() and (headed := HEADED_ROW.fullmatch(line)):
         return _headed_row(headed)
     found = _labelled(line) if MARK.search(line) else None
     return found or _row(line)
@@ -140,8 +141,12 @@ def _unwrapped(line: str) -> str:
 
 def _labelled(line: str) -> Fields | None:
     """Values behind labels; None where there are none, or where one word stands before a row."""
-    line = HEADED.sub(r"\1 ", NAMES_FIRST.sub(_names_first, line))
-    line = VECTOR.sub(_axes, AXES_NAMED.sub(_named_axes, BRACED.sub(r"\1 ", line)))
+    if "," in LABEL_END.split(line, 1)[0]:
+        line = NAMES_FIRST.sub(_names_first, line)
+    line = HEADED.sub(r"\1 ", line)
+    if BRACKET.search(line):
+        line = AXES_NAMED.sub(_named_axes, BRACED.sub(r"\1 ", line))
+    line = VECTOR.sub(_axes, line)
     matches = list(LABELLED.finditer(line))
     if not matches or (len(matches) == 1 and sum(map(is_number, _row(line).values)) > 1):
         return None
