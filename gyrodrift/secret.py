@@ -29,6 +29,9 @@ WITHIN_WORD = re.compile(rf"({WORD}s?(?!_)[=:]).++", re.IGNORECASE | re.DOTALL)
 ADDRESS = re.compile(r"(://[^\s:@/]{0,256}+:)\S{1,256}@")
 """`scheme://user:password@host`; bounded, so that no text takes longer than its length."""
 
+MENTION = re.compile(rf"{WORD}(?!_file|_path)|\bpwd\b|\bpass\b|{ADDRESS.pattern}", re.IGNORECASE)
+"""Where a text may hold a secret."""
+
 
 LONGEST_SECRET = 1024
 """Characters of a password."""
@@ -80,9 +83,7 @@ def is_secret_name(name: str) -> bool:
 
 def mentions_secret(text: str) -> bool:
     """Whether a text may hold a secret."""
-    return re.search(rf"{WORD}(?!_file|_path)|\bpwd\b|\bpass\b", text, re.IGNORECASE) is not None or bool(
-        ADDRESS.search(text)
-    )
+    return MENTION.search(text) is not None
 
 
 def without_secrets(text: str) -> str:

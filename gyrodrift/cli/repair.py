@@ -1,9 +1,9 @@
 """Close session files (.mcap) whose recording was cut off, so that every program can open them, and mend damaged ones.
 
 Recording into a folder closes the files in it, too. Samples are never touched; bytes at the end that are no whole
-record are cut off, and kept in a file ending in .tail where they are more than one torn record. Of a damaged file a
-whole one is written of all that can be recovered, and the samples and seconds that cannot are told; the damaged one is
-kept beside it with the ending .damaged.
+record are cut off, and kept in a file ending in .tail where they are more than one torn record; text that mentions a
+password is covered with stars there. Of a damaged file a whole one is written of all that can be recovered, and the
+samples and seconds that cannot are told; the damaged one is kept beside it with the ending .damaged.
 """
 
 import argparse

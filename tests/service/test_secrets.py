@@ -136,6 +136,25 @@ def old_recording(path: Path) -> None:
         writer.flush()
 
 
+def test_what_a_repair_cuts_off_is_kept_without_passwords(tmp_path: Path) -> None:
+    """Of a recording that held one; who may read what was cut off is as it was, and its samples are kept."""
+    path = tmp_path / "old.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file, {})
+        writer.add_all([Sample(i, i / 100, 1.7e9 + i / 100, 1.0) for i in range(100)])
+        writer.flush()
+    samples = os.urandom(1 << 16).replace(b"\0", b"\1")
+    with path.open("ab") as file:
+        file.write(b"\0" * 8 + b"\xff" * 9 + config_text().encode() + b"\0" + samples + b"\0" + samples)
+    path.chmod(0o640)
+    run = subprocess.run([sys.executable, "-m", "gyrodrift", "repair", path], capture_output=True, check=True)
+    (tail,) = tmp_path.glob("*.tail*")
+    assert str(tail) in run.stdout.decode()
+    assert tail.stat().st_mode & 0o777 == 0o640
+    assert MARKER.encode() not in tail.read_bytes()
+    assert tail.read_bytes().count(samples) == 2
+
+
 def test_an_old_recording_that_holds_a_password_gives_it_to_nobody(tmp_path: Path) -> None:
     """Neither when it is told of, drawn, converted, repaired or filtered."""
     old, repaired = tmp_path / "old.mcap", tmp_path / "repaired.mcap"

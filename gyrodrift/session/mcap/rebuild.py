@@ -26,8 +26,8 @@ def rebuild(path: Path, file: IO[bytes], found: Survey, damage: RecordingDamage)
     kept = _free_name(path)
     try:
         os.link(path, kept)
-    except OSError:  # a disk without links, such as FAT
-        shutil.copyfile(path, kept)
+    except OSError:  # a disk without links, such as FAT, or a file of another user
+        shutil.copy(path, kept)
     with whole_file(path) as fresh:
         writer = McapWriter(fresh, {"repair": _told(damage)})
         _Copy(Walk(file, found.stretches), found, writer).run()

@@ -21,6 +21,7 @@ from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
 from gyrodrift.session.mcap.structure import LONGEST_RECORD_BYTES, is_torn_record
 from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.surveyed import Survey
+from gyrodrift.session.mcap.tail import keep_tail
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
     ByteStretch,
@@ -28,7 +29,6 @@ from gyrodrift.session.mcap.walk import (
     SampleRows,
     Walk,
     channel_of,
-    data_blocks,
     header_of,
     metadata_of,
     schema_of,
@@ -189,15 +189,4 @@ def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes
     tail = os.pread(file.fileno(), length, end)
     if closing.startswith(tail) or is_torn_record(tail, len(tail)):
         return None
-    saved, number = path.with_name(f"{path.name}.tail"), 1
-    while os.path.lexists(saved):  # an earlier one, or whatever it is
-        number += 1
-        saved = path.with_name(f"{path.name}.tail_{number}")
-    with saved.open("xb") as copy:
-        for at, block in data_blocks(file, end, walk.size):
-            copy.seek(at - end)
-            copy.write(block)
-        copy.truncate(walk.size - end)
-        copy.flush()
-        os.fsync(copy.fileno())
-    return saved
+    return keep_tail(path, file, end, walk.size)

@@ -80,9 +80,9 @@ FAULTS = (
     ),
     Fault(
         "session/tail-written-over",
-        f"{MCAP}/repair.py",
-        '        saved = path.with_name(f"{path.name}.tail_{number}")\n    with saved.open("xb") as copy:',
-        '        break\n    with saved.open("wb") as copy:',
+        f"{MCAP}/tail.py",
+        '        saved = path.with_name(f"{path.name}.tail_{number}")\n    with open(saved, "xb", opener',
+        '        break\n    with open(saved, "wb", opener',
         "A second repair writes over the tail that the first one kept.",
         (f"{TESTS}/test_repair.py",),
     ),
