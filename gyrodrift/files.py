@@ -20,6 +20,7 @@ COMMENT, LONGEST_LINE = b"#", 4096
 FILTERED_COLUMN = b"yaw_deg"
 """Of tables that a filter has written: they can be worked out again, other tables cannot."""
 
+TABLES = (".csv", ".json", ".jsonl", ".parquet")
 LONGEST_PREFIX = 60
 """Characters of a name that the file which is being written begins with."""
 
@@ -230,7 +231,7 @@ def _is_recorded(path: Path) -> bool:
             return True
         while first.startswith(COMMENT) or first.isspace():
             first = file.readline(LONGEST_LINE)
-    return path.suffix == ".csv" and FILTERED_COLUMN not in first
+    return path.suffix.lower() in TABLES and FILTERED_COLUMN not in first
 
 
 def check_writable(folder: Path) -> None:

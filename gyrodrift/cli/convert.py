@@ -1,4 +1,4 @@
-"""Convert a recorded session between .mcap and .csv, by the endings of the two paths; every digit is kept.
+"""Convert a recorded session to .mcap, .csv, .json, .jsonl or .parquet, by the ending of OUT; every digit is kept.
 
 An .mcap IN may be anybody's: samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with
 t_device_s and rate_dps, chunked, compressed or cut off. What OUT cannot hold is named before it is left out: raw bytes,
@@ -33,8 +33,10 @@ gyrodrift convert session.mcap for-ros.mcap --as imu
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("source", type=Path, metavar="IN", help="recorded session (.mcap or .csv)")
-    parser.add_argument("target", type=Path, metavar="OUT", help="where to write it (.mcap or .csv)")
+    parser.add_argument("source", type=Path, metavar="IN", help="recorded session (.mcap) or a table (.csv and others)")
+    parser.add_argument(
+        "target", type=Path, metavar="OUT", help="where to write it (.mcap, .csv, .json, .jsonl or .parquet)"
+    )
     parser.add_argument(
         "--topic",
         metavar="NAME",
@@ -58,14 +60,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
     if topic is not None and source.suffix != ".mcap":
         raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
-    from gyrodrift.session.files import ENDINGS
+    from gyrodrift.session.tables.write import written_ending
 
     check_kept([target], [source], force=arguments.force)
+    written_ending(target, "OUT")
     with options.progress_of(arguments) as progress:
         progress.evaluated(f"{source.name} read", 0, 0)
         session = _loaded(source, topic, arguments)
-        if target.suffix in ENDINGS:
-            _tell_left_out(arguments, session)
+        _tell_left_out(arguments, session)
         _write(target, form, session, in_pieces(session, progress.evaluated))
     return 0
 
@@ -92,7 +94,7 @@ def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
     """Before anything is written."""
     from gyrodrift.session.left_out import left_out, listed
 
-    form = "csv" if arguments.target.suffix == ".csv" else arguments.form or "sample"
+    form = arguments.form or "sample" if arguments.target.suffix.lower() == ".mcap" else "csv"
     without = left_out(arguments.source, session, arguments.topic, form)
     said = ["has its rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
     said += [f"is written without {listed(without)}"] if without else []
@@ -103,11 +105,14 @@ def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
 def _write(target: Path, form: str | None, session: "Session", pieces: "Iterator[Session]") -> None:
     from gyrodrift.session.files import write_session
     from gyrodrift.session.foreign.export import write_imu, write_json
+    from gyrodrift.session.tables.write import session_table, write_rows, written_ending
 
     if form == "imu":
         write_imu(target, pieces)
     elif form == "json":
         write_json(target, pieces)
+    elif written_ending(target, "OUT") not in (".csv", ".mcap"):
+        write_rows(target, *session_table(pieces))
     else:
         metadata = {name: dict(table) for name, table in session.metadata.items()}
         write_session(target, pieces, metadata)

@@ -9,7 +9,7 @@ import argparse
 import os
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import nan
 from operator import attrgetter
 from pathlib import Path
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.progress import OnProgress
     from gyrodrift.session.session import Session
+    from gyrodrift.session.tables.write import Row
 
 EXAMPLES = """\
 gyrodrift filter session.mcap --out yaw.csv
@@ -37,7 +38,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     options.add_filter_options(parser, "YAML with a filter and its parameters")
-    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="where to write (default: stdout)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="where to write: .csv, .json, .jsonl, .parquet or .mcap (default: csv to stdout)",
+    )
     options.add_force_option(parser)
     options.add_damage_option(parser)
     options.add_columns_option(parser)
@@ -50,10 +56,12 @@ def run(arguments: argparse.Namespace) -> int:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
+        from gyrodrift.session.tables.write import written_ending
 
         if arguments.out is not None:
             inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
             check_kept([arguments.out], inputs, force=arguments.force)
+            written_ending(arguments.out, "--out")
         config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         columns = options.table_columns(arguments)
@@ -62,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()
         try:
-            _write(arguments.out, session, csv_lines(session, chosen, config.params, state), progress.evaluated)
+            _write(arguments.out, session, rows_of(session, chosen, config.params, state), chosen, progress.evaluated)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None:
                 raise
@@ -72,16 +80,22 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _write(out: Path | None, session: "Session", rows: Iterator[str], progress: "OnProgress") -> None:
+def _write(
+    out: Path | None, session: "Session", rows: "Iterator[Row]", chosen: "Filter", progress: "OnProgress"
+) -> None:
     from gyrodrift.files import write_whole
     from gyrodrift.progress import counted
+    from gyrodrift.session.tables.write import write_rows, written_ending
 
-    lines = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
+    names = ["t_device_s", "rate_dps", *chosen.columns]
+    told = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
     if out is None:
-        sys.stdout.writelines(lines)
+        sys.stdout.writelines(csv_lines(names, told))
         sys.stdout.flush()
+    elif written_ending(out, "--out") == ".csv":
+        write_whole(out, csv_lines(names, told))
     else:
-        write_whole(out, lines)
+        write_rows(out, names, told)
 
 
 def _is_file(stream: TextIO) -> bool:
@@ -91,13 +105,19 @@ def _is_file(stream: TextIO) -> bool:
         return False
 
 
-def csv_lines(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> Iterator[str]:
-    """The header and a line for each accepted sample, every float with all its digits."""
-    yield f"{','.join(['t_device_s', 'rate_dps', *chosen.columns])}\n"
+def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
+    """The header and a line for each row, every float with all its digits."""
+    yield f"{','.join(names)}\n"
+    for row in rows:
+        yield f"{','.join(map(repr, row))}\n"
+
+
+def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> "Iterator[Row]":
+    """A row for each accepted sample."""
     columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
     for t_s, rate_dps, still, temp_c in zip(*_inputs(session), strict=True):
         if step(c, state, t_s, rate_dps, still, temp_c):
-            yield f"{','.join(map(repr, (t_s, rate_dps, *columns(state))))}\n"
+            yield (t_s, rate_dps, *columns(state))
 
 
 def _inputs(session: "Session") -> Iterator[list[float]]:

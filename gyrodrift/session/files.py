@@ -10,7 +10,7 @@ from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
-TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson")
+TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
 """Endings of tables, in small or capital letters."""
 
 
@@ -89,11 +89,12 @@ def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dic
     UsageError
         Where the ending is unknown or the place cannot be written to; nothing is left behind then.
     """
-    if path.suffix == ".csv":
+    ending = path.suffix.lower()
+    if ending == ".csv":
         from gyrodrift.session.csv import csv_pieces  # noqa: PLC0415 - each format costs only who writes it
 
         write_whole(path, csv_pieces(chunks))
-    elif path.suffix == ".mcap":
+    elif ending == ".mcap":
         _write_mcap(path, chunks, metadata)
     else:
         raise UsageError(_unknown_ending(path))

@@ -10,9 +10,10 @@ from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import TABLE, Session
-from gyrodrift.session.tables.dialect import Dialect, split
+from gyrodrift.session.tables.dialect import split
 from gyrodrift.session.tables.layout import TableLayout, layout_of
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
+from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
 from gyrodrift.session.tables.plan import (
     OWN,
     Head,
@@ -28,6 +29,7 @@ from gyrodrift.session.tables.text import Lines, opened
 from gyrodrift.session.tables.turning import rates_of
 from gyrodrift.session.tables.wire import wire_columns
 
+PARQUET = ".parquet"
 BAD_SHARE = 0.1
 """Bad rows beyond this share say that the table is read wrongly."""
 
@@ -49,6 +51,11 @@ def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
     UsageError
         Where it has no such columns.
     """
+    if path.suffix.lower() == PARQUET:
+        head = parquet_head(path)
+        found = _columns(head, columns)
+        reader = RowReader(head, found, has_decimal_comma=False, keeps_empty=found.form == OWN)
+        return _session(head, found, reader.read(parquet_rows(path)), PARQUET)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
@@ -56,14 +63,14 @@ def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
         found = _columns(head, columns)
         reader = RowReader(head, found, has_decimal_comma=False, keeps_empty=False)
         read = reader.read((line, row) for line, each in json_objects(path) for row in json_rows([each], head.labels))
-        return _session(head, found, read, None)
+        return _session(head, found, read, "JSON")
     layout = layout_of(path)
     found = _columns(layout.head, columns)
     with opened(path) as file:
         has_comma, is_own = layout.dialect.has_decimal_comma, found.form == OWN
         reader = RowReader(layout.head, found, has_decimal_comma=has_comma, keeps_empty=is_own)
         read = reader.read(_rows(Lines(file), layout))
-    return _session(layout.head, found, read, layout.dialect)
+    return _session(layout.head, found, read, str(layout.dialect))
 
 
 def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
@@ -83,7 +90,7 @@ def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
         yield lines.number, row
 
 
-def _session(head: Head, found: TableColumns, read: ColumnsRead, dialect: Dialect | None) -> Session:
+def _session(head: Head, found: TableColumns, read: ColumnsRead, dialect: str) -> Session:
     refused = read.refused
     place = f"{head.path}:{refused.line}"
     if not read.count and not refused.count:
@@ -115,15 +122,13 @@ def _remarks(read: ColumnsRead) -> Iterator[str]:
         yield f"{read.without_rate} rows have no rate and are passed over"
 
 
-def _kept(
-    found: TableColumns, read: ColumnsRead, dialect: Dialect | None, remarks: Sequence[str]
-) -> dict[str, dict[str, str]]:
+def _kept(found: TableColumns, read: ColumnsRead, dialect: str, remarks: Sequence[str]) -> dict[str, dict[str, str]]:
     """How it was read; nothing of a session of ours that is as we write it."""
     if found.form == OWN and not remarks:
         return {}
     about = {
         "form": found.form,
-        "separated by": str(dialect) if dialect else "JSON",
+        "separated by": dialect,
         "first stamp": read.began,
         "remarks": "; ".join(remarks),
     }

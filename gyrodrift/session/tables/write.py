@@ -1,0 +1,130 @@
+"""Tables for other programs: the ending of a path decides whether they are csv, JSON, Parquet or MCAP."""
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, islice
+from math import isfinite
+from pathlib import Path
+from typing import BinaryIO
+
+from gyrodrift.errors import UsageError
+from gyrodrift.files import whole_file, write_whole
+from gyrodrift.installation import extra_command
+from gyrodrift.session.session import Session
+
+WRITTEN = (".csv", ".json", ".jsonl", ".parquet", ".mcap")
+PIECE = 50_000
+"""Rows that are written at once."""
+
+TOPIC, LATEST_LOG_NS = "/gyro", 2**64 - 1
+COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
+
+Value = float | int | None
+Row = Sequence[Value]
+
+
+def written_ending(path: Path, option: str) -> str:
+    """The ending of a path to write to, in small letters; a device or a pipe gets csv.
+
+    Raises
+    ------
+    UsageError
+        Where it is none of a format that can be written, or its package is missing.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        return ".csv"
+    ending = path.suffix.lower()
+    if ending not in WRITTEN:
+        raise UsageError(f"{option} {path}: the ending decides the format, expected one of {', '.join(WRITTEN)}")
+    if ending == ".parquet":
+        _need_parquet(f"{option} {path}")
+    return ending
+
+
+def _need_parquet(what: str) -> None:
+    try:
+        import pyarrow.parquet  # noqa: F401, PLC0415 - an extra that few have
+    except ImportError as error:
+        raise UsageError(f"{what}: needs the package {error.name}: {extra_command('parquet')}") from error
+
+
+def write_rows(path: Path, names: Sequence[str], rows: Iterable[Row]) -> None:
+    """Write rows with these columns as `.json`, `.jsonl`, `.parquet` or `.mcap`; what is no number is missing there.
+
+    Raises
+    ------
+    UsageError
+        Where the place cannot be written to; nothing is left behind then.
+    """
+    match path.suffix.lower():
+        case ".json":
+            write_whole(path, _array(names, rows))
+        case ".jsonl":
+            write_whole(path, (f"{line}\n" for line in _objects(names, rows)))
+        case ".parquet":
+            with whole_file(path) as file:
+                _write_parquet(file, names, iter(rows))
+        case _:
+            with whole_file(path) as file:
+                _write_mcap(file, names, rows)
+
+
+def session_table(chunks: Iterable[Session]) -> tuple[list[str], Iterator[Row]]:
+    """The columns that the first chunk of a session has, and the rows of all."""
+    stream = iter(chunks)
+    first = next(stream)
+    names = [name for name in COLUMNS if getattr(first, name) is not None]
+    return names, (row for chunk in chain([first], stream) for row in _rows(chunk, names))
+
+
+def _rows(chunk: Session, names: Sequence[str]) -> Iterator[Row]:
+    columns = [getattr(chunk, name).tolist() for name in names]
+    if "seq" in names:
+        at = names.index("seq")
+        columns[at] = [None if seq < 0 else seq for seq in columns[at]]
+    return zip(*columns, strict=True)
+
+
+def _finite(value: Value) -> Value:
+    return value if value is not None and isfinite(value) else None
+
+
+def _object(names: Sequence[str], row: Row) -> str:
+    return json.dumps(dict(zip(names, map(_finite, row), strict=True)), allow_nan=False)
+
+
+def _objects(names: Sequence[str], rows: Iterable[Row]) -> Iterator[str]:
+    return (_object(names, row) for row in rows)
+
+
+def _array(names: Sequence[str], rows: Iterable[Row]) -> Iterator[str]:
+    before = "["
+    for line in _objects(names, rows):
+        yield f"{before}{line}"
+        before = ",\n"
+    yield "]\n" if before != "[" else "[]\n"
+
+
+def _write_parquet(file: BinaryIO, names: Sequence[str], rows: Iterator[Row]) -> None:
+    import pyarrow as pa  # noqa: PLC0415 - an extra that few have
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    schema = pa.schema([(name, pa.int64() if name == "seq" else pa.float64()) for name in names])
+    with pq.ParquetWriter(file, schema) as writer:
+        while piece := list(islice(rows, PIECE)):
+            columns = zip(*(map(_finite, row) for row in piece), strict=True)
+            arrays = [pa.array(column, part.type) for column, part in zip(columns, schema, strict=True)]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
+
+
+def _write_mcap(file: BinaryIO, names: Sequence[str], rows: Iterable[Row]) -> None:
+    from mcap.writer import Writer  # noqa: PLC0415 - only who writes it
+
+    writer = Writer(file)
+    writer.start(library="gyrodrift")
+    channel = writer.register_channel(TOPIC, "json", 0)
+    at = list(names).index("t_device_s")
+    for row in rows:
+        log_ns = min(max(round((_finite(row[at]) or 0.0) * 1e9), 0), LATEST_LOG_NS)
+        writer.add_message(channel, log_ns, _object(names, row).encode(), log_ns)
+    writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
