@@ -82,6 +82,11 @@ class Command:
             assert self._open or self.process.poll() is None, f"no {what}, and it ended; log:\n{self.log}"
             self._read(0.05)
 
+    def glance(self) -> None:
+        """Read what is there of both streams, without waiting."""
+        if self._open:
+            self._read(0.0)
+
     def until_log(self, text: str) -> None:
         self.until(lambda command: text in command.log, f"log line with {text!r}")
 

@@ -62,6 +62,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MIN",
         help="let it warm for MIN minutes at rest, for the slope of the bias (default: none)",
     )
+    parser.add_argument(
+        "--turn",
+        action="store_true",
+        help="ask for a quarter turn to the left first, which tells the columns of a text, their unit and sign; a "
+        "config that is begun keeps them",
+    )
     parser.add_argument("--yes", action="store_true", help="wait for no key, also on a terminal")
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout instead of the block")
     parser.add_argument("--force", action="store_true", help="replace a calibration that --config has already")
@@ -74,6 +80,11 @@ def run(arguments: argparse.Namespace) -> int:
     plan = _plan(arguments)
     if arguments.config is not None:
         _check_place(arguments.config, force=arguments.force)
+
+    if arguments.turn:
+        from gyrodrift.cli.turning import columns_by_turn
+
+        arguments.columns = columns_by_turn(arguments)
 
     from gyrodrift.calibrate.guide import Guide
     from gyrodrift.calibrate.terminal import GuideScreen, Keys, guided, without_echo
@@ -102,6 +113,11 @@ def run(arguments: argparse.Namespace) -> int:
         found = _result(guide, link)
     _write(arguments, found, guide)
     return 0
+
+
+def _new_file(arguments: argparse.Namespace) -> str:
+    """A config that is begun, with the columns that a turn has told: they are asked for once."""
+    return NEW_FILE + (f'columns: "{arguments.columns}"\n' if arguments.turn and arguments.columns else "")
 
 
 def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
@@ -171,6 +187,6 @@ def _write(arguments: argparse.Namespace, found: "Calibration", guide: "Guide") 
         print(f"gyrodrift: note: the scale is known to {worst:.2%}; more turns at a time help", file=sys.stderr)
     if arguments.config is not None:
         path = arguments.config
-        text = path.read_text(encoding="utf-8-sig") if path.exists() else NEW_FILE
+        text = path.read_text(encoding="utf-8-sig") if path.exists() else _new_file(arguments)
         write_whole(path, [checked(with_block(text, block), path, load_config)])
         print(f"gyrodrift: {path}: has this calibration now", file=sys.stderr)

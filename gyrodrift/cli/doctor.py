@@ -3,8 +3,11 @@
 It looks at the port from outside, listens like serve, and compares what comes with what should: port, line, stream,
 sensor, and the drift that each filter will leave. Leave the device still meanwhile. The checks stand in docs/doctor.md.
 
-exit status: 0 no error among the findings (of --fail-on), 3 at least one, 2 wrong usage, 4 a recording that cannot be
-read.
+With --turn it asks for one quarter turn to the left instead, and tells from it which column of a text is the yaw rate,
+in which unit and with which sign: the --columns to paste, and the same for a config.
+
+exit status: 0 no error among the findings (of --fail-on), 3 at least one or a turn that told nothing, 2 wrong usage,
+4 a recording that cannot be read.
 """
 
 import argparse
@@ -24,9 +27,9 @@ if TYPE_CHECKING:
 SEVERITIES = ("note", "warning", "error")
 
 EXAMPLES = """\
-gyrodrift doctor
 gyrodrift doctor --port /dev/ttyUSB0 --sensor mpu6050
 gyrodrift doctor session.mcap --json
+gyrodrift doctor --port /dev/ttyUSB0 --turn
 """
 
 
@@ -46,6 +49,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sensor", metavar="NAME", help="compare with the data sheet of this sensor (default: as named)"
     )
+    parser.add_argument(
+        "--turn",
+        action="store_true",
+        help="ask for a quarter turn to the left, and tell by it which column is the yaw rate, its unit and its sign",
+    )
+    parser.add_argument(
+        "--turn-at",
+        type=numbers.number(numbers.MOST_SECONDS, "seconds, 0 or more", least=0.0),
+        metavar="S",
+        help="the same of a turn that begins S seconds after the beginning of a file: of a session that was recorded "
+        "with --raw, or of a text (default: none)",
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object a line instead, for each port or session")
     options.add_damage_option(parser)
     parser.add_argument(
@@ -55,6 +70,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Look, listen, tell; 3 where something is as severe as --fail-on."""
+    if arguments.turn or arguments.turn_at is not None:
+        from gyrodrift.cli import turning
+
+        return turning.run(arguments)
     seconds = arguments.seconds
     baud = numbers.baud(arguments.baud)
     options.hold_product_threads()

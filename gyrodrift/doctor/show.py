@@ -1,10 +1,10 @@
 """Findings for a person: what is wrong first, in as many columns as there are; one line each in a pipe."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import isfinite
-from typing import TextIO
+from typing import Any, TextIO
 
 from gyrodrift.doctor.finding import DeviceFinding, Severity, worst
 
@@ -49,16 +49,16 @@ def counted(findings: Sequence[DeviceFinding]) -> str:
     return ", ".join(words) or "nothing to be said"
 
 
-def as_json(source: str, findings: Sequence[DeviceFinding]) -> str:
-    """One object on one line; a value that is no finite number is null."""
+def as_json(source: str, findings: Sequence[DeviceFinding], more: Mapping[str, Any] | None = None) -> str:
+    """One object on one line; a value that is no finite number is null. `more` stands behind the findings."""
     rows = [asdict(each) | {"value": _finite(each.value)} for each in findings]
     keys = ("id", "severity", "says", "do", "value", "unit")
-    about = {
+    about: dict[str, Any] = {
         "source": source,
         "severity": worst(list(findings)),
         "findings": [{key: row[key] for key in keys} for row in rows],
     }
-    return json.dumps(about, ensure_ascii=False, allow_nan=False)
+    return json.dumps(about | dict(more or {}), ensure_ascii=False, allow_nan=False)
 
 
 def _finite(value: float | None) -> float | None:

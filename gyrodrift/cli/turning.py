@@ -1,0 +1,109 @@
+"""The quarter turn of `doctor --turn` and `calibrate --turn`: which port or file, what is said, what is printed."""
+
+import argparse
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from gyrodrift.cli import numbers, options
+from gyrodrift.errors import LinkError, UsageError
+
+if TYPE_CHECKING:
+    from gyrodrift.doctor.turn.heard import TurnResult
+    from gyrodrift.link.link import LinkOptions
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask for a turn, or look for it in files; 3 where one of them leaves a question."""
+    _check(arguments)
+    options.hold_product_threads()
+    results = _recorded(arguments) if arguments.sessions else [heard_turn(arguments)]
+    for result in results:
+        _print(arguments, result)
+    return 0 if all(_is_good(result) for result in results) else LinkError.exit_status
+
+
+def heard_turn(arguments: argparse.Namespace) -> "TurnResult":
+    """Ask for the turn at the port of a command, sentence by sentence on stderr."""
+    from gyrodrift.doctor.turn.listen import TurnListener
+
+    return TurnListener(_target(arguments), _say).listen()
+
+
+def columns_by_turn(arguments: argparse.Namespace) -> str | None:
+    """The columns for a command that goes on with them; None of a protocol that has none.
+
+    Raises
+    ------
+    LinkError
+        Where the turn leaves a question.
+    """
+    from gyrodrift.doctor.turn.tell import findings_of
+
+    if arguments.columns is not None:
+        raise UsageError("--columns: --turn is there to find them; leave one of the two out")
+    result = heard_turn(arguments)
+    if not result.is_found:
+        raise LinkError(f"{result.heard.source}: {result.question}")
+    for finding in findings_of(result):
+        _say(f"{finding.says} {finding.do}".rstrip())
+    return result.spec or None
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    if arguments.columns is not None:
+        raise UsageError("--columns: --turn is there to find them; leave one of the two out")
+    if arguments.sessions and arguments.turn_at is None:
+        raise UsageError("--turn: say where in the file the turn begins: --turn-at S, in s from its first sample")
+    if arguments.turn_at is not None and not arguments.sessions:
+        raise UsageError(
+            "--turn-at: is for a file; at a port the turn is asked for: gyrodrift doctor --port PORT --turn"
+        )
+
+
+def _target(arguments: argparse.Namespace) -> "LinkOptions":
+    """The port that is named, or the one there is: what speaks at it is not known before the turn."""
+    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.port import serial_ports
+
+    protocol = "auto" if arguments.protocol == "text" else arguments.protocol
+    asked = LinkOptions(
+        arguments.port, numbers.baud(arguments.baud), protocol, arguments.timeout, None, arguments.send or b""
+    )
+    if asked.port != options.AUTO_PORT:
+        return asked
+    ports = serial_ports()
+    if len(ports) != 1:
+        there = ", ".join(port.name for port in ports) or "none"
+        raise UsageError(f"--turn: name the port with --port; there are {there}")
+    return replace(asked, port=ports[0].name)
+
+
+def _recorded(arguments: argparse.Namespace) -> "list[TurnResult]":
+    from gyrodrift.doctor.turn.recorded import recorded_turn
+
+    return [recorded_turn(path, arguments.turn_at) for path in arguments.sessions]
+
+
+def _print(arguments: argparse.Namespace, result: "TurnResult") -> None:
+    from gyrodrift.doctor.show import as_json, show
+    from gyrodrift.doctor.turn.tell import config_lines, findings_of, paste, turn_json
+
+    findings, source = findings_of(result), result.heard.source
+    if arguments.json:
+        print(as_json(source, findings, turn_json(result)))
+        return
+    show(source, findings, sys.stdout, is_quiet=False)
+    if result.spec:
+        print(f"\nOn the command line:\n  {paste(result)}\nor in the config:\n  {config_lines(result)}", end="")
+
+
+def _is_good(result: "TurnResult") -> bool:
+    from gyrodrift.doctor.finding import Severity, worst
+    from gyrodrift.doctor.turn.tell import findings_of
+
+    return worst(findings_of(result)) is not Severity.ERROR
