@@ -9,7 +9,7 @@ import atheris
 from fuzz.command import CORPUS, FOUND, KEPT
 
 LONGEST_HANG_S = 120
-"""An input that waits for so long breaks the target, as one does that takes LONGEST_CALL_S of processor time."""
+"""An input that waits for so long breaks the target, as one does that takes seconds of processor time."""
 
 MOST_BYTES = 500 << 20
 BYTES_SHARE = 0.3
@@ -22,7 +22,7 @@ def run(name: str, seconds: int, seed: int) -> int:
     """Fuzz one target for so many seconds of processor time; ends the process."""
     with atheris.instrument_imports(include=PACKAGES):
         from fuzz.targets import TARGETS  # noqa: PLC0415 - is instrumented while it is imported
-    from fuzz.limits import Limited, ending  # noqa: PLC0415 - imports no target before
+    from fuzz.limits import LONGEST_INSTRUMENTED_CALL_S, Limited, ending  # noqa: PLC0415 - imports no target before
     from fuzz.mutate import LONGEST, changed  # noqa: PLC0415 - likewise
 
     def mutate(content: bytes, most_bytes: int, mutation_seed: int) -> bytes:
@@ -45,7 +45,7 @@ def run(name: str, seconds: int, seed: int) -> int:
     words = [f"-{key}={value}" for key, value in options.items()]
     atheris.Setup(
         [sys.argv[0], *words, str(KEPT / name), str(CORPUS / name)],
-        ending(Limited(TARGETS[name], seconds)),
+        ending(Limited(TARGETS[name], seconds, LONGEST_INSTRUMENTED_CALL_S)),
         custom_mutator=mutate,
     )
     atheris.Fuzz()
