@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 PIECE = 50_000
 """Samples that are written at once."""
 
+BAGS = (".bag", ".db3")
 FORMS = ("sample", "imu", "json")
 
 EXAMPLES = """\
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--topic",
         metavar="NAME",
-        help="channel of an .mcap IN that holds the samples (default: /gyro, or the only one that can)",
+        help="channel of an .mcap IN, or topic of a bag, with the samples (default: /gyro, or the only one that can)",
     )
     parser.add_argument(
         "--as",
@@ -58,8 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
     source, target, topic, form = arguments.source, arguments.target, arguments.topic, arguments.form
     if form is not None and target.suffix != ".mcap":
         raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
-    if topic is not None and source.suffix != ".mcap":
-        raise UsageError(f"--topic {topic}: is about the channels of an .mcap file, and {source} is none")
+    if topic is not None and source.suffix not in (".mcap", *BAGS) and not source.is_dir():
+        raise UsageError(f"--topic {topic}: is about the channels of an .mcap file or a bag, and {source} is none")
     from gyrodrift.session.tables.write import written_ending
 
     check_kept([target], [source], force=arguments.force)
@@ -85,6 +86,10 @@ def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "
     if topic is None:
         columns = options.table_columns(arguments)
         return options.read_session(source, columns, allow_damage=arguments.allow_damage)
+    if source.suffix in BAGS or source.is_dir():
+        from gyrodrift.session.logs.bag import read_bag
+
+        return read_bag(source, topic)
     from gyrodrift.session.foreign.read import read_foreign
 
     return read_foreign(source, topic)

@@ -13,6 +13,9 @@ ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
 """Endings of tables, in small or capital letters."""
 
+LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
+"""Endings of bags and logs of autopilots, some of which tables have too."""
+
 
 def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_damage: bool = False) -> Session:
     """Load a session by its ending.
@@ -36,12 +39,14 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
     if path.is_dir():
-        raise DataError(f"{path}: this is a folder; give one session in it")
+        return _bag(path)
     try:
         check_ordinary(path)
     except UnreadableError as error:
         raise DataError(f"{path}: {error}: this is no session") from error
     ending = path.suffix.lower()
+    if ending in LOGS and columns is None and (log := _log(path, ending)) is not None:
+        return log
     if ending in TABLES:
         from gyrodrift.session.tables.read import read_table  # noqa: PLC0415 - each format costs only who reads it
 
@@ -52,8 +57,34 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415
 
         return read_mcap(path, allow_damage=allow_damage)
-    read = ", ".join((".mcap", *TABLES))
+    read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
     raise DataError(f"{path}: sessions end in {read}, not {path.suffix or 'nothing'}")
+
+
+def _bag(folder: Path) -> Session:
+    if not _is_bag_folder(folder):
+        raise DataError(f"{folder}: this is a folder; give one session in it")
+    from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - likewise
+
+    return read_bag(folder)
+
+
+def _is_bag_folder(folder: Path) -> bool:
+    """Whether a folder is a bag of ROS 2 in SQLite; of one in MCAP the .mcap file is a session."""
+    return (folder / "metadata.yaml").is_file() and any(folder.glob("*.db3"))
+
+
+def _log(path: Path, ending: str) -> Session | None:
+    """A bag, or the log of an autopilot; None for a `.log` that is a table."""
+    if ending in (".bag", ".db3"):
+        from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - likewise
+
+        return read_bag(path)
+    from gyrodrift.session.logs.autopilot import is_ardupilot_text, read_ardupilot, read_px4  # noqa: PLC0415
+
+    if ending == ".ulg":
+        return read_px4(path)
+    return read_ardupilot(path) if ending == ".bin" or is_ardupilot_text(path) else None
 
 
 def damages_of(paths: Iterable[Path]) -> list[tuple[Path, RecordingDamage]]:
@@ -118,8 +149,8 @@ def _unknown_ending(path: Path) -> str:
 def session_paths(paths: Iterable[Path]) -> list[Path]:
     """The sessions that paths stand for: a file is itself, a folder the sessions in it by name.
 
-    A folder without sessions stands for those of the folders in it. Other files, hidden ones, and recordings that were
-    cut off before anything was written into them are passed over.
+    A folder that is a bag of ROS 2 is its first file. A folder without sessions stands for those of the folders in it.
+    Other files, hidden ones, and recordings that were cut off before anything was written into them are passed over.
 
     Raises
     ------
@@ -132,6 +163,9 @@ def session_paths(paths: Iterable[Path]) -> list[Path]:
             if not path.exists():
                 raise DataError(f"{path}: there is no such session or folder")
             found.append(path)
+            continue
+        if _is_bag_folder(path):
+            found.append(min(path.glob("*.db3")))
             continue
         inside = _sessions_in(path) or [p for each in _seen_in(path) if each.is_dir() for p in _sessions_in(each)]
         if not inside:

@@ -13,6 +13,7 @@ from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
 from gyrodrift.session.session import TABLE, Session
 
 OWN_CHANNELS = {READS.name: "read of raw bytes", EVENTS.name: "link event"}
+COMMENTED = (".csv", ".tsv", ".txt", ".log")
 IMU_REST = "orientation, acceleration and rates about x and y"
 
 
@@ -35,7 +36,13 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
     found = [name for name, column in columns.items() if form == "imu" and column is not None]
     if session.damage is not None:
         found.append("what is damaged")
-    found += _beside_samples(source, session, topic) if source.suffix == ".mcap" else _comments(source)
+    found += (
+        _beside_samples(source, session, topic)
+        if source.suffix == ".mcap"
+        else _comments(source)
+        if source.suffix.lower() in COMMENTED
+        else []
+    )
     kept = [name for name in session.metadata if name != TABLE]
     if form == "csv" and kept:
         found.append(f"metadata ({', '.join(kept)})")

@@ -161,7 +161,11 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
         (["others.mcap", "o.csv"], 4, "samples may be on /a, /b; choose one with gyrodrift convert --topic"),
         (["none.mcap", "o.csv"], 4, "none.mcap: there is no such session"),
         (["torn.mcap", "o.csv", "--topic", "/a"], 4, "torn.mcap: is damaged: a chunk cannot be opened"),
-        (["s.csv", "o.mcap", "--topic", "/a"], 2, "--topic /a: is about the channels of an .mcap file, and s.csv is"),
+        (
+            ["s.csv", "o.mcap", "--topic", "/a"],
+            2,
+            "--topic /a: is about the channels of an .mcap file or a bag, and s.csv is",
+        ),
         (["s.csv", "o.csv", "--as", "json"], 2, "--as json: is about the messages of an .mcap file, and o.csv is to"),
         (["s.csv", "o.csv", "--as", "sample"], 2, "--as sample: is about the messages of an .mcap file"),
         (["s.csv", "o.bag", "--as", "imu"], 2, "--as imu: is about the messages of an .mcap file"),

@@ -68,7 +68,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
-    t_s, remarks = _running(rows["t_device_s"], rows["t_host_s"])
+    t_s, remarks = running_clock(rows["t_device_s"], rows["t_host_s"])
     return Session(
         name=path.stem,
         t_device_s=t_s,
@@ -83,7 +83,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
     )
 
 
-def _running(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:
+def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:
     """The clock of the samples: that of the log where their stamps stand still, as drivers that set none leave them."""
     stands = len(stamps_s) > 1 and bool((stamps_s == stamps_s[0]).all())
     if not stands or not len(np.unique(logged_s)) > 1:

@@ -1,0 +1,1 @@
+"""Logs of autopilots and bags of ROS, through the packages of their own projects."""

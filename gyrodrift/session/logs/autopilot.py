@@ -1,0 +1,122 @@
+"""Logs of ArduPilot (.bin, .log) and PX4 (.ulg): the first gyro, whose z axis points down there."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.errors import DataError
+from gyrodrift.session.logs.missing import packages_of
+from gyrodrift.session.session import TABLE, Session
+
+US_PER_S = 1e6
+ARDUPILOT_MAGIC, ARDUPILOT_TEXT, PX4_MAGIC = b"\xa3\x95", b"FMT, 128, 89, FMT,", b"ULog\x01\x12\x35"
+DOWN = "its z axis points down, so the sign of the rate is turned"
+
+
+@dataclass(frozen=True, slots=True)
+class UlogTopic:
+    """A topic of PX4 with the rate about z, rad/s, and the name of that field."""
+
+    name: str
+    rate: str
+
+
+ULOG_TOPICS = (
+    UlogTopic("sensor_combined", "gyro_rad[2]"),
+    UlogTopic("vehicle_angular_velocity", "xyz[2]"),
+    UlogTopic("sensor_gyro", "z"),
+)
+"""In the order in which they are preferred (docs.px4.io, uORB messages)."""
+
+
+def is_ardupilot_text(path: Path) -> bool:
+    """Whether a `.log` is one of ArduPilot."""
+    with path.open("rb") as file:
+        return file.read(len(ARDUPILOT_TEXT)) == ARDUPILOT_TEXT
+
+
+def read_ardupilot(path: Path) -> Session:
+    """Load a log of ArduPilot: `IMU.GyrZ` of the first gyro, in rad/s, at `TimeUS`.
+
+    Raises
+    ------
+    DataError
+        Where it is none or damaged, has no gyro, or `pymavlink` is missing.
+    """
+    with path.open("rb") as file:
+        is_binary = file.read(2) == ARDUPILOT_MAGIC
+    if not is_binary and not is_ardupilot_text(path):
+        raise DataError(f"{path}: is no log of ArduPilot")
+    with packages_of(path, "logs"):
+        from pymavlink import DFReader  # noqa: PLC0415 - an extra that few have
+    try:
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):  # it prints what it cannot read
+            opened = DFReader.DFReader_binary if is_binary else DFReader.DFReader_text
+            with closing(opened(str(path))) as log:
+                rows = list(_imu_rows(log))
+    except Exception as error:  # bytes from anywhere
+        raise DataError(f"{path}: is damaged: {error}") from error
+    if not rows:
+        raise DataError(f"{path}: has no messages IMU with TimeUS and GyrZ")
+    gyros = sorted({row[0] for row in rows})
+    table = np.array([row[1:] for row in rows if row[0] == gyros[0]])
+    more = [f"it has {len(gyros)} gyros, the first is taken"] if len(gyros) > 1 else []
+    return _session(path, "ArduPilot", table[:, 0], table[:, 1], table[:, 2], more)
+
+
+def _imu_rows(log: Any) -> Iterator[tuple[int, float, float, float]]:
+    """Number of the gyro, time in µs, rate about z in rad/s, temperature in °C."""
+    while (message := log.recv_match(type=["IMU", "IMU2", "IMU3"])) is not None:
+        found: Mapping[str, Any] = message.to_dict()
+        if "TimeUS" in found and "GyrZ" in found:
+            gyro = int(found.get("I", 0)) + max(0, ("IMU", "IMU2", "IMU3").index(found["mavpackettype"]))
+            yield gyro, float(found["TimeUS"]), float(found["GyrZ"]), float(found.get("T", np.nan))
+
+
+def read_px4(path: Path) -> Session:
+    """Load a log of PX4 in the format ULog.
+
+    Raises
+    ------
+    DataError
+        Where it is none or damaged, has no gyro, or `pyulog` is missing.
+    """
+    with path.open("rb") as file:
+        if file.read(len(PX4_MAGIC)) != PX4_MAGIC:
+            raise DataError(f"{path}: is no log of PX4: it does not begin as ULog")
+    with packages_of(path, "logs"):
+        from pyulog import ULog  # noqa: PLC0415 - an extra that few have
+    try:
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            log = ULog(str(path), [topic.name for topic in ULOG_TOPICS])
+    except Exception as error:  # bytes from anywhere
+        raise DataError(f"{path}: is damaged: {error}") from error
+    for topic in ULOG_TOPICS:
+        for found in log.data_list:
+            if found.name == topic.name and found.multi_id == 0 and topic.rate in found.data:
+                times, rates = found.data["timestamp"].astype(np.float64), found.data[topic.rate].astype(np.float64)
+                return _session(path, f"PX4, {topic.name}", times, rates, None, [])
+    raise DataError(f"{path}: has none of the topics {', '.join(topic.name for topic in ULOG_TOPICS)}")
+
+
+def _session(
+    path: Path, form: str, times_us: Floats, rates_rads: Floats, temp_c: Floats | None, more: Sequence[str]
+) -> Session:
+    if not len(times_us):
+        raise DataError(f"{path}: has no samples")
+    remarks = (DOWN, *more)
+    return Session(
+        name=path.stem,
+        t_device_s=times_us / US_PER_S,
+        rate_dps=-rates_rads * degrees(1.0),
+        temp_c=None if temp_c is None or np.isnan(temp_c).all() else temp_c,
+        metadata={TABLE: {"form": form, "remarks": "; ".join(remarks)}},
+        remarks=remarks,
+    )
