@@ -84,12 +84,12 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes,
     [
         ("none.csv", "there is no such session"),
         ("", "this is a folder"),
-        ("s.bin", r"end in \.mcap, \.csv, \.tsv, .*, not \.bin"),
+        ("s.xyz", r"end in \.mcap, \.csv, \.tsv, .*, not \.xyz"),
     ],
 )
 def test_what_is_no_session_is_named(tmp_path: Path, name: str, message: str) -> None:
     """Missing, a folder, another kind of file."""
-    written(tmp_path, "", "s.bin")
+    written(tmp_path, "", "s.xyz")
     with pytest.raises(DataError, match=message):
         load_session(tmp_path / name)
 
