@@ -7,7 +7,7 @@ happened through link events and `LinkCounters`; the samples are never mixed wit
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
 from math import isnan
 from typing import Any
@@ -122,6 +122,7 @@ class Link:
         self._heard = Heard()
         self._check: UnitCheck | None = None
         self._is_told = False
+        self._is_angle_told = False
         self._opened_s = self._heard_s = monotonic()
         self._trial_s: float | None = None
         self._backoff_s = BACKOFF_FIRST_S
@@ -273,24 +274,27 @@ class Link:
         self.device = device
 
     def _stamp(self, decoder: Decoder, arrived: list[Arrived]) -> list[Sample]:
+        first = arrived[0][1][0]
+        is_angle = not isnan(first.yaw_deg)
         if self.clock is None:
             protocol = self._protocols[decoder.name]
-            has_clock = protocol.has_clock and arrived[0][1][0].t_us is not None
+            has_clock = protocol.has_clock and first.t_us is not None
             if not protocol.has_unit:
-                self._check = UnitCheck(protocol, has_clock, self._heard, self._on_event)
+                self._check = UnitCheck(replace(protocol, sends_angle=is_angle), has_clock, self._heard, self._on_event)
             if has_clock:
                 self.clock = DeviceClock(self._calendar.epoch_s)
             else:
                 self.clock = ArrivalClock(self._calendar.epoch_s)
                 self._on_event("no_device_clock", timing="regression of arrival times")
-            if protocol.sends_angle:
-                self._on_event("rate_from_angle", note="the device sends an angle: its own filter has been at work")
+        if is_angle and not self._is_angle_told:
+            self._is_angle_told = True
+            self._on_event("rate_from_angle", note="the device sends an angle: its own filter has been at work")
         samples: list[Sample] = []
         for arrival_s, readings in arrived:
             samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
-        if self._protocols[decoder.name].sends_angle:  # the first angle has turned from nowhere
+        if is_angle:  # the first angle has turned from nowhere
             samples = [sample for sample in samples if not isnan(sample.rate_dps)]
         return samples
 

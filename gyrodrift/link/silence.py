@@ -46,7 +46,7 @@ def why_silent(
         )
     unread = spoken(heard.content)
     if unread is not None:
-        return f"the device speaks {unread.name}, which gyrodrift does not read; {unread.advice}"
+        return unread.said
     if heard.is_text:
         return _why_text(protocol, heard, port, waited)
     wanted = listed() if decoder is None and protocol == "auto" else protocol

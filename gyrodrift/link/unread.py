@@ -1,4 +1,4 @@
-"""Protocols that are known by their bytes and not read: named, with what to do, before anybody suspects the line rate.
+"""Protocols that are known by their bytes and not read unasked: named, with what to do, before a line rate is blamed.
 
 One record each. A stream is of a protocol when LEAST frames with a right check stand in what was heard.
 """
@@ -31,6 +31,8 @@ class UnreadProtocol:
     chained
         A number in each frame that counts frames; frames then stand right behind each other. None where the check of a
         frame is enough.
+    status
+        What becomes of it.
     """
 
     name: str
@@ -39,6 +41,12 @@ class UnreadProtocol:
     is_whole: Callable[[bytes], bool]
     advice: str
     chained: Callable[[bytes], int] | None = None
+    status: str = "which gyrodrift does not read"
+
+    @property
+    def said(self) -> str:
+        """What it is, and what to do."""
+        return f"the device speaks {self.name}, {self.status}; {self.advice}"
 
     def is_spoken(self, content: bytes) -> bool:
         """Whether what was heard is of this protocol."""
@@ -107,7 +115,7 @@ def _is_rosserial(frame: bytes) -> bool:
 
 
 def _line_length(header: bytes) -> int:
-    return header.find(b"\r\n") + 2 if b"\r\n" in header else 0
+    return header.find(b"\n") + 1
 
 
 def _is_navx(frame: bytes) -> bool:
@@ -119,6 +127,8 @@ def _anything(frame: bytes) -> bool:  # noqa: ARG001 - frames of a fixed form th
     return True
 
 
+ASK_FOR_NMEA = "read it all the same with --protocol nmea; a damaged sentence may then pass for a rate"
+NOT_TOLD = "in which nothing tells damage"
 CONVERT = "a program of its maker can record it, and gyrodrift convert reads tables"
 
 UNREAD = (
@@ -210,17 +220,35 @@ UNREAD = (
         CONVERT,
     ),
     UnreadProtocol(
-        "a navX that sends other messages than yaw, pitch and roll",
+        "messages of a navX other than yaw, pitch and roll",
         re.compile(rb"![a-xz](?=[ -~]{6,200}\r\n)"),
         _line_length,
         _is_navx,
         "switch it to its yaw, pitch and roll messages (!y), with navXUI",
     ),
     UnreadProtocol(
-        "a navX whose yaw messages (!y) have wrong checksums",
+        "yaw messages (!y) of a navX with wrong checksums",
         re.compile(rb"!y(?=(?:[-+][0-9]{3}\.[0-9]{2}){4}[0-9A-Fa-f]{2}\r\n)"),
         _line_length,
         lambda frame: not _is_navx(frame),
-        "the line damages them, or the firmware is none of the maker: look at cable and baud rate, update the firmware",
+        "the line damages them, or the firmware is none of the maker: look at the cable, update the firmware",
+    ),
+    UnreadProtocol(
+        "NMEA 0183 without checksums: $--ROT is the rate of turn in deg/min, positive to starboard",
+        re.compile(rb"\$(?=[A-Z]{2}ROT,[-+]?[0-9.]{1,12},[AV]\s)"),
+        _line_length,
+        _anything,
+        ASK_FOR_NMEA,
+        status=NOT_TOLD,
+    ),
+    UnreadProtocol(
+        "NMEA 0183 without checksums: $--HDT, HDM, HDG and THS are headings in degrees, clockwise",
+        re.compile(
+            rb"\$(?=[A-Z]{2}(?:HDT,[0-9.]{1,9},T|HDM,[0-9.]{1,9},M|THS,[0-9.]{1,9},A|HDG(?:,[0-9.EW]{0,9}){5})\s)"
+        ),
+        _line_length,
+        _anything,
+        ASK_FOR_NMEA,
+        status=NOT_TOLD,
     ),
 )

@@ -30,7 +30,8 @@ RIG = Rig(base=Base(bias_dps=0.3))
 HELLO = hello_frame(RIG.base)
 LONG_S = 60.0
 CABLE = {"wrong_baud", "unplug"}
-COUNTED, SUMMED = {"native", "xsens", "bno08x-rvc"}, {"bno08x-rvc"}
+SUMMED = {"bno08x-rvc", "navx"}
+COUNTED = {"native", "xsens"} | SUMMED
 FALSE_RATES = {"stuck_value", "full_scale"}
 LASTING = [name for name, kind in FAULTS.items() if "to_s" in kind.model_fields and name not in CABLE]
 

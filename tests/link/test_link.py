@@ -67,7 +67,8 @@ def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None
         host = Host(port)
         samples = host.hear(device, spoken(protocol), 150)
         assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
-        assert len(samples) == sum(frame.rows for frame in islice(frames(protocol), 150))
+        measured = sum(frame.rows for frame in islice(frames(protocol), 150))
+        assert len(samples) == measured - PROTOCOLS[protocol].sends_angle  # of the first angle no rate can be made
         assert ("no_device_clock" in host.events()) != PROTOCOLS[protocol].has_clock
         host.link.close()
 

@@ -41,6 +41,8 @@ class WireProtocol:
         Whether its readings have an angle in place of a rate: the filter of the device has been at work.
     is_plausible
         Whether readings of good frames can be of the protocol: lines without a checksum may look like it.
+    asked_decoder
+        The decoder where a person asks for the protocol by name, if it takes more than detection may believe.
     holds_zero
         Whether its devices say exactly 0 at rest: a filter of theirs has taken bias and noise away.
     without_rate
@@ -58,5 +60,6 @@ class WireProtocol:
     is_unit_said: bool = True
     sends_angle: bool = False
     is_plausible: Callable[[Sequence[Reading]], bool] = _any_reading
+    asked_decoder: Callable[[], Decoder] | None = None
     holds_zero: bool = False
     without_rate: str = ""

@@ -1,5 +1,6 @@
 """The protocols that the host reads, by name: every module of this package that has a `PROTOCOL`."""
 
+from dataclasses import replace
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -66,7 +67,10 @@ def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
             f"--protocol {text.NAME} needs --columns to say what stands in a line, such as --columns 't_ms, _, rate'; "
             f"without --protocol and --columns, what the device prints is looked at and columns are proposed"
         )
-    return [each for each in PROTOCOLS.values() if each.is_detected] if name == AUTO else [protocol_named(name)]
+    if name == AUTO:
+        return [each for each in PROTOCOLS.values() if each.is_detected]
+    protocol = protocol_named(name)
+    return [replace(protocol, decoder=protocol.asked_decoder or protocol.decoder)]
 
 
 def listed() -> str:

@@ -32,6 +32,10 @@ class SentenceDecoder(ABC):
     def read(self, words: list[str]) -> Reading | None:
         """The rate in a sentence that is known; None where it holds none, or says that it is not valid."""
 
+    def words(self, line: bytes) -> list[str] | None:
+        """What stands between the commas of a sentence; None where it is damaged."""
+        return words_of(line)
+
     def push(self, chunk: bytes) -> list[Reading]:
         """Split at line ends."""
         readings: list[Reading] = []
@@ -49,7 +53,7 @@ class SentenceDecoder(ABC):
         text = line.strip()
         if not text and not self._overlong:
             return
-        words = None if self._overlong or len(line) > LONGEST_BYTES else words_of(text)
+        words = None if self._overlong or len(line) > LONGEST_BYTES else self.words(text)
         if words is None:
             self.counters.damaged += 1
         elif self.is_known(words):

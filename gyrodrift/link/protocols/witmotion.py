@@ -1,11 +1,15 @@
 """The WT901 family: 11-byte frames `0x55 kind d0..d7 sum`; kind 0x52 carries the rates. No device clock.
 
+Where only angles come, kind 0x53, their yaw is taken in place of a rate.
+
 The checksum is one byte, so noise passes it once in 256 tries. In step, a good frame is taken at once; after
 damage a frame is only believed when the next one stands right behind it.
 """
 
+from math import nan
 from struct import Struct
 
+from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
@@ -13,12 +17,14 @@ from gyrodrift.sample import Reading
 HEADER = 0x55
 FRAME_BYTES = 11
 RATES_KIND = 0x52
+ANGLES_KIND = 0x53
 KINDS = range(0x50, 0x60)
 """Time, acceleration, rate, angle, magnetic field, ports, pressure, position, velocity, quaternion, accuracy."""
 
 RATES = Struct("<hhhh")
 DPS_PER_LSB = 2000.0 / 32768.0
-"""Full scale of ±2000 deg/s over 16 bits (WT901 protocol description)."""
+DEG_PER_LSB = 180.0 / 32768.0
+"""Full scale of ±2000 deg/s, and of ±180 deg, over 16 bits (WT901 protocol description)."""
 
 
 class WitmotionDecoder:
@@ -31,6 +37,7 @@ class WitmotionDecoder:
         self.device = DeviceDescription(dps_per_lsb=DPS_PER_LSB)
         self._pending = b""
         self._in_step = False
+        self._choice = RateOrAngle()
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Walk from header to header."""
@@ -61,11 +68,14 @@ class WitmotionDecoder:
 
     def _take(self, buffer: bytes, at: int, readings: list[Reading]) -> None:
         self.counters.frames += 1
-        if buffer[at + 1] != RATES_KIND:
+        kind = buffer[at + 1]
+        _, _, yaw_raw, extra = RATES.unpack_from(buffer, at + 2)
+        if kind == RATES_KIND and self._choice.takes_rate():
+            readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB, temp_c=extra / 100.0))
+        elif kind == ANGLES_KIND and self._choice.takes_angle():
+            readings.append(Reading(None, None, nan, yaw_deg=yaw_raw * DEG_PER_LSB))
+        else:
             self.counters.other += 1
-            return
-        _, _, yaw_raw, temp_centi_c = RATES.unpack_from(buffer, at + 2)
-        readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB, temp_c=temp_centi_c / 100.0))
 
 
 def _is_frame(buffer: bytes, at: int) -> bool:
@@ -83,4 +93,5 @@ PROTOCOL = WireProtocol(
     has_clock=False,
     rank=20,
     holds_zero=True,
+    without_rate="turn on its output of angular velocity (0x52), with the maker's program",
 )

@@ -1,13 +1,15 @@
 """Xsens MTData2: `FA FF 36 length items sum`, of which rate of turn, sample time, counter and temperature are read.
 
 An item is an id of two bytes, a length, and its content, all of them big-endian; the low digit of the id says how
-numbers are written. The sum of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
+numbers are written, and in which frame they are. Where no rate comes, the yaw of Euler angles or of a quaternion is
+taken in place of it. The sum of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
 """
 
 import re
-from math import degrees, isfinite, nan
+from math import degrees, isfinite, isnan, nan
 from struct import Struct
 
+from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
@@ -17,14 +19,25 @@ EXTENDED = 0xFF
 LONGEST_BYTES = 700
 """A length of 255 says that two bytes with the length follow; no device sends more than this at each measurement."""
 
+Items = dict[int, tuple[int, bytes]]
+"""Form and content by kind."""
+
 PACKET_COUNTER = 0x1020
 SAMPLE_TIME_FINE = 0x1060
 TEMPERATURE = 0x0810
-RATES_OF_TURN = (0x8020, 0x8040)
+RATES = (0x8020, 0x8040)
 """The calibrated one, and that of high rate."""
+
+QUATERNION = 0x2010
+EULER_ANGLES = 0x2030
+NORTH_EAST_DOWN = 0x4
+"""Yaw is clockwise there, and counter-clockwise in the frames whose z axis points up: 0x0, 0x8."""
 
 SAMPLE_TIME_US = 100
 """A tick of SampleTimeFine: 10 kHz."""
+
+PRECISION = 0x3
+"""The bits of an id that say how its numbers are written."""
 
 COUNTER = Struct(">H")
 TICKS = Struct(">I")
@@ -48,6 +61,20 @@ def number(content: bytes, precision: int, index: int) -> float:
     return value[0] / 2.0**20 if form is FP1220 else value[0]
 
 
+def _yaw_of_euler(content: bytes, precision: int) -> float:
+    """The third of roll, pitch and yaw."""
+    return number(content, precision, 2)
+
+
+def _yaw_of_quaternion(content: bytes, precision: int) -> float:
+    """The scalar comes first."""
+    numbers = [number(content, precision, index) for index in range(4)]
+    return yaw_of(*numbers) if all(map(isfinite, numbers)) and any(numbers) else nan
+
+
+YAW_OF = {EULER_ANGLES: _yaw_of_euler, QUATERNION: _yaw_of_quaternion}
+
+
 class XsensDecoder(FrameDecoder):
     """MTData2 with any items; those without a rate of turn are counted and passed over."""
 
@@ -60,6 +87,7 @@ class XsensDecoder(FrameDecoder):
         super().__init__()
         self._is_timed: bool | None = None
         self._temp_c = nan
+        self._choice = RateOrAngle()
 
     def length(self, buffer: bytes, at: int) -> int | None:
         """Of head, length, items and sum."""
@@ -78,34 +106,49 @@ class XsensDecoder(FrameDecoder):
         return not sum(frame[1:]) & 0xFF and _items(frame) is not None
 
     def read(self, frame: bytes) -> Reading | None:
-        """Rate about the third axis; a temperature holds until the next one, for it comes less often."""
+        """Rate about the third axis, else yaw; a temperature holds until the next one, for it comes less often."""
         items = _items(frame) or {}
-        rate_dps = t_us = seq = None
-        for kind, (precision, content) in items.items():
-            if kind in RATES_OF_TURN:
-                rate_dps = degrees(number(content, precision, 2))
-            elif kind == TEMPERATURE:
-                self._temp_c = number(content, precision, 0)
+        t_us = seq = None
+        for kind, (form, content) in items.items():
+            if kind == TEMPERATURE:
+                self._temp_c = number(content, form & PRECISION, 0)
             elif kind == SAMPLE_TIME_FINE and len(content) == TICKS.size:
                 t_us = TICKS.unpack(content)[0] * SAMPLE_TIME_US & 0xFFFFFFFF
             elif kind == PACKET_COUNTER and len(content) == COUNTER.size:
                 seq = COUNTER.unpack(content)[0]
-        if rate_dps is None or not (isfinite(rate_dps) and abs(rate_dps) <= MAX_RATE_DPS):
+        rate_dps, yaw_deg = self._turn(items)
+        if isnan(rate_dps) and isnan(yaw_deg):
             return None
         if self._is_timed is None:
             self._is_timed = t_us is not None
         if self._is_timed and t_us is None:
             return None
-        return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c)
+        return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c, nan, yaw_deg)
+
+    def _turn(self, items: Items) -> tuple[float, float]:
+        """Rate and yaw, of which one or both are NaN."""
+        rates = [
+            degrees(number(content, form & PRECISION, 2)) for kind, (form, content) in items.items() if kind in RATES
+        ]
+        if rates and self._choice.takes_rate():
+            return (rates[-1] if abs(rates[-1]) <= MAX_RATE_DPS else nan), nan
+        yaws = [_yaw_deg(kind, form, content) for kind, (form, content) in items.items() if kind in YAW_OF]
+        is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.takes_angle()
+        return nan, yaws[-1] if is_taken else nan
 
 
-def _items(frame: bytes) -> dict[int, tuple[int, bytes]] | None:
-    """Precision and content by kind; None where they do not fill the frame."""
+def _yaw_deg(kind: int, form: int, content: bytes) -> float:
+    yaw_deg = YAW_OF[kind](content, form & PRECISION)
+    return -yaw_deg if form & NORTH_EAST_DOWN else yaw_deg
+
+
+def _items(frame: bytes) -> Items | None:
+    """Form and content by kind; None where they do not fill the frame."""
     at, end = (6 if frame[3] == EXTENDED else 4), len(frame) - 1
     items = {}
     while at + 3 <= end:
         kind, size = frame[at] << 8 | frame[at + 1], frame[at + 2]
-        items[kind & 0xFFF0] = kind & 0x3, frame[at + 3 : at + 3 + size]
+        items[kind & 0xFFF0] = kind & 0xF, frame[at + 3 : at + 3 + size]
         at += 3 + size
     return items if at == end else None
 

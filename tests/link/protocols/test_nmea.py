@@ -33,9 +33,10 @@ def test_a_rate_that_is_not_valid_is_no_rate() -> None:
 def test_a_receiver_without_rate_of_turn_is_not_of_this_protocol() -> None:
     """Positions alone make nothing sure; beside rates they are passed over."""
     decoder = NmeaDecoder()
-    decoder.push(b"$HCHDM,238.5,M*25\r\n" * 9)
+    position = NMEAMessage("GP", "GLL", GET, lat=43.2, NS="N", lon=2.3, EW="W", status="A").serialize()
+    decoder.push(position * 9)
     assert decoder.counters.frames == 0
-    assert len(decoder.push((golden.NMEA_ROT + b"$HCHDM,238.5,M*25\r\n") * 3)) == 3
+    assert len(decoder.push((golden.NMEA_ROT + position) * 3)) == 3
     assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (6, 3, 0)
 
 

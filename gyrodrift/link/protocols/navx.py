@@ -1,0 +1,52 @@
+"""Yaw messages of a navX: `!y`, yaw, pitch, roll and compass of seven characters each, a sum, CRLF. No device clock.
+
+The sum is that of all characters before it modulo 256, in two hexadecimal digits. Yaw is clockwise, from -180 to
+180 deg (navX-MXP serial protocol, IMUProtocol.h). The board's own filter has been at work.
+"""
+
+import re
+from math import nan
+
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.link.protocols.sentences import SentenceDecoder
+from gyrodrift.sample import Reading
+
+MESSAGE = re.compile(rb"!y([-+][0-9]{3}\.[0-9]{2})(?:[-+][0-9]{3}\.[0-9]{2}){3}([0-9A-Fa-f]{2})")
+OTHER = re.compile(rb"![a-z][ -~]+([0-9A-Fa-f]{2})")
+"""Of another kind: quaternion, raw gyro and others."""
+
+HALF_TURN_DEG = 180.0
+
+
+class NavxDecoder(SentenceDecoder):
+    """The yaw of each message."""
+
+    name = "navx"
+
+    def words(self, line: bytes) -> list[str] | None:
+        """The kind, and yaw where it is of that kind."""
+        found = MESSAGE.fullmatch(line) or OTHER.fullmatch(line)
+        if found is None or sum(line[:-2]) & 0xFF != int(line[-2:], 16):
+            return None
+        return ["y", found[1].decode("ascii")] if found.re is MESSAGE else [line[1:2].decode("ascii")]
+
+    def is_known(self, words: list[str]) -> bool:
+        """Yaw messages alone."""
+        return len(words) > 1
+
+    def read(self, words: list[str]) -> Reading | None:
+        """Clockwise in the message."""
+        yaw_deg = float(words[1])
+        return Reading(None, None, nan, yaw_deg=-yaw_deg) if abs(yaw_deg) <= HALF_TURN_DEG else None
+
+
+PROTOCOL = WireProtocol(
+    "navx",
+    "yaw messages !y of a navX, without a clock",
+    NavxDecoder,
+    has_clock=False,
+    rank=7,
+    has_unit=True,
+    sends_angle=True,
+    holds_zero=True,
+)
