@@ -91,6 +91,28 @@ KNOWN: dict[str, tuple[str, str, Row]] = {
         "Time(s)\tChipTime()\tAsX(°/s)\tAsZ(°/s)\n",
         lambda n, t, r: f"12:00:{t:06.3f}\t{iso(t)}\t0.1\t{r:.4f}",
     ),
+    "mavlogdump": (
+        "imu.csv",
+        "timestamp,TimeUS,I,GyrX,GyrY,GyrZ,AccX\n",
+        lambda n, t, r: f"{1.6e9 + t},{t * 1e6:.0f},0,0.1,0.2,{-radians(r)},0\n{1.6e9 + t},{t * 1e6:.0f},1,0.1,0.2,9,0",
+    ),
+    "ulog2csv": (
+        "flight_sensor_combined_0.csv",
+        "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],gyro_integral_dt\n",
+        lambda n, t, r: f"{t * 1e6:.0f},0.1,0.2,{-radians(r)},5000",
+    ),
+    "Sensor Logger, JSON": (
+        "all.jsonl",
+        "",
+        lambda n, t, r: json.dumps(
+            {
+                "sensor": "Gravity" if n % 3 == 1 else "Gyroscope",
+                "time": str(ns(t)),
+                "seconds_elapsed": str(t),
+                "z": str(radians(r)),
+            }
+        ),
+    ),
     "our own lines": ("capture.log", "", lambda n, t, r: f"{2_000_000 + round(t * 1e6)},{r:.3f}"),
     "our own lines with a header": (
         "capture.csv",

@@ -14,10 +14,10 @@ from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.session.logs.missing import packages_of
 from gyrodrift.session.session import TABLE, Session
+from gyrodrift.session.tables.known import DOWN
 
 US_PER_S = 1e6
 ARDUPILOT_MAGIC, ARDUPILOT_TEXT, PX4_MAGIC = b"\xa3\x95", b"FMT, 128, 89, FMT,", b"ULog\x01\x12\x35"
-DOWN = "its z axis points down, so the sign of the rate is turned"
 
 
 @dataclass(frozen=True, slots=True)

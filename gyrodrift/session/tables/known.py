@@ -27,6 +27,8 @@ class KnownTable:
         Pair of the preamble that holds deg/s per count, as the bits of a float; empty where the SPEC says it all.
     where
         Column and value of the rows that are taken, in tables that mix sensors.
+    remark
+        What a person is to be told of it; empty for nothing.
     """
 
     name: str
@@ -35,6 +37,7 @@ class KnownTable:
     file: str = ""
     scale_key: str = ""
     where: tuple[str, str] | None = None
+    remark: str = ""
 
     def indices(self, path: Path, labels: tuple[str, ...]) -> list[tuple[int, Column]] | None:
         """The columns with their indices; None for a table that this is not."""
@@ -74,6 +77,8 @@ def label_index(labels: tuple[str, ...], label: str) -> int | None:
     ]
     return fits[0] if len(fits) == 1 else None
 
+
+DOWN = "its z axis points down, so the sign of the rate is turned"
 
 KNOWN = (
     KnownTable(
@@ -138,6 +143,19 @@ KNOWN = (
         "blackbox_decode",
         "loopIteration=_, time (us)=t_us, gyroADC[2] (deg/s)=rate:dps",
         "github.com/betaflight/blackbox-tools, --unit-rotation deg/s",
+    ),
+    KnownTable(
+        "ArduPilot (mavlogdump)",
+        "TimeUS=t_us, I=_, GyrX=_, GyrZ=rate:rads:-",
+        "ardupilot.org, onboard message log: IMU in rad/s, z down; the first gyro",
+        where=("I", "0"),
+        remark=DOWN,
+    ),
+    KnownTable(
+        "PX4 (ulog2csv)",
+        "timestamp=t_us, gyro_rad[2]=rate:rads:-",
+        "docs.px4.io, uORB message sensor_combined: rad/s, z down",
+        remark=DOWN,
     ),
     KnownTable(
         "WitMotion",

@@ -12,7 +12,7 @@ from gyrodrift.session.tables.dialect import Dialect, dialect_of, is_data, split
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import Lines, opened
 
-LOOKED_AT = 400
+LOOKED_AT = 1000
 """Lines of the beginning that are looked at: preambles of flight logs have some 150."""
 
 COMMENT_MARKS = "#/ \t"

@@ -27,6 +27,9 @@ TARGETS = {
 CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime", re.IGNORECASE)
 STEP_WORDS = re.compile(r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt", re.IGNORECASE)
 CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b", re.IGNORECASE)
+RATES = {"rate", "rates"}
+"""Kinds of a label that name the vertical axis, or no axis: of the latter one with a unit of rates is the rate."""
+
 CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 
@@ -111,7 +114,8 @@ def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
     found = {each.target for each in taken}
     if "t_device_s" not in found:
         raise UsageError(f"--columns: {head.path}: no column is the clock: one of {', '.join(CLOCK_US)}")
-    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, remarks=_yaw_remarks(found, "")), columns)
+    remarks = (*_yaw_remarks(found, ""), *_contradicted(head, columns, taken))
+    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, remarks=remarks), columns)
 
 
 def _with_labelled_unit(head: Head, found: TableColumns, columns: Sequence[Column]) -> TableColumns:
@@ -123,8 +127,18 @@ def _with_labelled_unit(head: Head, found: TableColumns, columns: Sequence[Colum
     return TableColumns(found.form, tuple(taken), found.where, found.remarks)
 
 
+def _contradicted(head: Head, columns: Sequence[Column], taken: Sequence[Taken]) -> tuple[str, ...]:
+    """What a label says of the unit of the rate, where a person says something else, who is believed."""
+    said = next((column.unit for column in columns if column.meaning == "rate"), "")
+    at = next((each.index for each in taken if each.target == "rate_dps"), len(head.labels))
+    unit = unit_in(head.labels[at]) if said and at < len(head.labels) else None
+    if unit is None or unit.dimension is not Dimension.RATE or unit.option == said:
+        return ()
+    return (f"its label {head.labels[at]!r} says {unit.option}, --columns says {said}, which is taken",)
+
+
 def _in_unit(head: Head, rate: Taken) -> Taken:
-    unit = unit_in(head.labels[rate.index])
+    unit = unit_in(head.labels[rate.index]) if rate.index < len(head.labels) else None
     factor = rate_factor(unit) if unit else None
     return rate if factor is None else Taken(rate.index, rate.target, rate.scale * factor)
 
@@ -181,7 +195,8 @@ def known_columns(head: Head) -> TableColumns | None:
         )
         at = label_index(head.labels, known.where[0]) if known.where else None
         where = (at, known.where[1]) if known.where and at is not None else None
-        return _stamped(head, TableColumns(known.name, scaled, where))
+        remarks = (known.remark,) if known.remark else ()
+        return _stamped(head, TableColumns(known.name, scaled, where, remarks))
     return None
 
 
@@ -240,7 +255,7 @@ def _rate(head: Head, index: int) -> Taken | None:
     label = head.labels[index]
     unit = unit_in(label)
     factor = rate_factor(unit) if unit else None
-    is_rate = kind_of(without_unit(label)) == "rate" or kind_of(label) == "rate"
+    is_rate = bool({kind_of(without_unit(label)), kind_of(label)} & RATES)
     return Taken(index, "rate_dps", factor) if factor is not None and is_rate else None
 
 

@@ -131,7 +131,8 @@ class RowReader:
         if taken.target == "t_device_s" and self._columns.form != OWN:
             return self._stamps.read(cells if ":" in cells[0] else self._points(cells))
         numbers = _floats(self._points(cells))
-        return numbers if taken.scale == 1.0 else numbers * taken.scale
+        with np.errstate(over="ignore"):
+            return numbers if taken.scale == 1.0 else numbers * taken.scale
 
     def _points(self, cells: Sequence[str]) -> Sequence[str]:
         """Cells with decimal points; none has both marks, and none a `_`, which Python alone takes for a digit."""
@@ -153,7 +154,8 @@ class RowReader:
             try:
                 self._numbers(each, [row[each.index]])
             except ValueError:
-                label = self._head.labels[each.index].strip() if self._head.labels else f"column {each.index + 1}"
+                labels = self._head.labels
+                label = labels[each.index].strip() if each.index < len(labels) else f"column {each.index + 1}"
                 expected = "a time" if each.target == "t_device_s" else "a number"
                 shown = shortened(row[each.index], CELL_SHOWN)
                 return f"{visible(shortened(label, CELL_SHOWN))} is {shown!r}, expected {expected}"

@@ -4,7 +4,8 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 
-TURN_DEG = 360.0
+TURN_DEG, MOST_DEG = 360.0, 1e9
+"""Of an angle that is counted on over many turns; what is larger is no angle, and is passed over."""
 
 
 def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:
@@ -12,6 +13,10 @@ def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:
 
     Where the clock goes back the rate is not known (NaN).
     """
+    is_angle = np.isfinite(t_s) & (np.abs(angle_deg) <= MOST_DEG)
+    t_s, angle_deg = t_s[is_angle], angle_deg[is_angle]
+    if not len(t_s):
+        return t_s, angle_deg
     is_last = np.append(np.diff(t_s) != 0.0, [True])
     t_s, angle_deg = t_s[is_last], angle_deg[is_last]
     step_s = np.diff(t_s)
