@@ -27,6 +27,9 @@ DIGITS = {"dps": (1, 2, 4), "rads": (3, 4, 6), "mdps": (0, 1), "mrads": (1, 2), 
 PER_G = {"g": (1.0, 3), "mps2": (9.80665, 2), "mg": (1e3, 0), "2 g": (16384.0, 0), "4 g": (8192.0, 0)}
 MARKS = {"comma": ",", "tab": "\t", "space": " ", "semicolon": ";"}
 CLOCKS = {"ms": (1e3, 0), "us": (1e6, 0), "s": (1.0, 3)}
+OVERSHOOT_S, MOST_OVERSHOOT_DEG = 0.8, 8.0
+"""A hand turns too far and comes back."""
+
 REST_S, REACTION_S, AFTER_S = 3.0, 0.6, 3.0
 
 
@@ -52,6 +55,8 @@ def hand_turn(
     t_s = np.arange(0.0, REST_S + REACTION_S + lasts_s + AFTER_S, 1.0 / rate_hz)
     phase = np.clip((t_s - REST_S - REACTION_S) / lasts_s, 0.0, 1.0) ** rng.uniform(0.7, 1.4)
     angle_deg = turned_deg * (phase - np.sin(2.0 * np.pi * phase) / (2.0 * np.pi))
+    after = np.clip((t_s - REST_S - REACTION_S - 0.9 * lasts_s) / OVERSHOOT_S, 0.0, 1.0)
+    angle_deg = angle_deg + rng.uniform(0.0, MOST_OVERSHOOT_DEG) * np.sin(np.pi * after) ** 2
     return t_s, np.gradient(angle_deg, t_s), angle_deg
 
 

@@ -19,7 +19,7 @@ from gyrodrift.doctor.turn.listen import DONE, STILL, TURN
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
-RATE_HZ, LASTS_S, REACTION_S = 40.0, 1.5, 0.5
+RATE_HZ, LASTS_S = 40.0, 2.5
 Line = Callable[[float, float, float, int], str]
 """Text by time s, rate deg/s, angle deg and number of the line."""
 
@@ -33,6 +33,8 @@ class TurnedDevice:
     line: Line
     turned_deg: float = 90.0
     turn_s: float | None = None
+    awaited: str = TURN
+    reaction_s: float = 0.5
 
     @property
     def is_over(self) -> bool:
@@ -42,8 +44,8 @@ class TurnedDevice:
     def print_line(self, now_s: float, at: int) -> None:
         """One line, in motion once the prompt was seen."""
         self.command.glance()
-        if self.turn_s is None and TURN in self.command.log:
-            self.turn_s = now_s + REACTION_S
+        if self.turn_s is None and self.awaited in self.command.log:
+            self.turn_s = now_s + self.reaction_s
         phase = 0.0 if self.turn_s is None else min(max((now_s - self.turn_s) / LASTS_S, 0.0), 1.0)
         rate_dps = self.turned_deg / LASTS_S * (1.0 - math.cos(2.0 * math.pi * phase))
         angle_deg = self.turned_deg * (phase - math.sin(2.0 * math.pi * phase) / (2.0 * math.pi))
@@ -99,7 +101,10 @@ def listening(closing: ExitStack, port: Path, line: Line, *words: str, name: str
 
 
 def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
-    """Unit and sign stand in what is to be pasted, whatever a device calls its values; or a question, with status 3."""
+    """Unit and sign stand in what is to be pasted, whatever a device calls its values; or a question, with status 3.
+
+    A turn that comes too early, before it was asked for, is taken as well.
+    """
     with ExitStack() as closing:
         boards = {
             form: listening(closing, tmp_path / f"port{at}", line, "--json")
@@ -107,7 +112,11 @@ def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
         }
         still = FORMS["a device that does not turn"][0]
         calibrating = listening(closing, tmp_path / "calibrated", still, "--yes", name="calibrate")
-        play([*boards.values(), calibrating])
+        early = listening(closing, tmp_path / "early", FORMS["labelled, in deg/s"][0], "--json")
+        early.awaited, early.reaction_s = STILL, 1.9
+        play([*boards.values(), calibrating, early])
+        assert early.command.end() == 0
+        assert json.loads(early.command.out)["columns"] == "ms=t_ms, b=rate:dps"
         assert calibrating.command.end() == 3
         assert "no column moved" in calibrating.command.log
         for form, board in boards.items():

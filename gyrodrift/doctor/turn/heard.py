@@ -48,14 +48,11 @@ class TurnResult:
 
 def result_of(heard: HeardTurn) -> TurnResult:
     """Judge a turn, and try on its own lines what is to be pasted."""
-    if heard.samples:
-        verdict = judged([sampled(heard.samples)], heard.window)
-        return TurnResult(heard, verdict, question=verdict.question)
-    series = heard.table.series()
+    series = series_of(heard)
     verdict = judged(series, heard.window)
-    spec = spec_of(verdict, series)
-    if verdict.turned is None:
+    if heard.samples or verdict.turned is None:
         return TurnResult(heard, verdict, question=verdict.question)
+    spec = spec_of(verdict, series)
     if not spec:
         name = verdict.turned.motion.series.name
         question = f"{name} turned, but its label stands in a line more than once; give each value a label of its own"
@@ -68,6 +65,11 @@ def result_of(heard: HeardTurn) -> TurnResult:
         )
         return TurnResult(heard, verdict, read_deg=read.turned_deg, question=question)
     return TurnResult(heard, verdict, spec, read.turned_deg)
+
+
+def series_of(heard: HeardTurn) -> list[Series]:
+    """The columns of its lines, or the rate of a protocol that has no columns."""
+    return [sampled(heard.samples)] if heard.samples else heard.table.series()
 
 
 def sampled(samples: Sequence[Sample]) -> Series:

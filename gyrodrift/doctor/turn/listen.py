@@ -10,9 +10,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of
+from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of, series_of
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import LineTimes, TextTable
+from gyrodrift.doctor.turn.verdict import judged
 from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link, LinkOptions
@@ -34,6 +35,12 @@ TURN_S = 10.0
 LIMIT_S = 14.0
 QUIET_S = 2.5
 """A rest of this length after a turn ends it early, where a rate has turned: nobody pauses for so long half way."""
+
+QUIET_ANGLE_S = 5.0
+"""The same for an angle, where a label calls it one; a plateau of a rate looks like an angle without."""
+
+EARLY_S = 1.5
+"""A rest of this length is enough for a turn that came before it was asked for."""
 
 LOOK_EVERY_S = 0.5
 USUAL_TIMEOUT_S = 10.0
@@ -128,17 +135,26 @@ class TurnListener:
             if now_s - looked_s < LOOK_EVERY_S:
                 continue
             looked_s = now_s
-            result = self._judge(begin_s, turn_s)
-            rate = result.verdict.rate
-            if result.is_found and rate is not None and self._coming.last_s - rate.motion.last_s > QUIET_S:
+            if self._is_quiet(heard := self._heard(begin_s, turn_s)) and (result := result_of(heard)).is_found:
                 return result
-        return self._judge(begin_s, turn_s)
+        result = result_of(self._heard(begin_s, turn_s))
+        early = result if result.is_found else result_of(self._heard(begin_s, begin_s + EARLY_S))
+        return early if early.is_found else result
 
-    def _judge(self, begin_s: float, turn_s: float) -> TurnResult:
+    def _heard(self, begin_s: float, turn_s: float) -> HeardTurn:
         link, coming = self._link, self._coming
-        window = TurnWindow(begin_s, turn_s, self._coming.last_s)
+        window = TurnWindow(begin_s, turn_s, coming.last_s)
         protocol = link.decoder.name if link.decoder is not None and coming.samples else ""
-        return result_of(HeardTurn(link.name, window, coming.table, tuple(coming.samples), protocol))
+        return HeardTurn(link.name, window, coming.table, tuple(coming.samples), protocol)
+
+    def _is_quiet(self, heard: HeardTurn) -> bool:
+        """Whether a rate, or what is called an angle, has turned and come to rest for good."""
+        verdict = judged(series_of(heard), heard.window)
+        if verdict.rate is not None:
+            return heard.window.end_s - verdict.rate.motion.last_s > QUIET_S
+        if verdict.angle is None or not verdict.angle.motion.series.kind:
+            return False
+        return heard.window.end_s - verdict.angle.reached_s > QUIET_ANGLE_S
 
     def _read(self) -> None:
         link = self._link

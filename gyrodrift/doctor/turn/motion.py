@@ -23,7 +23,7 @@ LEAST_REST, LEAST_MOVING, LEAST_SLOW = 4, 4, 2
 CLEAR = 12.0
 """Standard deviations of the rest that a motion exceeds; of noise alone one value in 10^32 does."""
 
-RETURNED, ONE_SIDED, MOVING = 0.1, 0.8, 0.1
+RETURNED, ONE_SIDED, MOVING = 0.1, 0.6, 0.1
 """Shares of the largest deviation and of the whole motion: how near its level a rate comes back, how much of its motion
 is in one direction, and from where on it counts as moving."""
 
