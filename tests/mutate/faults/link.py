@@ -140,8 +140,8 @@ FAULTS = (
     Fault(
         "link/xsens-radians",
         f"{PROTOCOLS}/xsens.py",
-        "rate_dps = degrees(number(content, precision, 2))",
-        "rate_dps = number(content, precision, 2)",
+        "degrees(number(content, form & PRECISION, 2)) for kind, (form, content) in items.items() if kind in RATES",
+        "number(content, form & PRECISION, 2) for kind, (form, content) in items.items() if kind in RATES",
         "Rates in rad/s are taken for deg/s.",
         (f"{TESTS}/test_xsens.py",),
     ),
