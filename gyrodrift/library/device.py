@@ -99,6 +99,7 @@ def open_link(
     protocol: str = "auto",
     columns: str | None = None,
     timeout_s: float = 10.0,
+    send: bytes = b"",
     on_event: "EventHandler | None" = None,
 ) -> LinkReader:
     """Open a device on a serial port.
@@ -115,6 +116,8 @@ def open_link(
         Of lines of text, as its option `--columns`.
     timeout_s
         Give up where nothing decodable came within so many seconds of the start; 0 waits for ever.
+    send
+        What a device that waits is sent after its port was opened, as with the option `--send`.
     on_event
         Called with the name and the fields of what happens on the link: `on_event("gap", missing=3, seconds=0.04)`.
 
@@ -128,7 +131,7 @@ def open_link(
     from gyrodrift.link.link import Link, LinkOptions
 
     tell: Callable[..., Any] = on_event or _untold
-    return LinkReader(Link(LinkOptions(str(port), baud, protocol, timeout_s, columns), tell))
+    return LinkReader(Link(LinkOptions(str(port), baud, protocol, timeout_s, columns, send), tell))
 
 
 def _untold(_event: str, **_fields: Any) -> None:

@@ -14,6 +14,8 @@ TEXT_SHARE, ASCII_SHARE = 0.97, 0.8
 CONTROL = re.compile(rb"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]|\x00")
 """What tells a terminal a colour or a place (ECMA-48), and the zero that some programs send with their texts."""
 
+PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
+
 LONGEST_QUOTE = 80
 
 
@@ -49,6 +51,12 @@ class Heard:
         printable = sum(character.isprintable() or character in "\t\r\n" for character in characters)
         ascii_characters = sum(character < "\x80" for character in characters)
         return printable >= TEXT_SHARE * len(characters) and ascii_characters >= ASCII_SHARE * len(characters)
+
+    @property
+    def may_be_text(self) -> bool:
+        """Whether it is too little to tell, and printable so far: a board that prints slowly needs a longer look."""
+        text = plain_text(self.content)
+        return 0 < len(text) < LEAST_TEXT_BYTES and all(byte in PRINTABLE for byte in text)
 
     def lines(self) -> list[str]:
         """Whole lines without empty ones; the one at which listening began is left out where others are left."""

@@ -26,9 +26,8 @@ from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.registry import AUTO, candidates
-from gyrodrift.link.silence import why_silent
+from gyrodrift.link.silence import what_speaks, why_silent
 from gyrodrift.link.units.check import UnitCheck
-from gyrodrift.link.unread import spoken
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
@@ -359,18 +358,23 @@ class Link:
             self._is_told = True
             self._on_event("not_understood", port=self.name, reason=self._why_silent(TELL_S))
         if self.options.baud is None and self.decoder is None and self._trial_s is not None:
-            trial_s = BAUD_TRIAL_WARM_S if self._detector.is_warm else BAUD_TRIAL_S
+            is_slow = self._detector.is_warm or self._heard.may_be_text
+            trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
             if now_s - self._trial_s < trial_s:
                 return
-            if self._heard.is_text or spoken(self._heard.content):
+            if self._heard.is_text or what_speaks(self._heard, self._asked):
                 self._trial_s = now_s  # the rate is right, whatever is said at it
             else:
                 self._next_baud()
 
     def _why_silent(self, waited_s: float) -> str:
-        options = self.options
-        protocol = next(iter(self._protocols)) if options.columns is not None else options.protocol
-        return why_silent(waited_s, options.baud, self.counters.bytes, self.decoder, protocol, self._heard, self.name)
+        baud, heard_bytes = self.options.baud, self.counters.bytes
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, self._asked, self._heard, self.name)
+
+    @property
+    def _asked(self) -> str:
+        """The protocol that is asked for; columns mean text."""
+        return self.options.protocol if self.options.columns is None else text.NAME
 
     def _next_baud(self) -> None:
         """Listen afresh at the next of the usual rates."""

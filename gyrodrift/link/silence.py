@@ -5,7 +5,8 @@ import shlex
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.link.protocols.registry import PROTOCOLS, listed
+from gyrodrift.link.protocols.detect import Detector
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
 from gyrodrift.link.unread import spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
@@ -44,9 +45,9 @@ def why_silent(
             f"{decoder.counters.other} good {decoder.name} frames came {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
         )
-    unread = spoken(heard.content)
-    if unread is not None:
-        return unread.said
+    known = what_speaks(heard, protocol)
+    if known:
+        return known
     if heard.is_text:
         return _why_text(protocol, heard, port, waited)
     wanted = listed() if decoder is None and protocol == "auto" else protocol
@@ -57,6 +58,19 @@ def why_silent(
         else "a wrong baud rate looks like this: leave --baud out, and the usual rates are tried one after the other"
     )
     return f"{heard_bytes} bytes came {waited}, but no {wanted} frame in them at {tried}; {what_to_do}"
+
+
+def what_speaks(heard: Heard, protocol: str) -> str:
+    """What is known of a stream that is none of what was asked for as `protocol`; empty where nothing is."""
+    unread = spoken(heard.content)
+    if unread is not None:
+        return unread.said
+    others = [each for each in PROTOCOLS.values() if each.is_detected and protocol not in {AUTO, each.name}]
+    found = Detector(others).push(heard.content)
+    if found is None:
+        return ""
+    instead = "--columns" if protocol == text.NAME else f"--protocol {protocol}"
+    return f"the device speaks {found[0].name}, not {protocol}; leave {instead} out"
 
 
 def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:

@@ -8,7 +8,9 @@ import zlib
 from binascii import crc_hqx
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from itertools import accumulate
+from operator import xor
 
 LEAST = 3
 LONGEST_HEADER = 256
@@ -121,6 +123,12 @@ def _line_length(header: bytes) -> int:
 def _is_navx(frame: bytes) -> bool:
     """The sum of all before it, in hexadecimal digits."""
     return b"%02X" % (sum(frame[:-4]) & 0xFF) == frame[-4:-2].upper()
+
+
+def _is_sentence(frame: bytes) -> bool:
+    """NMEA 0183: exclusive or of what stands between `$` and `*`."""
+    body, _, digits = frame.strip()[1:].rpartition(b"*")
+    return b"%02X" % reduce(xor, body, 0) == digits.upper()
 
 
 def _anything(frame: bytes) -> bool:  # noqa: ARG001 - frames of a fixed form that count
@@ -250,5 +258,13 @@ UNREAD = (
         _anything,
         ASK_FOR_NMEA,
         status=NOT_TOLD,
+    ),
+    UnreadProtocol(
+        "NMEA 0183 without a rate of turn ($--ROT) or a heading ($--HDT)",
+        re.compile(rb"\$(?=[A-Z]{2}(?:GGA|GLL|GNS|GSA|GSV|RMC|VTG|ZDA|MWV|VHW|DBT|DPT),[ -~]{1,90}\*[0-9A-Fa-f]{2}\s)"),
+        _line_length,
+        _is_sentence,
+        "turn one of them on, choose the port of the gyro, or name another sentence with --columns",
+        status="and nothing in it says how fast it turns",
     ),
 )

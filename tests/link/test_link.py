@@ -104,6 +104,25 @@ def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, proto
         host.link.close()
 
 
+@pytest.mark.parametrize(("line", "every_s"), [(b"0.5\r\n", 0.5), (b"12\r\n", 0.9), (b"gz: 0.25\r\n", 1.0)])
+def test_a_board_that_prints_slowly_is_not_left_for_another_rate(port: Path, line: bytes, every_s: float) -> None:
+    """A few printable bytes do not tell yet; more of them do."""
+    with speaking_on(port) as device:
+        host = Host(port, timeout_s=9.0)
+
+        def print_slowly() -> None:
+            for tenth in range(200):
+                if not tenth % round(10 * every_s):
+                    device.send(line)
+                host.now_s += 0.1
+                host.link.read()
+
+        with pytest.raises(DeviceSilentError, match="the device prints text, so the baud rate is right"):
+            print_slowly()
+        assert host.link.baud == 115200
+        host.link.close()
+
+
 def test_a_given_baud_is_never_second_guessed(port: Path) -> None:
     """Garbage at 115200 stays garbage at 115200, until time is up; the message says what to try."""
     with speaking_on(port) as device:

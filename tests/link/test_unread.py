@@ -5,10 +5,12 @@ from binascii import crc_hqx
 from collections.abc import Callable
 from math import sin
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pynmeagps import GET, NMEAMessage
 from support import speaking_on
 
 from firmware_sim.pty import PtyDevice
@@ -132,6 +134,12 @@ def navx_damaged(i: int) -> bytes:
     return b"!y%+07.2f+000.53-001.20+123.40A5\r\n" % (i / 7 % 180)
 
 
+def position(i: int) -> bytes:
+    """Of a receiver that knows where it is and not how it turns."""
+    content: bytes = NMEAMessage("GP", "GLL", GET, lat=43.2, NS="N", lon=i / 90, EW="W", status="A").serialize()
+    return content
+
+
 SPOKEN: dict[str, Callable[[int], bytes]] = {
     "MicroStrain MIP": mip,
     "UM6 or UM7": um7,
@@ -148,6 +156,7 @@ SPOKEN: dict[str, Callable[[int], bytes]] = {
     "messages of a navX other": navx,
     "yaw messages (!y) of a navX": navx_damaged,
     "rate of turn in deg/min, positive to starboard": lambda i: b"$TIROT,%d.5,A\r\n" % -i,
+    "NMEA 0183 without a rate of turn ($--ROT) or": position,
     "are headings in degrees, clockwise": lambda i: b"$HCHDG,%d.5,,,12.6,W\r\n" % i,
 }
 
@@ -206,5 +215,30 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
             hear(link, device, SPOKEN[name], now_s)
         assert name in str(refused.value)
         assert "baud" not in str(refused.value)
+        assert link.baud == 115200
+        link.close()
+
+
+@pytest.mark.parametrize(
+    ("asked", "what"),
+    [
+        ({"protocol": "csv"}, "the device speaks bno08x-rvc, not csv; leave --protocol csv out"),
+        ({"columns": "t_ms, rate:dps"}, "the device speaks bno08x-rvc, not text; leave --columns out"),
+    ],
+)
+def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(
+    port: Path, asked: dict[str, Any], what: str
+) -> None:
+    """And its line rate is right."""
+
+    def frame(i: int) -> bytes:
+        body = struct.pack("<B6h3B", i & 0xFF, 0, 0, 0, 0, 0, 1000, 0, 0, 0)
+        return b"\xaa\xaa" + body + bytes((sum(body) & 0xFF,))
+
+    now_s = [100.0]
+    with speaking_on(port) as device:
+        link = Link(LinkOptions(str(port), timeout_s=4.0, **asked), lambda *_, **__: None, lambda: now_s[0])
+        with pytest.raises(DeviceSilentError, match=what):
+            hear(link, device, frame, now_s)
         assert link.baud == 115200
         link.close()
