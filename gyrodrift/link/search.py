@@ -16,10 +16,14 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
     Raises
     ------
     UsageError
-        Where no port is there, or none or several of them speak; it says what there is and what to do.
+        Where no port is there, several would be sent something, or none or several of them speak; it says what there
+        is and what to do.
     """
     if not ports:
         raise UsageError("--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port")
+    if options.send and len(ports) > 1:
+        names = ", ".join(port.name for port in ports)
+        raise UsageError(f"--port auto: {names} would all be sent what --send says; name the port with --port")
     on_event("port_search", ports=len(ports))
     heard = listen_at(ports, options, keeps_speakers=True)
     speakers = [(each.port.name, each.speech, each.open_port) for each in heard if each.speech and each.open_port]

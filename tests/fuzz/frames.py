@@ -6,9 +6,11 @@ from random import Random
 
 from firmware_sim.wire.bno08x_rvc import rvc_frame
 from firmware_sim.wire.native import HELLO_TYPE, SAMPLE_TYPE, native_frame, sample_frame
+from firmware_sim.wire.navx import yaw_message
 from firmware_sim.wire.nmea import sentence
 from firmware_sim.wire.vectornav import vectornav_frame
 from firmware_sim.wire.witmotion import wt901_frame
+from firmware_sim.wire.witmotion_ble import ble_frame
 from firmware_sim.wire.xsens import item, mtdata2
 
 READING = struct.Struct("<IHfBf")
@@ -21,7 +23,7 @@ RATES = (0.0, -0.0, 1e-9, 0.00763, 10.0, 10.000001, 1e38, float("inf"), float("n
 
 def changed_frames(content: bytes, random: Random) -> bytes:
     """One to some whole frames of one protocol put into the stream."""
-    make = random.choice((_sample, _sample, _hello, _native, _wt901, _xsens, _vectornav, _sentence, _rvc))
+    make = random.choice((_sample, _sample, _hello, _native, _wt901, _xsens, _vectornav, _sentence, _rvc, _ble, _navx))
     made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     at = random.randint(0, len(content))
     return content[:at] + made + content[at:]
@@ -59,7 +61,7 @@ def _wt901(random: Random) -> bytes:
 
 
 def _xsens(random: Random) -> bytes:
-    kinds = (0x8020, 0x8021, 0x8022, 0x8023, 0x8040, 0x1020, 0x1060, 0x0810, 0x2030)
+    kinds = (0x8020, 0x8021, 0x8022, 0x8023, 0x8040, 0x1020, 0x1060, 0x0810, 0x2030, 0x2037, 0x2010)
     items = (item(random.choice(kinds), random.randbytes(random.choice((2, 4, 12, 18, 24)))) for _ in range(3))
     return mtdata2(b"".join(items))
 
@@ -70,13 +72,22 @@ def _vectornav(random: Random) -> bytes:
 
 def _sentence(random: Random) -> bytes:
     rate = random.choice(("12.0", "-0", "1e999", "nan", "", "9" * 60))
-    return sentence(
-        random.choice((f"HEROT,{rate},A", f"TIROT,{rate},V", f"VNYMR,{rate}" + ",1" * 11, f"VNIMU{',1' * 9}"))
-    )
+    rates = (f"HEROT,{rate},A", f"TIROT,{rate},V", f"VNYMR,{rate}" + ",1" * 11, f"VNIMU{',1' * 9}")
+    angles = (f"HEHDT,{rate},T", f"HCHDG,{rate},,,,", f"VNYPR,{rate},0,0", f"VNQTN,0,0,{rate},{rate}")
+    return sentence(random.choice((*rates, *angles)))
 
 
 def _rvc(random: Random) -> bytes:
     return rvc_frame(random.randrange(256), *(_word(random) for _ in range(6)))
+
+
+def _ble(random: Random) -> bytes:
+    """Several of them: fewer are not believed."""
+    return b"".join(ble_frame(random.choice((0.0, 2000.0, random.gauss(0.0, 50.0)))) for _ in range(5))
+
+
+def _navx(random: Random) -> bytes:
+    return b"".join(yaw_message(random.choice((0.0, 179.99, random.uniform(-180.0, 180.0)))) for _ in range(3))
 
 
 def changed_readings(content: bytes, random: Random) -> bytes:

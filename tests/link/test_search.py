@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from support import Command
 
+from gyrodrift.errors import UsageError
 from gyrodrift.link import link as link_module
 from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.link.port import Port
@@ -38,3 +39,12 @@ def test_the_link_goes_on_with_the_port_that_was_found(port: Path, monkeypatch: 
     assert (found.port, found.protocol) == (name, "native")
     assert [event for event, _ in events] == ["port_search", "port_found"]
     assert events[1][1]["port"] == name
+
+
+def test_nothing_is_sent_to_ports_that_nobody_named() -> None:
+    """A printer or a modem may take it for an order; none of them is opened."""
+    ports = [SerialPort(name, name) for name in ("/dev/ttyUSB7", "/dev/ttyUSB8")]
+    with pytest.raises(
+        UsageError, match="/dev/ttyUSB7, /dev/ttyUSB8 would all be sent what --send says; name the port"
+    ):
+        find_gyro(ports, LinkOptions("auto", send=b"x"), lambda *_, **__: None)
