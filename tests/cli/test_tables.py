@@ -5,6 +5,7 @@ from collections.abc import Callable
 from math import radians
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tables_support import TURN_DEG, Row, angles_deg, filtered_yaw_deg, samples, table, written
 
@@ -187,6 +188,10 @@ UNCLEAR: dict[str, tuple[str, Row]] = {
     "no header": ("", lambda n, t, r: f"{t:.3f},{r:.4f},0.1"),
     "three axes without labels": ("", lambda n, t, r: f"{t * 1e6:.0f},0.02,-0.01,{r:.4f}"),
     "our own lines with an angle": ("", lambda n, t, r: f"{t * 1e6:.0f},{17.0 + 0.001 * n:.3f}"),
+    "our own lines with an angle that has noise": (
+        "",
+        lambda n, t, r: f"{t * 1e6:.0f},{np.clip(30 * (t - 12), 0, 90) + (r - round(r / 30) * 30):.3f}",
+    ),
     "our own lines with counts": ("", lambda n, t, r: f"{t * 1e6:.0f},{round(r * 131)}"),
     "no unit": ("time_ms,gyro_z\n", lambda n, t, r: f"{t * 1000:.0f},{r:.4f}"),
     "a clock without unit": ("time,gz_dps\n", lambda n, t, r: f"{t * 1000:.0f},{r:.4f}"),

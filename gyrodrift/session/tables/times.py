@@ -87,7 +87,7 @@ class StampReader:
             far = abs(stamps[0]) >= OFFSET_S * per_s or ":" in first
             self._base, self.began = (stamps[0], first.strip()) if far else (0, "")
         try:
-            since = np.array([stamp - self._base for stamp in stamps], dtype=np.int64)
+            since = np.array(stamps, dtype=np.int64) - self._base
         except OverflowError as error:
             raise ValueError("a clock has more digits than 64 bits hold") from error
         return since / float(per_s)

@@ -22,6 +22,9 @@ TURN_DEG = 360.0
 SHARE = 0.5
 """Of the motion of an angle, what its rate may leave of it at most."""
 
+LEVEL_DPS = 2.0
+"""What the bias of a gyro changes within some minutes at most (data sheets: less than 1 deg/s from -40 to 85 °C)."""
+
 SMOOTH = 0.9
 """Correlation of neighbouring samples; the noise of a rate at rest has none, an angle nearly 1."""
 
@@ -55,14 +58,26 @@ def _is_rate(table: Floats) -> bool:
         return False
     if table.shape[1] > 2:
         return _turns(table)
-    quiet = _quietest(rate_dps)
-    return float(np.std(quiet)) > 0.0 and abs(float(np.corrcoef(quiet[1:], quiet[:-1])[0, 1])) < SMOOTH
+    quiet = _quiet(rate_dps)
+    return bool(quiet) and not _is_smooth(min(quiet, key=np.ptp)) and _is_level(quiet[0], quiet[-1])
 
 
-def _quietest(values: Floats) -> Floats:
-    size = max(LEAST_ROWS, len(values) // 8)
+def _quiet(values: Floats) -> list[Floats]:
+    """Stretches that move little, in order of time."""
+    size = max(LEAST_ROWS, len(values) // 16)
     parts = [values[at : at + size] for at in range(0, len(values) - size + 1, size)]
-    return min(parts, key=lambda part: float(np.ptp(part)) or np.inf)
+    spans = [float(np.ptp(part)) for part in parts]
+    least = min((span for span in spans if span), default=0.0)
+    return [part for part, span in zip(parts, spans, strict=True) if 0.0 < span <= 2.0 * least]
+
+
+def _is_smooth(part: Floats) -> bool:
+    return abs(float(np.corrcoef(part[1:], part[:-1])[0, 1])) >= SMOOTH
+
+
+def _is_level(first: Floats, last: Floats) -> bool:
+    """Whether it is back where it was: a rate is at rest, an angle stays where it turned to."""
+    return abs(float(np.median(last) - np.median(first))) <= max(LEVEL_DPS, float(np.ptp(first)))
 
 
 def _turns(table: Floats) -> bool:
