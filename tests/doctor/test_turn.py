@@ -115,6 +115,16 @@ TOLD: dict[str, tuple[Lines, str]] = {
         "gyro.2=rate:rads, ts=t_s",
     ),
     "a dead band that hides all noise": (lambda _t, dps, _a, _n: f"gz:{dps if abs(dps) > 1 else 0:.2f}", "gz=rate:dps"),
+    "two values alone, as a slow board says them": (
+        lambda _t, dps, _a, _n: f"gx: 0.3 gz: {82.5 if dps > 20 else 0.5}",
+        "gz=rate:dps",
+    ),
+    "a temperature that comes more rarely than the rate": (
+        lambda t_s, dps, _a, n: (
+            f"gz: {dps + n(0.1):.2f}" + (f"\ntemp: {27 + n(0.1):.1f}" if round(t_s * 50) % 10 == 0 else "")
+        ),
+        "gz=rate:dps",
+    ),
     "an angle that drifts": (
         lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}",
         "yaw:deg",

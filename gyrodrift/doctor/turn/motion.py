@@ -27,6 +27,9 @@ RETURNED, ONE_SIDED, MOVING = 0.1, 0.6, 0.1
 """Shares of the largest deviation and of the whole motion: how near its level a rate comes back, how much of its motion
 is in one direction, and from where on it counts as moving."""
 
+FEW_STEPS = 0.02
+"""Of its range: a column that says two values alone, as slow ones do, has not shown its resolution."""
+
 OVERSHOOT = 0.25
 GROWS = 0.5
 SPIKE = 1.5
@@ -167,4 +170,4 @@ def _noise(values: Floats, at_rest: Floats) -> float:
     if not np.isfinite(resolution):
         return 0.0
     scatter = 1.4826 * float(np.median(np.abs(at_rest - np.median(at_rest))))
-    return max(scatter, resolution / sqrt(12.0))
+    return max(scatter, min(resolution, FEW_STEPS * float(np.ptp(values))) / sqrt(12.0))

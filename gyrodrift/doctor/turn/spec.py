@@ -19,6 +19,9 @@ PACE_WITHIN = 0.1
 GOES_ON, CHANGES = 0.98, 0.5
 """Share of steps in which a clock does not go back, and in which it goes on: one of seconds is too coarse."""
 
+OFTEN = 0.9
+"""Of the values of the column that turned: a column that comes more rarely is left out."""
+
 TEMPERATURES_C = (-55.0, 150.0)
 
 
@@ -44,7 +47,8 @@ def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
     sign = "" if turned.turned_deg > 0.0 else ":-"
     unit = turned.scale.option if isinstance(turned, TurnedRate) else turned.unit
     entries = {key: f"{'rate' if isinstance(turned, TurnedRate) else 'yaw'}:{unit}{sign}"}
-    beside = [each for each in series if _is_beside(each.key, key)]
+    least = OFTEN * len(turned.motion.series.values)  # a sample waits for the rarest of its columns
+    beside = [each for each in series if _is_beside(each.key, key) and len(each.values) >= least]
     clocks = [(unit, each) for each in beside if (unit := clock_of(each))]
     if clocks:
         order = list(CLOCK_US)
