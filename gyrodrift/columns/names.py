@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from gyrodrift.columns.units import Dimension, Unit, unit_of
 
 GYRO = "gyro?|gyr|gy|g|w|omega|rot|rate|gyroscope|rotation|rotationrate|angvel|angularvelocity|angularrate"
-BESIDE = re.compile(r"\([^)]*+\)|\[[^\]]*+\]")
+BESIDE = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 """Units and remarks beside a name."""
 
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor)+")

@@ -103,7 +103,7 @@ REPLACED = tuple(
         (r"degrees?|°", "deg"),
         (r"(?<=[a-z\d\s/._-])sec(?:ond)?s?\b|^sec(?:ond)?s?$", "s"),
         (r"minutes?", "min"),
-        (r"\s*\bper\b\s*|_per_|\s*/\s*", "/"),
+        (r"\s{0,8}\bper\b\s*+|_per_|\s{0,8}/\s*+", "/"),
         (r"[·⋅*]", "."),
         (r"\s+", ""),
     )
