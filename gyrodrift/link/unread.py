@@ -14,6 +14,8 @@ from operator import xor
 
 LEAST = 3
 LONGEST_HEADER = 256
+MOST_FAILED = 300
+"""Heads that led nowhere: a stream of a protocol has three good frames long before, and a wild one costs no time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +54,14 @@ class UnreadProtocol:
 
     def is_spoken(self, content: bytes) -> bool:
         """Whether what was heard is of this protocol."""
-        frames, at, before = 0, 0, -1
-        while (found := self.head.search(content, at)) is not None:
+        frames, at, before, failed = 0, 0, -1, 0
+        while failed < MOST_FAILED and (found := self.head.search(content, at)) is not None:
             begin = found.start()
             length = self.length(content[begin : begin + LONGEST_HEADER])
             frame = content[begin : begin + length]
             if not length or len(frame) < length or not self.is_whole(frame):
                 at, frames, before = begin + 1, 0 if self.chained else frames, -1
+                failed += 1
                 continue
             if self.chained is not None:
                 count = self.chained(frame)
@@ -97,14 +100,23 @@ def _byte(header: bytes, at: int, extra: int) -> int:
     return extra + header[at] if len(header) > at else 0
 
 
+def _crc24q_of(byte: int) -> int:
+    crc = byte << 16
+    for _ in range(8):
+        crc = crc << 1 ^ (0x1864CFB if crc & 0x800000 else 0)
+    return crc
+
+
+CRC24Q = tuple(map(_crc24q_of, range(256)))
+"""RTCM 10403, polynomial 0x1864CFB, by bytes."""
+
+
 def _crc24q(content: bytes) -> int:
-    """RTCM 10403, polynomial 0x1864CFB; 0 for a frame with its CRC."""
+    """0 for a frame with its CRC."""
     crc = 0
     for byte in content:
-        crc ^= byte << 16
-        for _ in range(8):
-            crc = crc << 1 ^ (0x1864CFB if crc & 0x800000 else 0)
-    return crc & 0xFFFFFF
+        crc = crc << 8 & 0xFFFFFF ^ CRC24Q[crc >> 16 ^ byte]
+    return crc
 
 
 def _crc32_from_0(content: bytes) -> int:

@@ -3,6 +3,7 @@
 import struct
 from binascii import crc_hqx
 from collections.abc import Callable
+from dataclasses import replace
 from math import sin
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from support import speaking_on
 from firmware_sim.pty import PtyDevice
 from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link, LinkOptions
-from gyrodrift.link.unread import UNREAD, spoken
+from gyrodrift.link.unread import MOST_FAILED, UNREAD, spoken
 
 
 def mip(i: int) -> bytes:
@@ -180,6 +181,21 @@ def test_a_damaged_frame_hides_no_protocol(name: str) -> None:
     found = spoken(b"".join(frames))
     assert found is not None
     assert name in found.name
+
+
+@pytest.mark.parametrize("noise", [b"\xd3\x03\xff", b"ue", b"snp\xff", b"!a", b"\xb5\x62\x00\x00\xff\x7f", b"\xfe"])
+def test_heads_without_end_are_given_up(noise: bytes) -> None:
+    """Their checks would take seconds, in which no sample is read; frames before them count."""
+    checks = []
+
+    def is_whole(frame: bytes) -> bool:
+        checks.append(frame)
+        return False
+
+    for each in UNREAD:
+        checks.clear()
+        assert not replace(each, is_whole=is_whole).is_spoken(noise * 10_000)
+        assert len(checks) <= MOST_FAILED
 
 
 @pytest.mark.parametrize("name", SPOKEN)
