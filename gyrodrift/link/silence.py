@@ -11,6 +11,9 @@ from gyrodrift.link.unread import spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 MOST_NAMES = 12
+DATA_SHARE = 0.4
+"""Of digits: in messages for people there are fewer, and in lines of numbers more."""
+
 RATE_UNITS = "dps, rads, mdps or lsb/N"
 ANGLE_NOTE = (
     ". It is an angle: the filter of the device has been at work. If it falls in a turn to the left, write :- behind it"
@@ -80,7 +83,7 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:
     came = f"the device prints text, so the baud rate is right, but no line is a {_wanted(protocol)}"
     guessed = guess(heard.lines(), heard.lines_per_s)
     if guessed is None:
-        return f"{came}: {quoted(heard.last_words())} looks like a message for people; {_for_people(waited)}"
+        return f"{came}: {quoted(heard.last_words())} {_without_columns(heard, waited)}"
     names = [column.said for column in guessed.columns]
     shown = ", ".join(names[:MOST_NAMES]) + (", …" if len(names) > MOST_NAMES else "")
     looks = f"{came}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
@@ -102,11 +105,14 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:
     return f"{looks}; {_expected(protocol)}, or read it as it is: --columns {columns} ({reasons}){note}"
 
 
-def _for_people(waited: str) -> str:
-    """What to do about a board that is still starting, or that waits for somebody."""
+def _without_columns(heard: Heard, waited: str) -> str:
+    """What to do about data in a form that is not known, a board that is still starting, or one that waits."""
+    text = "".join(heard.lines())
+    if sum(character.isdigit() for character in text) >= DATA_SHARE * max(1, len(text)):
+        return "looks like data in a form that is not known; is there another form of output that the device can send?"
     return (
-        f"is its program running? If it is still starting up {waited}, wait longer with --timeout 30;"
-        " if it waits for a key, send one with --send '\\r\\n'"
+        f"looks like a message for people; is its program running? If it is still starting up {waited}, wait longer"
+        " with --timeout 30; if it waits for a key, send one with --send '\\r\\n'"
     )
 
 

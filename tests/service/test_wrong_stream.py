@@ -56,6 +56,7 @@ def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path
     [
         ('{{"ms":{0},"gyro":{{"x":1,"z":0.25}}}}', "looks like t_ms, gx, gz (a JSON object)"),
         ("MPU6050 connection failed", "looks like a message for people"),
+        ("!z+170.00+000.53-001.20+123.40A5", "looks like data in a form that is not known"),
         ("$GPTXT,{0},hello", "looks like"),
         ("\x1b[31mrate\x1b[0m {0} \x07 " + "x" * 300, "…"),
     ],
