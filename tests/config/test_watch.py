@@ -55,7 +55,7 @@ def test_a_file_renamed_over_it_is_seen(path: Path) -> None:
 
 def test_a_file_of_the_same_size_and_time_is_another_one(path: Path) -> None:
     """As `cp -p` and a rename make it."""
-    watch = ConfigWatch(path)
+    watch = ConfigWatch(path, ReadHere)
     before, fresh = path.stat(), path.with_name("fresh")
     fresh.write_text(path.read_text().replace("1", "2", 1))
     os.utime(fresh, ns=(before.st_atime_ns, before.st_mtime_ns))
