@@ -37,7 +37,10 @@ BAUD_TRIAL_WARM_S = 4.0
 TELL_S = 10.0
 """Who waits for ever is told after so long why nothing is understood."""
 
-CHOOSE_TALKER = "the first to speak is listened to; --columns 'TIROT 1=rate:lsb/60:-' chooses another, here TI"
+CHOOSE_TALKER = (
+    "the first to speak is listened to; --columns 'TIROT 1=rate:lsb/60:-' chooses another, here the rate of TI, "
+    "and --columns 'HEHDT 1=yaw:deg:-' the heading of HE"
+)
 
 BACKOFF_FIRST_S = 0.05
 BACKOFF_LONGEST_S = 2.0
