@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from math import radians
+from math import cos, radians, sin
 from pathlib import Path
 
 import numpy as np
@@ -277,6 +277,18 @@ def test_an_angle_alone_becomes_a_rate_and_that_is_said(
     path = written(tmp_path / "yaw.csv", "\n".join([f"t_s,{label}", *rows]) + "\n")
     options = () if spec is None else ("--columns", spec)
     assert filtered_yaw_deg(path, *options) == pytest.approx(TURN_DEG, abs=1.0)
+    assert "its rate is the difference of an angle" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("labels", ["qw,qx,qy,qz", "Quat_x,Quat_y,Quat_z,Quat_w", "imu.q.w,imu.q.x,imu.q.y,imu.q.z"])
+def test_a_quaternion_alone_becomes_a_rate(tmp_path: Path, labels: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """In any order of its parts."""
+    rows = []
+    for number, yaw in enumerate(angles_deg()):
+        parts = {"w": cos(radians(yaw) / 2), "x": 0.0, "y": 0.0, "z": sin(radians(yaw) / 2)}
+        rows.append(f"{number / 20:.2f},{','.join(f'{parts[label[-1]]:.7f}' for label in labels.split(','))}")
+    path = written(tmp_path / "q.csv", "\n".join([f"t_s,{labels}", *rows]) + "\n")
+    assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
     assert "its rate is the difference of an angle" in capsys.readouterr().err
 
 

@@ -30,6 +30,7 @@ CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b"
 RATES = {"rate", "rates"}
 """Kinds of a label that name the vertical axis, or no axis: of the latter one with a unit of rates is the rate."""
 
+QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
 CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 
@@ -224,10 +225,11 @@ def labelled_columns(head: Head) -> TableColumns | None:
     clocks = [Taken(index, "t_device_s", unit=unit) for index, unit in _clocks(head)]
     rates = [each for index in range(len(head.labels)) if (each := _rate(head, index))]
     yaws = [each for index in range(len(head.labels)) if (each := _yaw(head, index))]
-    if not clocks or len(rates) > 1 or (not rates and len(yaws) != 1):
+    quaternion = _quaternion(head)
+    if not clocks or len(rates) > 1 or (not rates and len(yaws) != 1 and not (quaternion and not yaws)):
         return None
     running = [clock for clock in clocks if len(set(head.texts(clock.index))) > 1] or clocks
-    moved = rates or yaws
+    moved = rates or yaws or quaternion
     taken = (running[0], *moved, *_temperature(head))
     remarks = _yaw_remarks({each.target for each in moved}, head.labels[moved[0].index])
     return TableColumns(BY_LABELS, taken, remarks=remarks)
@@ -270,8 +272,16 @@ def _yaw(head: Head, index: int) -> Taken | None:
     return Taken(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if is_clockwise else 1.0))
 
 
+def _quaternion(head: Head) -> list[Taken]:
+    """The four parts of the one quaternion; none where there are others."""
+    found = [(QUATERNION.fullmatch(label.strip()), index) for index, label in enumerate(head.labels)]
+    parts = {part[1].lower(): index for part, index in found if part}
+    is_one = len(parts) == 4 and sum(part is not None for part, _ in found) == 4
+    return [Taken(parts[axis], f"q{axis}") for axis in "wxyz"] if is_one else []
+
+
 def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
-    if "yaw_deg" not in targets:
+    if not targets & {"yaw_deg", "qw"}:
         return ()
     turned = ", and its sign is turned (clockwise)" if label and CLOCKWISE.search(label) else ""
     return (f"its rate is the difference of an angle{turned}: the device's own filter has been at work",)

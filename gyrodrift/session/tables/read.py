@@ -26,7 +26,7 @@ from gyrodrift.session.tables.plan import (
 from gyrodrift.session.tables.question import check_header, unclear
 from gyrodrift.session.tables.rows import ColumnsRead, RowReader
 from gyrodrift.session.tables.text import Lines, opened
-from gyrodrift.session.tables.turning import rates_of
+from gyrodrift.session.tables.turning import rates_of, yaw_of
 from gyrodrift.session.tables.wire import wire_columns
 
 PARQUET = ".parquet"
@@ -139,6 +139,9 @@ def _arrays(name: str, read: ColumnsRead) -> Session:
     t_s, rate_dps, yaw_deg = (read.column(target) for target in ("t_device_s", "rate_dps", "yaw_deg"))
     if t_s is None:
         raise DataError(f"{name}: has no clock")
+    parts = [column for part in "wxyz" if (column := read.column(f"q{part}")) is not None]
+    if len(parts) == 4:
+        yaw_deg = yaw_of(*parts)
     if yaw_deg is not None:
         t_s, rate_dps = rates_of(t_s, yaw_deg)
         return _with_samples(Session(name, t_s, rate_dps))

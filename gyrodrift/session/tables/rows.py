@@ -67,7 +67,7 @@ class RowReader:
         self._keeps_empty = keeps_empty
         self._clock = next(each for each in columns.taken if each.target == "t_device_s")
         self._stamps = StampReader(self._clock.unit)
-        self._moved = "rate_dps" if "rate_dps" in columns.targets else "yaw_deg"
+        self._moved = next(name for name in ("rate_dps", "yaw_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:
         """All rows, with the numbers of their lines."""

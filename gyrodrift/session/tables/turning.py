@@ -4,8 +4,19 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 
+NORMS = (0.9, 1.1)
+"""Of a quaternion that is an orientation, after it was rounded."""
+
 TURN_DEG, MOST_DEG = 360.0, 1e9
 """Of an angle that is counted on over many turns; what is larger is no angle, and is passed over."""
+
+
+def yaw_of(w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
+    """Yaw in degrees of unit quaternions (z-y-x Euler angles); NaN where one has another norm."""
+    with np.errstate(all="ignore"):  # of what is no quaternion
+        norm = np.sqrt(w * w + x * x + y * y + z * z)
+        yaw_deg: Floats = np.degrees(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    return np.where((norm >= NORMS[0]) & (norm <= NORMS[1]), yaw_deg, np.nan)
 
 
 def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:

@@ -18,6 +18,9 @@ TEMPERATURES_C = (-55.0, 150.0)
 """What parts are made for (military range, with what a junction may reach)."""
 
 LEAST_ROWS = 10
+MOST = 2.0**63
+"""Of microseconds and angles that are worth a look."""
+
 TURN_DEG = 360.0
 SHARE = 0.5
 """Of the motion of an angle, what its rate may leave of it at most."""
@@ -37,7 +40,7 @@ def wire_columns(head: Head) -> TableColumns | None:
         table = np.array([[float(cell) for cell in row] for row in head.rows])
     except ValueError:
         return None
-    if len(table) < LEAST_ROWS or not _is_plausible(table):
+    if len(table) < LEAST_ROWS or not (np.abs(table[:, :3]) < MOST).all() or not _is_plausible(table):
         return None
     taken = [Taken(at, target, unit="t_us" if at == 0 else "") for at, target in enumerate(TARGETS[: head.width])]
     said = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
