@@ -64,6 +64,21 @@ def test_a_clean_turn_of_usual_boards_is_told(seed: int) -> None:
     assert sum(found) >= len(found) - 1
 
 
+NUMBERS = st.one_of(st.floats(-1e19, 1e19), st.sampled_from([0.0, 1.0, 90.0, -1e17, 1e-300]), st.integers(-999, 999))
+ROWS = st.lists(st.one_of(st.lists(NUMBERS, max_size=4).map(lambda row: ",".join(map(str, row))), st.text(max_size=20)))
+
+
+@settings(max_examples=80, deadline=None)
+@given(ROWS, st.sampled_from([0.0, 0.01, 0.5]), st.floats(0.0, 5.0))
+def test_any_text_is_told_or_asked_about(rows: list[str], step_s: float, turn_s: float) -> None:
+    """Lines of anything, also all at once, never fail, and what is to be pasted is a SPEC."""
+    lines = [TimedLine(at * step_s, row.strip()) for at, row in enumerate(rows * 3)]
+    result = result_of(HeardTurn("text", TurnWindow(0.0, turn_s, len(lines) * step_s), table_of(lines)))
+    assert findings_of(result)
+    if result.is_found:
+        assert columns_of(result.spec)
+
+
 def rads(dps: float) -> float:
     return float(np.radians(dps))
 

@@ -150,6 +150,15 @@ def test_a_calibration_goes_on_with_the_columns_that_the_turn_told(tmp_path: Pat
         assert "--columns 'ms=t_ms, b=rate:dps'" in board.command.log
 
 
+def test_a_device_that_falls_silent_is_told(tmp_path: Path) -> None:
+    """Nobody waits for a board that has hung."""
+    with ExitStack() as closing:
+        board = listening(closing, tmp_path / "port", FORMS["labelled, in deg/s"][0])
+        play([board], until_said=TURN)
+        assert board.command.end() == 3
+        assert "fell silent" in board.command.log
+
+
 REFUSED = {
     "columns that are given": (("--turn", "--columns", "rate"), "leave one of the two out"),
     "a file without the place": (("--turn", "{file}"), "--turn-at S"),

@@ -42,6 +42,9 @@ QUIET_ANGLE_S = 5.0
 EARLY_S = 1.5
 """A rest of this length is enough for a turn that came before it was asked for."""
 
+SILENT_S = 5.0
+"""Slow boards send two lines a second."""
+
 LOOK_EVERY_S = 0.5
 USUAL_TIMEOUT_S = 10.0
 
@@ -98,6 +101,7 @@ class TurnListener:
         self._link = Link(replace(options, timeout_s=0.0), _unheard, monotonic, port)
         self._link.tap = self._take
         self._coming = _Coming(baud=self._link.baud)
+        self._arrived_s = monotonic()
 
     def listen(self) -> TurnResult:
         """Ask for a rest and for the turn, and judge them."""
@@ -165,15 +169,20 @@ class TurnListener:
         samples: Sequence[Sample] = ()
         with suppress(UnitError):  # units are what the turn is for
             samples = link.read()
-        if link.port is None and self._coming.count:
-            raise PortMissingError(f"{link.name}: the port went away during the turn; look at plug and cable")
         if link.decoder is not None and link.decoder.name not in TEXTS:
             self._coming.samples += samples
+        if not self._coming.count:
+            return
+        if link.port is None:
+            raise PortMissingError(f"{link.name}: the port went away during the turn; look at plug and cable")
+        if self._monotonic() - self._arrived_s > SILENT_S:
+            raise DeviceSilentError(f"{link.name}: fell silent during the turn; is it still powered?")
 
     def _take(self, chunk: bytes, arrival_s: float) -> None:
         if self._link.baud != self._coming.baud:  # what came at another line rate was noise
             self._coming = _Coming(baud=self._link.baud)
         self._coming.add(chunk, arrival_s)
+        self._arrived_s = self._monotonic()
 
     def _why_silent(self, timeout_s: float) -> str:
         link, options, coming = self._link, self._options, self._coming

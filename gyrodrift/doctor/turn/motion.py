@@ -98,13 +98,12 @@ def motion_of(series: Series, window: TurnWindow, values: Floats | None = None) 
     after = during & (t_s > window.end_s - AFTER_S)
     if after.sum() < LEAST_SLOW:
         after = during & (t_s >= t_s[during][-LEAST_SLOW])
-    rest_s = t_s[before] - t_s[before][0]
-    slope, start = np.polyfit(rest_s, y[before], 1)
-    level, noise = float(np.median(y[before])), _noise(y, y[before] - start - slope * rest_s)
+    slope = _slope(t_s[before], y[before])
+    level, noise = float(np.median(y[before])), _noise(y, y[before] - slope * (t_s[before] - t_s[before][0]))
     if not noise > 0.0:
         return ColumnMotion(series, Behaviour.QUIET, level)
     change = float(np.median(y[after])) - level
-    grown = float(slope) * float(t_s[after].mean() - t_s[before].mean())
+    grown = slope * float(t_s[after].mean() - t_s[before].mean())
     deviation = y[during] - level
     largest = float(np.abs(deviation).max())
     moving = np.abs(deviation) > max(MOVING * largest, CLEAR * noise)
@@ -161,6 +160,13 @@ def unwrapped(values: Floats, period: float) -> Floats:
         return values
     angles: Floats = np.unwrap(values, period=period)
     return angles
+
+
+def _slope(t_s: Floats, values: Floats) -> float:
+    """Of the line through values, by least squares; 0 where all came at once."""
+    from_middle_s = t_s - t_s.mean()
+    spread = float(from_middle_s @ from_middle_s)
+    return float(from_middle_s @ (values - values.mean())) / spread if spread > 0.0 else 0.0
 
 
 def _noise(values: Floats, at_rest: Floats) -> float:

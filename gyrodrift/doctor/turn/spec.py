@@ -38,6 +38,7 @@ class ReadBack:
         return 1.0 / (1.0 + HAND) ** 2 < self.turned_deg / QUARTER_DEG < (1.0 + HAND) ** 2
 
 
+@np.errstate(all="ignore")  # a text may hold numbers of any size
 def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
     """For `--columns`; empty where a SPEC cannot name the column that turned, or nothing turned."""
     turned = verdict.turned
@@ -82,6 +83,7 @@ def clock_of(series: Series) -> str:
     return next((unit for unit, seconds in units.items() if abs(seconds - 1.0) < PACE_WITHIN), "")
 
 
+@np.errstate(all="ignore")  # likewise
 def read_back(lines: Sequence[TimedLine], spec: str, window: TurnWindow) -> ReadBack:
     """Read lines as `serve` would and add up the turn."""
     decoder = TextDecoder(columns_of(spec))

@@ -74,6 +74,7 @@ class TurnVerdict:
         return self.rate or self.angle
 
 
+@np.errstate(all="ignore")  # a text may hold numbers of any size
 def judged(series: Sequence[Series], window: TurnWindow) -> TurnVerdict:
     """What a quarter turn to the left between two rests says of the columns of a text."""
     motions = tuple(motion_of(each, window) for each in series)
