@@ -6,7 +6,7 @@ from gyrodrift.columns.names import kind_of
 from gyrodrift.link.text.fields import Fields, Form, as_label, fields_of
 
 HEADING = re.compile(r"[^A-Za-z0-9]*+([A-Za-z][\w ()\[\]/²°.^-]{0,60}?)\s*+(:?)[^A-Za-z0-9)\]]*+")
-UNIT_NAMED = re.compile(r"\s+in\s+(\S+)$")
+UNIT_NAMED = re.compile(r"\s{1,4}in\s{1,4}(\S{1,20})$")
 """`Gyroscope in degrees/second` names its unit."""
 
 
