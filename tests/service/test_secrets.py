@@ -52,7 +52,15 @@ def asked(path: Path, line: str) -> bytes:
 def command_lines(pid: int) -> bytes:
     """Those of a process and its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return b"".join(Path(f"/proc/{each}/cmdline").read_bytes() for each in [pid, *children])
+    return b"".join(command_line(int(each)) for each in [pid, *children])
+
+
+def command_line(pid: int) -> bytes:
+    """Nothing of a child that has ended meanwhile."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return b""
 
 
 def fed(serve: Command, device: Any, first: int) -> None:

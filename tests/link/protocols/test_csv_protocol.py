@@ -133,6 +133,7 @@ OWN: dict[str, Callable[[int, Random], str]] = {
     ),
     "an encoder that turns": lambda i, dice: f"{20_000 * i},{dice.gauss(60.0, 0.05):.3f},{1.2 * i:.3f},25.1",
     "rates of another unit beside it": lambda i, dice: f"{20_000 * i},{1.05 * sin(i / 9):.4f},{-10.8 * cos(i / 9):.3f}",
+    "a line said twice": lambda i, dice: f"{20_000 * (i - (i == 5))},1.0",
     "a clock that wraps": lambda i, dice: f"{(2**32 - 100_000 + 20_000 * i) % 2**32},1.0",
 }
 OTHERS: dict[str, Callable[[int, Random], str]] = {
