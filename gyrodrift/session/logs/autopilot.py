@@ -1,7 +1,8 @@
 """Logs of ArduPilot (.bin, .log) and PX4 (.ulg): the first gyro, whose z axis points down there."""
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, redirect_stderr, redirect_stdout
+from contextlib import closing, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from math import degrees
@@ -17,6 +18,10 @@ from gyrodrift.session.session import TABLE, Session
 from gyrodrift.session.tables.known import DOWN
 
 US_PER_S = 1e6
+STDERR = 2
+ARDUPILOT_FORMAT, LENGTH_AT, HEAD_BYTES = b"\xa3\x95\x80", 4, 3
+"""Head of a message that declares another, where the length of that stands, and the least that it is."""
+
 ARDUPILOT_MAGIC, ARDUPILOT_TEXT, PX4_MAGIC = b"\xa3\x95", b"FMT, 128, 89, FMT,", b"ULog\x01\x12\x35"
 
 
@@ -56,8 +61,10 @@ def read_ardupilot(path: Path) -> Session:
         raise DataError(f"{path}: is no log of ArduPilot")
     with packages_of(path, "logs"):
         from pymavlink import DFReader  # noqa: PLC0415 - an extra that few have
+    if is_binary:
+        _check_formats(path)
     try:
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):  # it prints what it cannot read
+        with _silence():  # it prints what it cannot read, byte by byte
             opened = DFReader.DFReader_binary if is_binary else DFReader.DFReader_text
             with closing(opened(str(path))) as log:
                 rows = list(_imu_rows(log))
@@ -69,6 +76,27 @@ def read_ardupilot(path: Path) -> Session:
     table = np.array([row[1:] for row in rows if row[0] == gyros[0]])
     more = [f"it has {len(gyros)} gyros, the first is taken"] if len(gyros) > 1 else []
     return _session(path, "ArduPilot", table[:, 0], table[:, 1], table[:, 2], more)
+
+
+def _check_formats(path: Path) -> None:
+    """See that every declared message has a length: of one without, the reader of pymavlink finds no end."""
+    content, at = path.read_bytes(), -1
+    while (at := content.find(ARDUPILOT_FORMAT, at + 1)) >= 0:
+        if len(content) > at + LENGTH_AT and content[at + LENGTH_AT] < HEAD_BYTES:
+            raise DataError(f"{path}: is damaged: at byte {at} it declares a message without length")
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Nothing is printed meanwhile, also not by what is no Python."""
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()), Path(os.devnull).open("w") as nowhere:
+        kept = os.dup(STDERR)
+        os.dup2(nowhere.fileno(), STDERR)
+        try:
+            yield
+        finally:
+            os.dup2(kept, STDERR)
+            os.close(kept)
 
 
 def _imu_rows(log: Any) -> Iterator[tuple[int, float, float, float]]:
@@ -94,7 +122,7 @@ def read_px4(path: Path) -> Session:
     with packages_of(path, "logs"):
         from pyulog import ULog  # noqa: PLC0415 - an extra that few have
     try:
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        with _silence():
             log = ULog(str(path), [topic.name for topic in ULOG_TOPICS])
     except Exception as error:  # bytes from anywhere
         raise DataError(f"{path}: is damaged: {error}") from error

@@ -88,6 +88,12 @@ def test_a_log_of_px4_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     [
         ("a.bin", b"\0\1\2\3" * 9, "", "is no log of ArduPilot"),
         ("a.ulg", b"\0\1\2\3" * 9, "", "is no log of PX4"),
+        (
+            "a.bin",
+            dataflash().replace(b"\x80\xa0\x28", b"\x80\xa0\0"),
+            "pymavlink",
+            "declares a message without length",
+        ),
         ("a.bin", dataflash()[:178], "pymavlink", "has no messages IMU with TimeUS and GyrZ"),
         ("a.ulg", ulog(name=b"battery_status"), "pyulog", "has none of the topics sensor_combined|is damaged"),
     ],
