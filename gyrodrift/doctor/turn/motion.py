@@ -5,7 +5,7 @@ The noise of the rest before the turn is the measure of everything: a column tha
 
 from dataclasses import dataclass
 from enum import StrEnum
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 
@@ -170,10 +170,14 @@ def _slope(t_s: Floats, values: Floats) -> float:
 
 
 def _noise(values: Floats, at_rest: Floats) -> float:
-    """Robust standard deviation of a rest, at least that of the rounding; 0 where nothing ever changes."""
+    """Standard deviation of a rest, at least that of the rounding; 0 where nothing ever changes.
+
+    By the mean absolute deviation: a few odd values matter less than in squares, and whole numbers have no steps in it,
+    as they have in a median.
+    """
     steps = np.abs(np.diff(values))
     resolution = float(steps.min(initial=np.inf, where=steps > 0.0))
     if not np.isfinite(resolution):
         return 0.0
-    scatter = 1.4826 * float(np.median(np.abs(at_rest - np.median(at_rest))))
+    scatter = sqrt(0.5 * pi) * float(np.mean(np.abs(at_rest - np.median(at_rest))))
     return max(scatter, min(resolution, FEW_STEPS * float(np.ptp(values))) / sqrt(12.0))
