@@ -18,10 +18,10 @@ MICROSECONDS_FROM = 400.0
 """Without a pace, a step of this and more is in µs (2.5 kHz), and a smaller one in ms (2.5 Hz)."""
 
 NOISE_DPS, NOISE_SCALE = 0.08, log(2.5)
-"""Noise at rest of cheap gyros and the scatter of its logarithm, as in `units.rate_unit`."""
+"""Noise at rest of cheap gyros and the scatter of its logarithm, as in `columns.rate_unit`."""
 
 SURE_ODDS = 100.0
-"""A unit that is not written is told from here on, as in `units.rate_unit`."""
+"""A unit that is not written is told from here on, as in `columns.rate_unit`."""
 
 SI_ODDS = 10.0
 """Libraries that print m/s² beside rad/s (Adafruit Unified Sensor, ROS) against those beside deg/s (ESPHome, BNO055): a

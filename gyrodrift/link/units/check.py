@@ -79,7 +79,7 @@ class UnitCheck:
         del self._window[:whole]
 
     def _judge_rates(self, window: list[Sample]) -> None:
-        from gyrodrift.link.units.rate_unit import RateUnitOdds, says  # noqa: PLC0415 - after the first sample is out
+        from gyrodrift.columns.rate_unit import RateUnitOdds, says  # noqa: PLC0415 - after the first sample is out
 
         self._rates = self._rates or RateUnitOdds()
         self._rates.take(window)

@@ -10,7 +10,7 @@ from random import Random
 import pytest
 from recordings_support import Recordings
 
-from gyrodrift.link.units.rate_unit import SURE_ODDS, WINDOW, RateUnit, RateUnitOdds
+from gyrodrift.columns.rate_unit import SURE_ODDS, WINDOW, RateUnit, RateUnitOdds
 from gyrodrift.sample import Sample
 
 RATE_HZ = 100.0

@@ -10,9 +10,9 @@ deg/s. The scales are wider than they are, for nine are few.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import degrees, isfinite, isnan, log, sqrt
+from math import degrees, isfinite, isnan, log, radians, sqrt
 from statistics import median
 
 from gyrodrift.sample import Sample
@@ -37,6 +37,10 @@ DEGREES_OF_FREEDOM = 5.0
 NOISE_DPS, NOISE_SCALE = 0.08, log(2.5)
 TURN_DPS, TURN_SCALE = 80.0, log(3.0)
 BIAS_DPS, BIAS_DEGREES_OF_FREEDOM = 3.0, 2.0
+RANGE_DPS, BEYOND_SHARE = 2200.0, 0.02
+"""The largest range of cheap gyros, 2000 deg/s, and a little more (data sheets of InvenSense, Bosch and ST), and the
+share of devices that measure beyond it; a guess."""
+
 ENCODER_SCALE = 0.1
 """Relative error of a gyro's scale, generously."""
 
@@ -48,6 +52,12 @@ TURN_NOISES = 20.0
 
 ENCODER_LEAST_DEG = 45.0
 
+MOST_DISTINCT = 1000
+"""Different numbers that are kept: more tell nothing of their step."""
+
+DIGITS = 1e-9
+"""Of the largest number: closer ones differ by how they were calculated."""
+
 WHOLE_DISTINCT = 8
 WHOLE_SHARE = 0.02
 """Share of devices in deg/s that say whole numbers only."""
@@ -56,7 +66,15 @@ SENSITIVITIES = (131.0, 65.5, 32.8, 16.4, 114.3, 57.1, 28.6, 14.3)
 """Counts per deg/s: InvenSense and Bosch at ±250 to 2000 deg/s, ST at 8.75 to 70 mdps a count (data sheets)."""
 
 RADIANS = "rad/s"
+DEGREES = "deg/s taken for rad/s"
+MILLIDEGREES = "mdps"
 COUNTS = "counts"
+
+PER_DPS = {RADIANS: radians(1.0), DEGREES: degrees(1.0), MILLIDEGREES: 1000.0}
+"""How many of a unit are one deg/s; where deg/s were taken for rad/s, all numbers are multiplied by 57.3."""
+
+HELD_SHARE = 0.05
+"""Share of devices whose firmware holds small rates at zero, and so shows no noise whatever the sensor; a guess."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +82,7 @@ class RateUnit:
     """A unit that fits better than deg/s.
 
     unit
-        RADIANS or COUNTS.
+        RADIANS, DEGREES, MILLIDEGREES or COUNTS.
     odds
         Of this unit against deg/s, to one.
     per_dps
@@ -86,7 +104,9 @@ def says(found: RateUnit, protocol: str) -> Mapping[str, object]:
     if found.turn:
         seen += f", and turns reach {found.turn:.3g}"
     is_counts = found.unit == COUNTS
-    entry = f"rate:lsb/{found.per_dps:g}" if is_counts else "rate:rads"
+    entry = {RADIANS: "rate:rads", DEGREES: "rate:dps", MILLIDEGREES: "rate:mdps"}.get(
+        found.unit, f"rate:lsb/{found.per_dps:g}"
+    )
     hint = {
         "csv": f"--columns 't_us, {entry}' reads it so",
         "text": f"in --columns, write {entry}",
@@ -135,7 +155,7 @@ class RateUnitOdds:
         turned = sum(0.5 * (a.rate_dps + b.rate_dps) * (b.t_device_s - a.t_device_s) for a, b in pairwise(samples))
         self._windows.append(_Window(noise, median(rates), seconds, turned, encoder_deg))
         self._is_whole = self._is_whole and all(rate == round(rate) for rate in rates)
-        if len(self._distinct) < WHOLE_DISTINCT:
+        if len(self._distinct) < MOST_DISTINCT:
             self._distinct.update(rates)
 
     def verdict(self) -> RateUnit | None:
@@ -144,25 +164,36 @@ class RateUnitOdds:
         return best if best is not None and best.odds >= SURE_ODDS else None
 
     def best(self) -> RateUnit | None:
-        """The better one of the other units; None before there are windows enough, or without any noise at all."""
-        noises = sorted(window.noise for window in self._windows if window.noise > 0.0)
-        if len(noises) < WINDOWS_LEAST:
+        """The best one of the other units; None before there are windows enough, or where all numbers are the same.
+
+        Where rounding, or firmware that holds small rates, hides the noise, it is no more than the error of a step.
+        """
+        noisy = [window for window in self._windows if window.noise > 0.0]
+        is_hidden = len(noisy) < WINDOWS_LEAST
+        windows = self._windows if is_hidden else noisy
+        hidden = self._step() / sqrt(12.0)
+        if len(windows) < WINDOWS_LEAST or (is_hidden and not hidden):
             return None
+        noises = sorted(max(window.noise, hidden) for window in windows)
         noise = noises[int(QUIET_SHARE * len(noises))]
         bias = median(window.level for window in self._windows if window.noise <= 1.5 * noise)
         turn = max(abs(window.level - bias) for window in self._windows)
         turn = turn if turn > TURN_NOISES * noise else 0.0
-        scale = self._scale_by_encoder(bias)
-        as_dps = _likelihood(1.0, noise, turn, bias, scale)
-        found = [
-            RateUnit(RADIANS, _likelihood(degrees(1.0), noise, turn, bias, scale), 1.0 / degrees(1.0), noise, turn)
-        ]
+        seen = _Seen(noise, is_hidden, turn, bias, self._scale_by_encoder(bias))
+        as_dps = _likelihood(1.0, seen)
+        found = [RateUnit(unit, _likelihood(1.0 / per, seen), per, noise, turn) for unit, per in PER_DPS.items()]
         if self._is_whole and len(self._distinct) >= WHOLE_DISTINCT:
-            each = [(_likelihood(1.0 / per, noise, turn, bias, scale), per) for per in SENSITIVITIES]
+            each = [(_likelihood(1.0 / per, seen), per) for per in SENSITIVITIES]
             likelihood = sum(value for value, _ in each) / len(each) / WHOLE_SHARE
             found.append(RateUnit(COUNTS, likelihood, max(each)[1], noise, turn))
         best = max(found, key=lambda unit: unit.odds)
-        return RateUnit(best.unit, best.odds / as_dps * PRIOR, best.per_dps, noise, turn)
+        return replace(best, odds=best.odds / as_dps * PRIOR)
+
+    def _step(self) -> float:
+        """The smallest distance of two different numbers, 0 being one of them; 0 where all are 0."""
+        numbers = sorted(self._distinct | {0.0})
+        least = DIGITS * max(map(abs, numbers), default=0.0)
+        return min((b - a for a, b in pairwise(numbers) if b - a > least), default=0.0)
 
     def _scale_by_encoder(self, bias: float) -> float | None:
         """Degrees of the encoder for one degree of the rates; None without an encoder that turns as they do."""
@@ -176,14 +207,28 @@ class RateUnitOdds:
         return abs(together) / of_rates if together * together > ALIKE * of_rates * of_encoder else None
 
 
-def _likelihood(dps: float, noise: float, turn: float, bias: float, scale: float | None) -> float:
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """What was seen of a stream, in its own numbers; `scale` is degrees of the encoder for one of the rates."""
+
+    noise: float
+    is_hidden: bool
+    turn: float
+    bias: float
+    scale: float | None
+
+
+def _likelihood(dps: float, seen: _Seen) -> float:
     """Of what was seen, up to a factor that is the same for all units, where one of the unit is `dps` deg/s."""
-    product = _student(log(noise * dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
-    product *= dps * _student(bias * dps / BIAS_DPS, BIAS_DEGREES_OF_FREEDOM)
-    if turn:
-        product *= _student(log(turn * dps / TURN_DPS) / TURN_SCALE, DEGREES_OF_FREEDOM)
-    if scale is not None:
-        product *= _student(log(scale / dps) / ENCODER_SCALE, DEGREES_OF_FREEDOM)
+    product = _student(log(seen.noise * dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
+    if seen.is_hidden:
+        product = HELD_SHARE + (1.0 - HELD_SHARE) * product
+    product *= dps * _student(seen.bias * dps / BIAS_DPS, BIAS_DEGREES_OF_FREEDOM)
+    if seen.turn:
+        product *= _student(log(seen.turn * dps / TURN_DPS) / TURN_SCALE, DEGREES_OF_FREEDOM)
+        product *= BEYOND_SHARE if seen.turn * dps > RANGE_DPS else 1.0
+    if seen.scale is not None:
+        product *= _student(log(seen.scale / dps) / ENCODER_SCALE, DEGREES_OF_FREEDOM)
     return product
 
 
