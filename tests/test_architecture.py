@@ -32,20 +32,20 @@ ROOMS = {
     "calibrate": f"{BASE} describe link",
     "service": f"{BASE} config filters link outputs recording",
     "top": f"{BASE} outputs service",
-    "evaluation": f"{BASE} columns filters session",
+    "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",
     "tune": f"{BASE} evaluation filters html",
-    "compare": f"{BASE} columns evaluation filters html tune",
-    "diagnose.recording": f"{BASE} columns evaluation session",
+    "compare": f"{BASE} evaluation filters html session tune",
+    "diagnose.recording": f"{BASE} evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",
-    "diagnose.simulate": f"{BASE} columns diagnose.features diagnose.recording firmware_sim session simulation",
+    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.simulate firmware_sim",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "evaluation filters firmware_sim session tune",
-    "diagnose": f"{BASE} columns diagnose.features diagnose.inference diagnose.next_recording "
-    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim simulation",
+    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
+    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",

@@ -53,6 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_jobs_option(parser)
     options.add_damage_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -96,7 +97,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
         config=config_file(arguments.config, config.blocks) if config else None,
         jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
-        columns=options.table_columns(arguments),
+        reading=options.reading(arguments),
     )
 
 

@@ -52,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_force_option(parser)
     options.add_damage_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -84,15 +85,15 @@ def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]"
 
 def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "Session":
     if topic is None:
-        columns = options.table_columns(arguments)
-        return options.read_session(source, columns, allow_damage=arguments.allow_damage)
+        return options.read_session(source, options.reading(arguments), allow_damage=arguments.allow_damage)
+    reading = options.reading(arguments)
     if source.suffix in BAGS or source.is_dir():
         from gyrodrift.session.logs.bag import read_bag
 
-        return read_bag(source, topic)
+        return reading.applied(read_bag(source, topic))
     from gyrodrift.session.foreign.read import read_foreign
 
-    return read_foreign(source, topic)
+    return reading.applied(read_foreign(source, topic))
 
 
 def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:

@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
     options.add_cluster_option(parser, "replay")
     options.add_damage_option(parser)
 
@@ -89,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
                 arguments.cluster,
                 progress.evaluated,
                 baseline,
-                columns=options.table_columns(arguments),
+                reading=options.reading(arguments),
             )
         )
         progress.evaluated(REPORT, 0, 0)

@@ -63,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="one JSON object a line instead, for each port or session")
     options.add_damage_option(parser)
+    options.add_unit_options(parser)
     parser.add_argument(
         "--fail-on", choices=SEVERITIES, default="error", help="the least severity that ends with status 3"
     )
@@ -89,8 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         paths = session_paths(arguments.sessions)
         options.check_damage(paths, allow_damage=arguments.allow_damage)
-        columns = options.table_columns(arguments)
-        seen = [recorded(path, columns) for path in paths]
+        seen = [recorded(path, options.reading(arguments)) for path in paths]
         for path, evidence in zip(paths, seen, strict=True):
             if evidence.session is not None:
                 options.tell_remarks(path, evidence.session)

@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_force_option(parser)
     options.add_damage_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -64,8 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
             written_ending(arguments.out, "--out")
         config = options.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
-        columns = options.table_columns(arguments)
-        session = options.calibrated_session(arguments.session, config, columns, allow_damage=arguments.allow_damage)
+        session = options.calibrated_session(arguments, config)
         chosen = config.chosen
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()
@@ -114,10 +114,17 @@ def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
 
 def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> "Iterator[Row]":
     """A row for each accepted sample."""
+    taken = 0
     columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
     for t_s, rate_dps, still, temp_c in zip(*_inputs(session), strict=True):
         if step(c, state, t_s, rate_dps, still, temp_c):
+            taken += 1
             yield (t_s, rate_dps, *columns(state))
+    if state.rejected > taken:
+        raise DataError(
+            f"{session.name}: {state.rejected} of {state.rejected + taken} samples have no rate, or a time that is not "
+            "later than the one before; there is no yaw from so few"
+        )
 
 
 def _inputs(session: "Session") -> Iterator[list[float]]:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import options
-from gyrodrift.errors import UsageError, visible
+from gyrodrift.errors import DataError, UsageError, visible
 from gyrodrift.files import check_writable, whole_file, write_whole
 
 if TYPE_CHECKING:
@@ -58,10 +58,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_damage_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Describe each session; 0 when all are told."""
+    """Describe each session; 0 when all are told, and nothing in them contradicts what they are taken for.
+
+    Raises
+    ------
+    DataError
+        When all are told, with what does.
+    """
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.session.files import session_paths
@@ -69,40 +76,50 @@ def run(arguments: argparse.Namespace) -> int:
         paths = session_paths(arguments.sessions)
         options.check_damage(paths, allow_damage=arguments.allow_damage)
         drawing = _drawing(arguments, paths)
+        wrong: list[str] = []
         for number, path in enumerate(paths):
             progress.evaluated("sessions", number, len(paths))
-            _tell(arguments, path, drawing, progress, is_first=number == 0)
+            wrong += _tell(arguments, path, drawing, progress, is_first=number == 0)
         if drawing is not None and drawing.page is not None:
             page = drawing.page.html(_provenance(arguments, drawing.config, paths))
             write_whole(arguments.out / "report.html", [page])
+    if wrong:
+        raise DataError("\n".join(wrong))
     return 0
 
 
 def _tell(
     arguments: argparse.Namespace, path: Path, drawing: "_Drawing | None", progress: "Progress", *, is_first: bool
-) -> None:
+) -> list[str]:
+    """Tell of one session; gives what contradicts what it is taken for."""
     from gyrodrift.describe.describe import describe
     from gyrodrift.describe.possible import possible_part
     from gyrodrift.describe.text import groups_of, lines_of
+    from gyrodrift.session.checks.examine import examined
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
-    session = load_session(path, options.table_columns(arguments), allow_damage=arguments.allow_damage)
+    reading = options.reading(arguments)
+    whole = load_session(path, reading.columns, allow_damage=arguments.allow_damage)
+    checked = examined(reading.applied(whole), reading)
+    session = checked.session
     raw = raw_size(path, allow_damage=session.damage is not None)
     possible = possible_part(session)
     description = describe(possible)
-    groups = groups_of(session, description, raw)
+    groups = groups_of(session, description, raw, checked.findings)
     with progress.aside():
         options.tell_remarks(path, session)
         if arguments.json:
             kept = None if raw is None else raw._asdict()
             about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}
+            about["checks"] = [_plain(finding) for finding in checked.findings]
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:
             lines = [*[""] * (not is_first), str(path), *lines_of(groups)]
             print(*map(visible, lines), sep="\n")  # names of files, notes and devices may hold anything
     if drawing is not None:
         drawing.take(possible, description, groups)
+    return [f"{path}: {finding}" for finding in checked.findings if finding.is_error]
 
 
 def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing | None":

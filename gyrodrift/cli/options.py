@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,11 @@ from gyrodrift.filters.registry import DEFAULT, FILTERS
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
-    from gyrodrift.columns.spec import Column
     from gyrodrift.config.model import Config
     from gyrodrift.link.link import EventHandler, LinkOptions
     from gyrodrift.link.port import Port
     from gyrodrift.progress import Progress
+    from gyrodrift.session.checks.stated import ReadingOptions
     from gyrodrift.session.session import Session
 
 AUTO_PORT = "auto"
@@ -101,11 +101,38 @@ def add_columns_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def table_columns(arguments: argparse.Namespace) -> "tuple[Column, ...] | None":
-    """What `--columns` says of tables; None where their headers have to."""
-    from gyrodrift.columns.spec import columns_of
+def add_unit_options(parser: argparse.ArgumentParser) -> None:
+    """The options of every command that reads sessions whose header may say another unit than their numbers have."""
+    parser.add_argument(
+        "--rate-unit",
+        type=rate_unit,
+        metavar="UNIT",
+        help="unit of the rates whatever the header says: dps, mdps, rads, mrads or lsb/N (default: as it says)",
+    )
+    parser.add_argument(
+        "--time-unit",
+        choices=("s", "ms", "us", "ns"),
+        help="unit of the device's times whatever the header says (default: as it says)",
+    )
+    parser.add_argument("--flip", action="store_true", help="take the rates with the other sign")
 
-    return None if arguments.columns is None else columns_of(arguments.columns)
+
+def rate_unit(text: str) -> str:
+    """Of `--rate-unit`."""
+    from gyrodrift.columns.spec import RATE, RATE_DPS, scale_of
+
+    if scale_of(RATE, text) is None:
+        raise argparse.ArgumentTypeError(f"expected {', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
+    return text
+
+
+def reading(arguments: argparse.Namespace) -> "ReadingOptions":
+    """What the options say of how sessions are to be read."""
+    from gyrodrift.columns.spec import columns_of
+    from gyrodrift.session.checks.stated import ReadingOptions
+
+    columns = None if arguments.columns is None else columns_of(arguments.columns)
+    return ReadingOptions(columns, arguments.rate_unit or "", arguments.time_unit or "", arguments.flip)
 
 
 def tell_remarks(path: Path, session: "Session") -> None:
@@ -214,8 +241,8 @@ def add_damage_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_session(path: Path, columns: "Sequence[Column] | None" = None, *, allow_damage: bool) -> "Session":
-    """A session; what there is to say of how it was read is told, and where damage is allowed, what is missing.
+def read_session(path: Path, stated: "ReadingOptions | None" = None, *, allow_damage: bool) -> "Session":
+    """A session by the units that are stated; what there is to say of it is told, with what is missing.
 
     Raises
     ------
@@ -224,11 +251,31 @@ def read_session(path: Path, columns: "Sequence[Column] | None" = None, *, allow
     """
     from gyrodrift.session.files import load_session
 
-    session = load_session(path, columns, allow_damage=allow_damage)
+    session = load_session(path, stated.columns if stated else None, allow_damage=allow_damage)
     tell_remarks(path, session)
     if session.damage is not None:
         _tell_damage(path, str(session.damage))
-    return session
+    return stated.applied(session) if stated else session
+
+
+def checked_session(path: Path, arguments: argparse.Namespace) -> "Session":
+    """A session by the units that are stated, on one clock; what the checks warn of is told.
+
+    Raises
+    ------
+    DamagedError
+        Where it is damaged and that is not allowed.
+    DataError
+        Where its numbers contradict what they are taken for.
+    """
+    from gyrodrift.session.checks.examine import examined
+
+    stated = reading(arguments)
+    found = examined(read_session(path, stated, allow_damage=arguments.allow_damage), stated)
+    for warning in found.warnings:
+        print(visible(f"gyrodrift: warning: {path}: {warning}"), file=sys.stderr)
+    found.refuse_errors(str(path))
+    return found.session
 
 
 def check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
@@ -339,13 +386,18 @@ def calibration_tables(config: "Config") -> dict[str, dict[str, str]]:
     return {"calibration": {} if config.calibration is None else config.calibration.table()}
 
 
-def calibrated_session(
-    path: Path, config: "Config", columns: "Sequence[Column] | None" = None, *, allow_damage: bool
-) -> "Session":
-    """A session with its rates put right: by the calibration of the config, or else by the one that it keeps."""
+def calibrated_session(arguments: argparse.Namespace, config: "Config") -> "Session":
+    """The checked session of a command, its rates put right by the calibration of the config, or else by its own.
+
+    Raises
+    ------
+    DataError
+        Where its numbers contradict what they are taken for.
+    """
     from gyrodrift.session.calibrated import device_of, with_config
 
-    session, given = read_session(path, columns, allow_damage=allow_damage), config.calibration
+    path, given = arguments.session, config.calibration
+    session = checked_session(path, arguments)
     if given is not None and not given.is_for(device_of(session)):
         whose = f"the calibration is one of {given.device_id} and is not applied"
         print(f"gyrodrift: warning: {path}: is of the device {device_of(session)}; {whose}", file=sys.stderr)

@@ -66,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
+    options.add_unit_options(parser)
     options.add_cluster_option(parser, "evaluate")
     options.add_damage_option(parser)
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
@@ -135,8 +136,8 @@ def _sources(arguments: argparse.Namespace) -> "list[Source]":
 
     tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
     paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
-    columns = options.table_columns(arguments)
-    return [Source(path, path in stills, Split.TEST if path in tests else None, columns) for path in paths]
+    reading = options.reading(arguments)
+    return [Source(path, path in stills, Split.TEST if path in tests else None, reading) for path in paths]
 
 
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:

@@ -134,7 +134,7 @@ def _column(entry: str) -> Column:
         raise ValueError(f"{entry!r} is no column; {meant}{EXPECTED}")
     quantity, scale, unit = QUANTITIES[meaning], CLOCK_US.get(meaning, 1.0), ""
     for option in options:
-        factor = -1.0 if option == "-" and quantity.is_signed else _factor(quantity, option)
+        factor = -1.0 if option == "-" and quantity.is_signed else scale_of(quantity, option)
         if factor is None:
             raise ValueError(f"{entry!r}: {option!r} is no unit of {meaning}; {EXPECTED}")
         scale *= factor
@@ -142,7 +142,7 @@ def _column(entry: str) -> Column:
     return Column(meaning, scale, " ".join(label.split()), unit)
 
 
-def _factor(quantity: Quantity, option: str) -> float | None:
+def scale_of(quantity: Quantity, option: str) -> float | None:
     """Factor of a unit to that of a session; None for a unit that the quantity does not have."""
     if option in quantity.units:
         return quantity.units[option]

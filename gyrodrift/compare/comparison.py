@@ -7,7 +7,6 @@ from enum import Enum
 from pathlib import Path
 
 from gyrodrift.arrays import Floats
-from gyrodrift.columns.spec import Column
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.compare.tuning import tuned
@@ -25,6 +24,7 @@ from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
 from gyrodrift.progress import OnProgress, untold
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 
 CURVE_POINTS = 300
@@ -71,8 +71,8 @@ class ComparisonRequest:
         Of the search for each method.
     config
         Where parameters of the methods come from that are not their defaults.
-    columns
-        What the columns of tables are; None where their headers say it.
+    reading
+        What a person states of columns and units.
     """
 
     paths: Sequence[Path]
@@ -84,7 +84,7 @@ class ComparisonRequest:
     config: ConfigFile | None = None
     jobs: int = 1
     progress: OnProgress = untold
-    columns: tuple[Column, ...] | None = None
+    reading: ReadingOptions = AS_WRITTEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +234,7 @@ def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry
 
 
 def _source(path: Path, asked: ComparisonRequest) -> Source:
-    return Source(path, path in asked.stills, columns=asked.columns)
+    return Source(path, path in asked.stills, reading=asked.reading)
 
 
 def _loaded(asked: ComparisonRequest) -> list[LoadedSession]:

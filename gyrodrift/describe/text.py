@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from gyrodrift.describe.possible import impossible_values
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription
+from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
 
@@ -47,11 +48,21 @@ def lines_of(groups: Sequence[Group]) -> Iterator[str]:
             yield f"{'!' if is_odd else ' '} {name:{width}}  {value}"
 
 
-def groups_of(session: Session, description: SessionDescription, raw: RawSize | None = None) -> list[Group]:
-    """All that is told of a session, with what was kept beside the samples at its end; `raw` is of its link's bytes."""
+def groups_of(
+    session: Session,
+    description: SessionDescription,
+    raw: RawSize | None = None,
+    findings: Sequence[SessionFinding] = (),
+) -> list[Group]:
+    """All that is told of a session, with what was kept beside the samples at its end.
+
+    `raw` is of its link's bytes, `findings` are those of the checks that contradict what it is taken for.
+    """
+    checked = [TableLine(finding.id, str(finding), is_odd=True) for finding in findings]
+    checks = [Group("checks", checked)] if checked else []
     wrong = [TableLine(each.column, str(each), is_odd=True) for each in impossible_values(session)]
     impossible = [Group("impossible values, left out below", wrong)] if wrong else []
-    return [*impossible, *_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
+    return [*checks, *impossible, *_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
 
 
 def _raw(raw: RawSize | None) -> TableLine:

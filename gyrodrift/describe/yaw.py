@@ -7,8 +7,9 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.integration import euler
-from gyrodrift.evaluation.reference import accepted, beside_of, unwrapped
+from gyrodrift.evaluation.reference import accepted, beside_of
 from gyrodrift.filters.filter import Filter
+from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
 

@@ -44,7 +44,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         Where no session can be used, with what is wrong with each.
     """
     begun_s = time.monotonic()
-    origins, recordings, remarks = recordings_of(asked.paths, asked.progress, asked.columns)
+    origins, recordings, remarks = recordings_of(asked.paths, asked.progress, asked.reading)
     against = contradictions(recordings, asked.rig.base)
     asked = asked._replace(rig=with_facts(asked.rig, against))
     if asked.baseline:

@@ -9,7 +9,6 @@ import numpy as np
 
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.columns.spec import Column
 from gyrodrift.diagnose.inference.alternatives import alternatives_of
 from gyrodrift.diagnose.inference.exact_sizes import Placed, exact_sizes
 from gyrodrift.diagnose.inference.indistinct import (
@@ -39,6 +38,7 @@ from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized
 from gyrodrift.errors import DataError
 from gyrodrift.progress import OnProgress, untold
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 GONE_SHARE = 0.1
 """Of an effect in the rig, below which what is left of it is nothing."""
@@ -64,8 +64,8 @@ class DiagnosisRequest(NamedTuple):
         Recordings beside which the others are diagnosed: what is common to both is no gap.
     least_noise_dps_rthz
         Less noise than that no recording of this device has.
-    columns
-        What the columns of tables are; None where their headers say it.
+    reading
+        What a person states of columns and units.
     """
 
     paths: Sequence[Path]
@@ -76,7 +76,7 @@ class DiagnosisRequest(NamedTuple):
     progress: OnProgress
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
-    columns: tuple[Column, ...] | None = None
+    reading: ReadingOptions = AS_WRITTEN
 
 
 class Simulated(NamedTuple):
@@ -158,7 +158,7 @@ def _heating_of(subject: Subject) -> Heating:
 
 
 def recordings_of(
-    asked: Sequence[Path], progress: OnProgress = untold, columns: tuple[Column, ...] | None = None
+    asked: Sequence[Path], progress: OnProgress = untold, reading: ReadingOptions = AS_WRITTEN
 ) -> tuple[list[Origin], list[Recording], list[str]]:
     """Those that passed the recording checks, with their origins, and what is to be said of all."""
     origins: list[Origin] = []
@@ -166,9 +166,9 @@ def recordings_of(
     remarks: list[str] = []
     for done, path in enumerate(asked):
         progress(CHECKED, done, len(asked))
-        one = checked_session(path, columns)
+        one = checked_session(path, reading)
         remarks += one.remarks
-        origins += [Origin(path, part, columns) for part in range(len(one.recordings))]
+        origins += [Origin(path, part, reading) for part in range(len(one.recordings))]
         recordings += one.recordings
     if not recordings:
         raise DataError("; ".join(remarks))

@@ -11,6 +11,7 @@ from gyrodrift.link.holder import PortHolder
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
+from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
 
 BY_ID = "/dev/serial/by-id/"
@@ -62,6 +63,8 @@ class DeviceEvidence:
         Whether the rate was made of an angle that the device sends.
     units
         Fields of the event that the rate has another unit than it is taken for; empty without one.
+    checked
+        What the checks of a recording found of its clock and its rates.
     """
 
     source: str
@@ -74,9 +77,15 @@ class DeviceEvidence:
     has_clock: bool = True
     is_angle: bool = False
     units: dict[str, Any] = field(default_factory=dict)
+    checked: tuple[SessionFinding, ...] = ()
     session: Session | None = None
     description: SessionDescription | None = None
     sensor: Sensor | None = None
+
+    @property
+    def is_in_deg_s(self) -> bool:
+        """Whether nothing says that the rates have another unit, sign or axis."""
+        return not self.units and not any(finding.is_error for finding in self.checked)
 
     @property
     def rest(self) -> Stretch | None:

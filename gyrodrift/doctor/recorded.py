@@ -1,32 +1,37 @@
 """A recording as evidence: its samples, and what was kept of its link beside them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 
-from gyrodrift.columns.spec import Column
 from gyrodrift.describe.describe import describe
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.listen import clock_ppm, jitter_ms
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
+from gyrodrift.session.checks.examine import examined
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
+
+CLOCK_CHECKS = frozenset({"clock_unit", "clock_stamps"})
+"""Where an error of these was found, nothing else can be made of the times."""
 
 COUNTED = ("bytes", "damaged", "before_hello", "clipped", "device_resets", "reconnects")
 """Counters of the link that a recording keeps, but for those that its samples show."""
 
 
-def recorded(path: Path, columns: Sequence[Column] | None = None) -> DeviceEvidence:
+def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence:
     """What a recording shows of the device; of a damaged one, which its caller has told of, what is whole.
 
-    `columns` say what those of a table are, where its header does not.
+    `reading` is what a person states of columns and units.
 
     Raises
     ------
     DataError
         Where it cannot be read.
     """
-    session = load_session(path, columns, allow_damage=True)
+    checked = examined(reading.applied(load_session(path, reading.columns, allow_damage=True)), reading)
+    session, is_timed = checked.session, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
     description = describe(session)
     about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))
     counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}
@@ -36,7 +41,7 @@ def recorded(path: Path, columns: Sequence[Column] | None = None) -> DeviceEvide
         baud=int(_number(about, "baud") or 0.0),
         protocol=protocol,
         is_open=True,
-        rate_hz=description.rate_hz or 0.0,
+        rate_hz=description.rate_hz or 0.0 if is_timed else 0.0,
         jitter_ms=jitter_ms(description),
         samples=description.samples,
         gaps=description.gaps.count,
@@ -50,8 +55,9 @@ def recorded(path: Path, columns: Sequence[Column] | None = None) -> DeviceEvide
         link=link,
         device=_device(device),
         has_clock=PROTOCOLS[protocol].has_clock if protocol in PROTOCOLS else True,
-        session=session,
-        description=description,
+        checked=checked.findings,
+        session=session if is_timed else None,
+        description=description if is_timed else None,
     )
 
 

@@ -40,7 +40,7 @@ class StillRate:
 def still_rate(evidence: DeviceEvidence) -> StillRate | None:
     """Of the longest rest; None without one, and where the rates have another unit."""
     rest, session, about = evidence.rest, evidence.session, evidence.description
-    if rest is None or session is None or about is None or about.rate_hz is None or evidence.units:
+    if rest is None or session is None or about is None or about.rate_hz is None or not evidence.is_in_deg_s:
         return None
     t_s = session.t_device_s - session.t_device_s[np.isfinite(session.t_device_s)][0]
     inside = (t_s >= rest.start_s) & (t_s <= rest.end_s) & np.isfinite(session.rate_dps)

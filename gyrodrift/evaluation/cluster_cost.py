@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from gyrodrift import __version__
 from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.columns.spec import Column
 from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
 from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_reference
@@ -33,6 +32,7 @@ from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 BATCHES_PER_THREAD = 2
 """So that a thread with quick batches may take over, while the scheduler, at up to a millisecond a task, keeps up."""
@@ -116,8 +116,8 @@ class ClusterCost:
         Paths as the workers see them, at least one, and whether each is a still.
     chosen
         The filter.
-    columns
-        What the columns of tables are; None where their headers say it.
+    reading
+        What a person states of columns and units.
 
     Raises
     ------
@@ -137,7 +137,7 @@ class ClusterCost:
         address: str,
         sessions: Sequence[tuple[Path, bool]],
         chosen: Filter = PUBLISHED,
-        columns: tuple[Column, ...] | None = None,
+        reading: ReadingOptions = AS_WRITTEN,
     ) -> None:
         self._name = chosen.name
         self.evaluations = 0
@@ -145,7 +145,7 @@ class ClusterCost:
         try:
             self.threads = self._workers.threads
             self._edges = _edges([path for path, _ in sessions], self.threads)
-            sources = [Source(path, is_still, columns=columns) for path, is_still in sessions]
+            sources = [Source(path, is_still, reading=reading) for path, is_still in sessions]
             cut = [sources[first:last] for first, last in pairwise(self._edges)]
             self._batches = self._workers.submit(load_batch, cut, [__version__] * len(cut))
             found = self._workers.results(self._workers.submit(descriptions_of, self._batches))

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.session.calibrated import calibrated
+from gyrodrift.session.checks.examine import examined
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
 
 CROSS_VALIDATED = 5
@@ -39,14 +40,14 @@ class Source:
 
     split
         None where nobody has said for what.
-    columns
-        What the columns of a table are; None where its header says it.
+    reading
+        What a person states of columns and units.
     """
 
     path: Path
     is_still: bool = False
     split: Split | None = None
-    columns: tuple[Column, ...] | None = None
+    reading: ReadingOptions = AS_WRITTEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,14 +90,17 @@ def load_with_reference(source: Source) -> LoadedSession:
     Raises
     ------
     DataError
-        With its path, where it cannot be read or has no reference.
+        With its path, where it cannot be read, has no reference, or contradicts what it is taken for.
     """
-    session = calibrated(load_session(source.path, source.columns, allow_damage=True))
+    whole = source.reading.applied(load_session(source.path, source.reading.columns, allow_damage=True))
+    checked = examined(whole, source.reading, is_still=source.is_still)
+    checked.refuse_errors(str(source.path))
+    session = calibrated(checked.session)
     try:
         t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:
         raise DataError(f"{source.path}: {str(error).removeprefix(f'{session.name}: ')}") from error
-    read = [f"{session.name}: {remark}" for remark in session.remarks]
+    read = [f"{session.name}: {remark}" for remark in (*session.remarks, *checked.warnings)]
     warnings = (*read, *([] if source.is_still else _warnings(source, reference)))
     digest = digest_of(source.path)
     described = SessionSummary(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
+from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
-
-FULL_TURN_DEG = 360.0
 
 
 class Beside(NamedTuple):
@@ -138,14 +137,3 @@ def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
             kept[at] = t_s[at] - before >= LEAST_STEP_S
             before = t_s[at] if kept[at] else before
     return kept
-
-
-def unwrapped(angle_deg: Floats) -> Floats:
-    """The angle as it went on, where it was recorded from 0 to 360 or from −180 to 180."""
-    known = np.isfinite(angle_deg)
-    angles = angle_deg[known]
-    if not len(angles) or np.ptp(angles) > FULL_TURN_DEG or not np.any(np.abs(np.diff(angles)) > FULL_TURN_DEG / 2.0):
-        return angle_deg
-    result = angle_deg.copy()
-    result[known] = np.unwrap(angles, period=FULL_TURN_DEG)
-    return result

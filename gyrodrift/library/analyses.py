@@ -11,11 +11,11 @@ from gyrodrift.errors import UsageError
 from gyrodrift.progress import OnProgress, untold
 
 if TYPE_CHECKING:
-    from gyrodrift.columns.spec import Column
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
     from gyrodrift.evaluation.dataset import Source
     from gyrodrift.filters.filter import Filter
+    from gyrodrift.session.checks.stated import ReadingOptions
     from gyrodrift.tune.result import Tuning
     from gyrodrift.tune.tuning import Plan
 
@@ -75,7 +75,7 @@ def tune(
     held, still = set(_sessions(tests)), set(_sessions(stills))
     every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
     _check_damage(every, allow_damage=allow_damage)
-    named = _columns(columns)
+    named = _reading(columns)
     sources = [Source(path, path in still, Split.TEST if path in held else None, named) for path in every]
     return _tuned(plan, sources, jobs)
 
@@ -132,7 +132,7 @@ def diagnose(
     of_baseline = _sessions(baseline)
     jobs = _positive("jobs", jobs)
     asked = DiagnosisRequest(
-        _sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline, columns=_columns(columns)
+        _sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline, reading=_reading(columns)
     )
     _check_damage([*asked.paths, *of_baseline], allow_damage=allow_damage)
     return diagnosis.diagnose(asked)
@@ -192,7 +192,7 @@ def compare(
         config=None if config is None or given is None else comparison.config_file(Path(config), given.blocks),
         jobs=_positive("jobs", jobs),
         progress=on_progress,
-        columns=_columns(columns),
+        reading=_reading(columns),
     )
     _check_damage([*asked.paths, *asked.train], allow_damage=allow_damage)
     return comparison.compare(asked)
@@ -233,10 +233,11 @@ def _check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
         raise DamagedError(damages)
 
 
-def _columns(spec: str | None) -> "tuple[Column, ...] | None":
+def _reading(spec: str | None) -> "ReadingOptions":
     from gyrodrift.columns.spec import columns_of
+    from gyrodrift.session.checks.stated import ReadingOptions
 
-    return None if spec is None else columns_of(spec)
+    return ReadingOptions(None if spec is None else columns_of(spec))
 
 
 def _need(function: str, *packages: str) -> None:

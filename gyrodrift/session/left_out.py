@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mcap.opcode import Opcode
 
-from gyrodrift.session.foreign.channels import ForeignFile, Messages, chosen_topic, contents_of
+from gyrodrift.session.foreign.channels import ForeignFile, chosen_topic, contents_of
 from gyrodrift.session.foreign.records import ForeignRecord, records
 from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
@@ -67,17 +67,13 @@ def _beside_samples(source: Path, session: Session, topic: str | None) -> list[s
     contents = _contents(source)
     channels = sorted(contents.channels.values(), key=lambda channel: channel.topic)
     read = chosen_topic(source, channels, topic)
-    found = [IMU_REST] if any(_is_imu(channel) for channel in channels if channel.topic == read) else []
+    found = [IMU_REST] if any(channel.is_imu for channel in channels if channel.topic == read) else []
     for channel in channels:
         if channel.topic in OWN_CHANNELS:
             found.append(_counted(channel.count, OWN_CHANNELS[channel.topic]))
         elif channel.topic not in {read, STILLS.name}:
             found.append(f"{_counted(channel.count, 'message')} on {channel.topic}")
     return [*found, _counted(contents.attachments, "attachment")] if contents.attachments else found
-
-
-def _is_imu(channel: Messages) -> bool:
-    return channel.schema is not None and channel.schema.name.endswith("/Imu")
 
 
 def _contents(source: Path) -> ForeignFile:

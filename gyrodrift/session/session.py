@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Integers
 from gyrodrift.session.damage import RecordingDamage
 
 TABLE = "table"
@@ -32,6 +32,9 @@ class Session:
         What a person is to be told of how it was read, a sentence each.
     metadata
         Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
+    rate_scale, time_unit
+        Units in the file, from which rates and device times were converted: deg/s for one of the rates, and s, ms, us
+        or ns.
     damage
         What is missing, where the file is damaged and what is whole of it was asked for.
     """
@@ -47,10 +50,15 @@ class Session:
     still: Floats | None = None
     damage: RecordingDamage | None = None
     remarks: tuple[str, ...] = ()
+    rate_scale: float = 1.0
+    time_unit: str = "s"
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""
-        rows = slice(start, end)
+        return self.rows(slice(start, end))
+
+    def rows(self, rows: slice | Integers) -> "Session":
+        """The samples of these rows."""
         return Session(
             name=self.name,
             t_device_s=self.t_device_s[rows],
@@ -62,4 +70,6 @@ class Session:
             still=None if self.still is None else self.still[rows],
             metadata=self.metadata,
             remarks=self.remarks,
+            rate_scale=self.rate_scale,
+            time_unit=self.time_unit,
         )

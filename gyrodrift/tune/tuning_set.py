@@ -57,7 +57,7 @@ class TuningSet:
 
             progress.evaluated("sessions read by the cluster", 0, 1)
             seen = [(source.path.resolve(), source.is_still) for source in self._sources]
-            shared = ClusterCost(cluster, seen, chosen, self._sources[0].columns)
+            shared = ClusterCost(cluster, seen, chosen, self._sources[0].reading)
             self.costs, self._close, self.sessions = shared, shared.close, list(shared.descriptions)
         self.sessions = _with_folders(self.sessions, self._sources)
 

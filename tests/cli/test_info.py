@@ -162,7 +162,7 @@ def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.
     lengths_s = [4, 9, 5, 8, 6, 7, 10, 3]
     rest_and_turn = ([np.repeat(50.0 * i, 100 * s), 50.0 * i + np.arange(100) / 2.0] for i, s in enumerate(lengths_s))
     angle_deg = np.concatenate(list(chain.from_iterable(rest_and_turn)))
-    rate_dps = np.random.default_rng(1).standard_normal(len(angle_deg))
+    rate_dps = np.gradient(angle_deg, 0.01) + np.random.default_rng(1).standard_normal(len(angle_deg))
     session = Session("s", np.arange(len(angle_deg)) / 100.0, rate_dps, encoder_deg=angle_deg)
     write_session(tmp_path / "s.csv", [session])
     lines = told(capsys, tmp_path / "s.csv")

@@ -3,12 +3,13 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from gyrodrift.columns.spec import Column
 from gyrodrift.diagnose.recording.checks import check_recording
 from gyrodrift.diagnose.recording.numbering import backlog_of
 from gyrodrift.diagnose.recording.outages import between_outages
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.calibrated import calibration_of, with_calibration
+from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
 
 
@@ -23,19 +24,21 @@ class CheckedSession(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def checked_session(path: Path, columns: tuple[Column, ...] | None = None) -> CheckedSession:
+def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> CheckedSession:
     """A session as recordings that went through the checks, its rates put right by the calibration that it keeps.
 
     Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
-    `columns` say what those of a table are, where its header does not.
+    `reading` is what a person states of columns and units.
 
     Raises
     ------
     DataError
-        Where it cannot be read, or has no encoder.
+        Where it cannot be read, has no encoder, or times that are not in the unit that they are taken for.
     """
-    session = load_session(path, columns, allow_damage=True)
-    remarks = [f"{session.name}: {remark}" for remark in session.remarks]
+    session = reading.applied(load_session(path, reading.columns, allow_damage=True))
+    clock = ExaminedSession(session, clock_findings(session, reading))
+    clock.refuse_errors(str(path))
+    remarks = [f"{session.name}: {remark}" for remark in (*session.remarks, *clock.warnings)]
     calibration = calibration_of(session)
     if calibration is not None:
         session = with_calibration(session, calibration)

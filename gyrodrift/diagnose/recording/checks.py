@@ -1,4 +1,4 @@
-"""What has to be right before anything is compared: length, motion, clocks, axis, alignment, sign, unit.
+"""What has to be right before anything is compared: length, motion, axis, alignment, sign, unit.
 
 Each check looks at a recording and finds nothing, or one thing: it refuses it, puts it right, or remarks on it.
 """
@@ -13,6 +13,7 @@ from gyrodrift.diagnose.recording.delay import SmoothedRates, best_lag, smoothed
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.errors import DataError
+from gyrodrift.session.checks.rate_unit import LIKE, wrong_unit
 
 LEAST_S = 20.0
 """A recording counts from here on: rest and a few turns fit into it."""
@@ -23,22 +24,8 @@ TOGETHER_S = 60.0
 GYRO_MOVES_DPS = 10.0
 """A gyro whose smoothed rate spans more than this moves; bounds the drift and noise of one that rests."""
 
-LIKE = 0.8
-"""Rates of gyro and encoder of one axis correlate at least so well."""
-
 LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
-
-RADIAN = 180.0 / np.pi
-UNITS = (
-    (RADIAN, "is in radians per second, not degrees"),
-    (1.0 / RADIAN, "is multiplied by 57.3 as if it had been radians"),
-)
-NEAR = 1.35
-"""A gain within this factor of a wrong unit is that unit: a scale error of a third is no unit."""
-
-CLOCKS_APART = 0.2
-"""More than this share between the spans of two clocks is no drift of a clock."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,19 +116,6 @@ def _motion(smoothed: Smoothed) -> Finding | None:
     return Finding("nothing moves in it; it tells of rest, clock and link alone", smoothed)
 
 
-def _clocks(smoothed: Smoothed) -> Finding | None:
-    recording = smoothed.recording
-    if recording.host_s is None:
-        return None
-    device_s = float(np.ptp(recording.device_s[np.isfinite(recording.device_s)]))
-    host_s = float(np.ptp(recording.host_s[np.isfinite(recording.host_s)]))
-    is_apart = host_s <= 0.0 or abs(device_s / host_s - 1.0) > CLOCKS_APART
-    if not is_apart:
-        return None
-    counted = f"the device counted {device_s:.1f} s while the host counted {host_s:.1f} s"
-    return Finding(f"{counted}: which is right?", smoothed)
-
-
 def _alignment(smoothed: Smoothed) -> Finding | None:
     recording, rates = smoothed.recording, smoothed.rates
     lag, _, likeness = best_lag(rates, recording.period_s)
@@ -167,18 +141,19 @@ def _sign(smoothed: Smoothed) -> Finding | None:
 
 def _unit(smoothed: Smoothed) -> Finding | None:
     gain = smoothed.rates.gain
-    for unit, what in UNITS:
-        if 1.0 / NEAR < gain * unit < NEAR:
-            scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * unit)
-            remark = f"the rate {what}; it was multiplied by {unit:.4g}"
-            return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(unit)))
-    return None
+    wrong = wrong_unit(1.0 / gain) if gain else None
+    if wrong is None:
+        return None
+    factor, what = wrong
+    scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * factor)
+    remark = f"the rate {what}; it was multiplied by {factor:.4g}"
+    return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(factor)))
 
 
 CHECKS: tuple[Check, ...] = (_length, _motion)
 """Of every recording."""
 
-MOTION_CHECKS: tuple[Check, ...] = (_clocks, _alignment, _sign, _unit)
+MOTION_CHECKS: tuple[Check, ...] = (_alignment, _sign, _unit)
 """Of one that moves."""
 
 

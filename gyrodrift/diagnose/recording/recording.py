@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.numbering import numbered
 from gyrodrift.errors import DataError
-from gyrodrift.evaluation.reference import unwrapped
+from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
 FIRST_SAMPLES = 100

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.columns.spec import Column
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
@@ -17,6 +16,7 @@ from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
 from gyrodrift.parallel import fork_pool
 from gyrodrift.progress import OnProgress
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 REPLAYED = "sessions replayed"
 
@@ -26,7 +26,7 @@ class Origin(NamedTuple):
 
     path: Path
     part: int
-    columns: tuple[Column, ...] | None = None
+    reading: ReadingOptions = AS_WRITTEN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,8 +128,8 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     DataError
         Where it cannot be read, or does not go through the checks any more.
     """
-    path, part, columns = task.origin
-    recordings = checked_session(path, columns).recordings
+    path, part, reading = task.origin
+    recordings = checked_session(path, reading).recordings
     if part >= len(recordings):
         raise DataError(f"{path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]

@@ -1,8 +1,10 @@
 """The line: what is spoken on it, at which baud rate, how full it is, and what is damaged."""
 
+from functools import partial
+
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
-from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok
+from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.doctor.listen import BITS_PER_BYTE
 from gyrodrift.errors import DeviceSilentError, UnitError
 from gyrodrift.link.port import USUAL_BAUDS
@@ -121,6 +123,8 @@ def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     """A device that booted, or whose clock jumped."""
+    if found := of_recording("restarts", evidence):
+        return found
     if not _is_counted(evidence):
         return None
     said = health.restarted(evidence.link)
@@ -138,7 +142,7 @@ def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
 def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether its clock counts what it is taken for."""
     if not isinstance(evidence.failure, UnitError):
-        return None
+        return of_recording("clock_unit", evidence)
     return of_error(str(evidence.failure).removeprefix(f"{evidence.link.port}: "))
 
 
@@ -146,11 +150,20 @@ def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether its rates are in deg/s."""
     units = evidence.units
     if not units:
-        return None
+        return of_recording("rate_unit", evidence)
     return error(
         f"The rates are {units['unit']} rather than deg/s, at odds of {units['odds']}: {units['reason']}.",
         f"{units['hint'][0].upper()}{units['hint'][1:]}.",
     )
+
+
+def of_recording(check: str, evidence: DeviceEvidence) -> DeviceFinding | None:
+    """What a check of a recording found; None where it found nothing."""
+    found = next((finding for finding in evidence.checked if finding.id == check), None)
+    if found is None:
+        return None
+    severity = Severity.ERROR if found.is_error else Severity.WARNING
+    return DeviceFinding(severity, sentence(found.says), sentence(found.do))
 
 
 def _is_counted(evidence: DeviceEvidence) -> bool:
@@ -178,4 +191,13 @@ CHECKS = (
     Check("restarts", "the device booted, or its clock jumped", restarts),
     Check("clock_unit", "a clock that counts milliseconds or seconds", clock_unit),
     Check("rate_unit", "rates in rad/s or counts", rate_unit),
+    *(
+        Check(name, about, partial(of_recording, name))
+        for name, about in (
+            ("clock_stamps", "times of a recording that stand still or are too coarse"),
+            ("clock_pace", "seconds of the device beside those of the host, in a recording"),
+            ("rate_sign", "the sign of the rates beside the encoder, in a recording"),
+            ("rate_axis", "whether the rates of a recording follow its encoder"),
+        )
+    ),
 )

@@ -48,7 +48,7 @@ def sensor(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 def still(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether there was a rest to measure at."""
-    if evidence.description is None:
+    if evidence.description is None or not evidence.is_in_deg_s:
         return None
     rest = evidence.rest
     if rest is None:

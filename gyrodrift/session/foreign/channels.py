@@ -35,6 +35,11 @@ class Messages:
         return f"{self.topic} ({schema}, {self.encoding})"
 
     @property
+    def is_imu(self) -> bool:
+        """Whether they are sensor_msgs/Imu, whose rates are in rad/s."""
+        return self.schema is not None and self.schema.name.endswith("/Imu")
+
+    @property
     def is_understood(self) -> bool:
         """Whether samples can be made of them, as far as the declaration tells."""
         if self.encoding == MessageEncoding.JSON or self.schema is None:

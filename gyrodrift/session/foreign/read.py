@@ -4,6 +4,7 @@ Four kinds of messages are understood: `gyrodrift/Sample` and `sensor_msgs/msg/I
 latter as ROS 1 serialises it, and JSON objects with the column names of a session.
 """
 
+import math
 import struct
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -67,6 +68,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         for channel_id, channel in contents.channels.items()
         if channel.topic == chosen and channel.is_understood
     }
+    is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
     rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
     t_s, remarks = running_clock(rows["t_device_s"], rows["t_host_s"])
     return Session(
@@ -80,6 +82,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         still=_column(rows["still"]),
         metadata=contents.metadata,
         remarks=remarks,
+        rate_scale=math.degrees(1.0) if is_imu else 1.0,
     )
 
 

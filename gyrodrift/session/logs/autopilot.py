@@ -144,6 +144,7 @@ def _session(
         name=path.stem,
         t_device_s=times_us / US_PER_S,
         rate_dps=-rates_rads * degrees(1.0),
+        rate_scale=degrees(1.0),
         temp_c=None if temp_c is None or np.isnan(temp_c).all() else temp_c,
         metadata={TABLE: {"form": form, "remarks": "; ".join(remarks)}},
         remarks=remarks,

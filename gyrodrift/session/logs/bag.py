@@ -50,7 +50,9 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
         raise DataError(f"{path}: has no samples")
     table = np.array([(row.t_device_s, row.t_host_s, row.rate_dps) for row in rows])
     t_s, remarks = running_clock(table[:, 0], table[:, 1])
-    return Session(path.stem, t_s, table[:, 2].copy(), t_host_s=table[:, 1].copy(), remarks=remarks)
+    return Session(
+        path.stem, t_s, table[:, 2].copy(), t_host_s=table[:, 1].copy(), remarks=remarks, rate_scale=degrees(1.0)
+    )
 
 
 def _chosen(path: Path, reader: Any, topic: str | None) -> list[Any]:

@@ -158,7 +158,7 @@ class _Columns:
             t_device_s=found["t_device_s"],
             rate_dps=found["rate_dps"],
             seq=None if (found["seq"] < 0).all() else found["seq"],
-            **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},
+            **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},  # type: ignore[arg-type]
             still=self._still(),
             metadata=metadata,
             damage=self._found.damage(found["t_device_s"]),

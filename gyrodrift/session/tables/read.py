@@ -100,7 +100,13 @@ def _session(head: Head, found: TableColumns, read: ColumnsRead, dialect: str) -
         more = f"; {refused.count} of {read.count + refused.count} rows are bad" if refused.count > 1 else ""
         raise DataError(f"{place}: {refused.why}{more}")
     remarks = (*found.remarks, *_remarks(read))
-    return replace(_arrays(head.path.stem, read), metadata=_kept(found, read, dialect, remarks), remarks=remarks)
+    return replace(
+        _arrays(head.path.stem, read),
+        metadata=_kept(found, read, dialect, remarks),
+        remarks=remarks,
+        rate_scale=next((abs(each.scale) for each in found.taken if each.target == "rate_dps"), 1.0) or 1.0,
+        time_unit=next((each.unit for each in found.taken if each.unit), "t_s").removeprefix("t_"),
+    )
 
 
 def _is_torn(path: Path) -> bool:

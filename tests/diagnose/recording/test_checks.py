@@ -87,14 +87,6 @@ def test_a_dead_encoder_is_refused_and_a_still_is_not() -> None:
     assert "nothing moves in it" in still.remarks[0]
 
 
-def test_clocks_that_contradict_each_other_are_told() -> None:
-    """Whoever is right."""
-    whole = recording()
-    passed = check_recording(replace(whole, device_s=whole.device_s * 2.0))
-    assert passed.recording is not None
-    assert "which is right?" in passed.remarks[0]
-
-
 def test_a_recording_that_only_rests_is_told_of() -> None:
     """It is of use for all that shows at rest."""
     still = recording(np.zeros(len(T_S)), np.zeros(len(T_S)))
@@ -104,11 +96,11 @@ def test_a_recording_that_only_rests_is_told_of() -> None:
 
 
 def test_all_findings_are_told_in_their_order() -> None:
-    """Clocks, lag, sign, unit; each check looks at what the one before put right."""
+    """Lag, sign, unit; each check looks at what the one before put right."""
     late_deg = ANGLE_DEG[np.clip(np.arange(len(T_S)) + 100, 0, len(T_S) - 1)]
     whole = recording(angle_deg=late_deg)
-    passed = check_recording(replace(whole, rate_dps=-np.deg2rad(whole.rate_dps), device_s=whole.device_s * 2.0))
-    words = ("which is right?", "1.00 s apart", "sign opposite", "in radians per second")
+    passed = check_recording(replace(whole, rate_dps=-np.deg2rad(whole.rate_dps)))
+    words = ("1.00 s apart", "sign opposite", "in radians per second")
     assert len(passed.remarks) == len(words)
     assert all(word in remark for word, remark in zip(words, passed.remarks, strict=True))
     assert all(remark.startswith("swing: ") for remark in passed.remarks)
@@ -119,9 +111,9 @@ def test_all_findings_are_told_in_their_order() -> None:
 def test_a_refusal_keeps_what_was_told_before() -> None:
     """And nothing after it is looked at."""
     other = recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3))
-    passed = check_recording(replace(other, device_s=other.device_s * 2.0))
+    passed = check_recording(other)
     assert passed.recording is None
-    assert ["which is right?" in passed.remarks[0], "another axis" in passed.remarks[1]] == [True, True]
+    assert ["another axis" in remark for remark in passed.remarks] == [True]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,187 @@
+"""One clock for a recording whose clock begins anew, stumbles or stands: its parts go on one period after another.
+
+A step back of more than a few periods is a restart where the samples after it go on from it, as `link.clocks.device`
+takes it on a port. Where they go on from before it, one stamp was damaged. Where the same samples come again, a link or
+a logger repeated them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.session.angles import unwrapped
+from gyrodrift.session.checks.finding import SessionFinding
+from gyrodrift.session.session import Session
+
+REPEATED_PERIODS = 8.0
+"""A step back of no more than this repeats or swaps the last few samples, as in `link.clocks.device`."""
+
+NEXT_PERIODS, NEXT_S = 4.0, 1.0
+"""A sample goes on from another one that is no more than this before it, whichever is longer."""
+
+SET_S, SET_SHARE = 3600.0, 10.0
+"""A step forward of more than an hour, and than ten times the rest of the recording, is a clock that was set."""
+
+SET_BESIDE_HOST_S, HOST_SHARE = 60.0, 0.1
+"""So is a step of more than a minute in which the host's clock goes on by less than a tenth of it."""
+
+MOST_RESTARTS = 0.05
+"""Share of samples with which a clock may begin anew; what does so more often is no clock."""
+
+SAME_ROWS = 5
+"""So many samples with the same times and rates as others are these samples once more."""
+
+ENCODER_JUMP_DEG = 10.0
+"""An encoder that is further off after a restart has begun anew as well."""
+
+LEAST_SAMPLES = 20
+"""Fewer are no recording."""
+
+COARSE_SHARE, SOME_SHARE = 0.45, 0.05
+"""Shares of samples with the stamp of the one before and another rate: stamps too coarse to tell the samples apart, and
+worth a word."""
+
+
+@dataclass(frozen=True, slots=True)
+class OneClock:
+    """A session whose times go forward, as far as they can be made to."""
+
+    session: Session
+    findings: tuple[SessionFinding, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Cuts:
+    """Rows with which a clock begins anew, and rows whose stamp is damaged."""
+
+    restarts: list[int]
+    damaged: list[int]
+
+
+COLUMN = "name the column of the time with --columns, or write the right one under t_device_s"
+DIGITS = "write the time of each sample with all its digits, or the time at which it was logged as t_host_s"
+
+
+def one_clock(session: Session) -> OneClock:
+    """The session on one clock, with what there is to be told of it."""
+    samples = len(session.t_device_s)
+    if samples < LEAST_SAMPLES:
+        return OneClock(session)
+    steps_s = np.diff(session.t_device_s)
+    forward_s = steps_s[(steps_s > 0.0) & np.isfinite(steps_s)]
+    is_same = (steps_s == 0.0) & (np.diff(session.rate_dps) != 0.0)
+    if np.mean(is_same) > COARSE_SHARE or not len(forward_s):
+        return _by_host(session, forward_s)
+    period_s = float(np.median(forward_s))
+    cuts = _cuts(session, period_s)
+    if len(cuts.restarts) > MOST_RESTARTS * samples:
+        says = f"its times begin anew {len(cuts.restarts)} times in {samples} samples: they are no clock"
+        return OneClock(session, (SessionFinding("clock_unit", says, COLUMN, is_error=True),))
+    findings = [*_told(session, cuts)]
+    if np.mean(is_same) > SOME_SHARE:
+        says = f"{np.count_nonzero(is_same)} of its {samples} samples have the time of the one before"
+        findings.append(SessionFinding("clock_stamps", f"{says}, and a filter passes them by", DIGITS))
+    return OneClock(_joined(session, cuts, period_s), tuple(findings))
+
+
+def _by_host(session: Session, forward_s: Floats) -> OneClock:
+    """Host times in place of stamps that do not run, or are too coarse; an error where there are none."""
+    samples, host_s = len(session.t_device_s), session.t_host_s
+    if len(forward_s):
+        says = f"its times have steps of {np.median(forward_s):.4g} s, for {samples / (len(forward_s) + 1):.3g} samples"
+    elif len(np.unique(session.t_device_s)) == 1:
+        says = f"its clock never runs: all {samples} times are {session.t_device_s[0]:g} s"
+    else:
+        says = f"its {samples} times never go forward"
+    if host_s is None or np.mean(np.diff(host_s) > 0.0) < 1.0 - COARSE_SHARE:
+        return OneClock(session, (SessionFinding("clock_stamps", says, DIGITS, is_error=True),))
+    said = SessionFinding("clock_stamps", f"{says}; the times at which they were logged are taken (t_host_s)")
+    return OneClock(replace(session, t_device_s=host_s), (said,))
+
+
+def _cuts(session: Session, period_s: float) -> _Cuts:
+    t_s = session.t_device_s
+    steps_s = np.diff(t_s)
+    is_back = steps_s < -REPEATED_PERIODS * period_s
+    odd = 1 + np.flatnonzero(is_back | _is_set(session, steps_s))
+    cuts = _Cuts([], [])
+    for row in odd.tolist():
+        before_s = t_s[row - 1 - (row - 1 in cuts.damaged)]
+        if row in cuts.damaged or (row - 1 in cuts.damaged and _goes_on(t_s[row] - before_s, period_s)):
+            continue
+        if row + 1 < len(t_s) and _goes_on(t_s[row + 1] - before_s, period_s):
+            cuts.damaged.append(row)
+        elif row >= 2 and t_s[row] < t_s[row - 1] and _goes_on(t_s[row] - t_s[row - 2], period_s):
+            cuts.damaged.append(row - 1)
+        elif not _is_again(session, row):
+            cuts.restarts.append(row)
+    return cuts
+
+
+def _is_set(session: Session, steps_s: Floats) -> Mask:
+    """Steps forward that are longer than any hole in a recording."""
+    forward_s = np.where(steps_s > 0.0, steps_s, 0.0)
+    rest_s = float(np.nansum(forward_s)) - forward_s
+    is_set: Mask = (forward_s > SET_S) & (forward_s > SET_SHARE * rest_s)
+    if session.t_host_s is not None:
+        is_set |= (forward_s > SET_BESIDE_HOST_S) & (np.diff(session.t_host_s) < HOST_SHARE * forward_s)
+    return is_set
+
+
+def _goes_on(step_s: float, period_s: float) -> bool:
+    return bool(0.0 < step_s <= NEXT_PERIODS * period_s)
+
+
+def _is_again(session: Session, row: int) -> bool:
+    """Whether the samples from a row on are some from before it, and newer ones follow them."""
+    t_s, rate_dps = session.t_device_s, session.rate_dps
+    count = min(SAME_ROWS, len(t_s) - row)
+    newest_s = np.nanmax(t_s[:row])
+    for first in np.flatnonzero(t_s[:row] == t_s[row]).tolist():
+        is_same = np.array_equal(t_s[first : first + count], t_s[row : row + count])
+        if is_same and np.array_equal(rate_dps[first : first + count], rate_dps[row : row + count], equal_nan=True):
+            after_s = t_s[row:]
+            turns_back = np.flatnonzero(np.diff(after_s) < 0.0)
+            end = int(turns_back[0]) + 1 if len(turns_back) else len(after_s)
+            return bool(np.nanmax(after_s[:end]) > newest_s)
+    return False
+
+
+def _joined(session: Session, cuts: _Cuts, period_s: float) -> Session:
+    """Every part begins one period after the one before."""
+    if not (cuts.restarts or cuts.damaged):
+        return session
+    t_s = session.t_device_s.copy()
+    encoder_deg = None if session.encoder_deg is None else session.encoder_deg.copy()
+    for row in cuts.restarts:
+        last = row - 1 - (row - 1 in cuts.damaged)
+        t_s[row:] += t_s[last] + period_s - t_s[row]
+        if encoder_deg is not None and abs(encoder_deg[row] - encoder_deg[last]) > ENCODER_JUMP_DEG:
+            encoder_deg = unwrapped(encoder_deg)
+            encoder_deg[row:] += encoder_deg[last] - encoder_deg[row]
+    joined = replace(session, t_device_s=t_s, encoder_deg=encoder_deg)
+    return joined.rows(np.delete(np.arange(len(t_s)), cuts.damaged)) if cuts.damaged else joined
+
+
+def _told(session: Session, cuts: _Cuts) -> Iterator[SessionFinding]:
+    t_s = session.t_device_s
+    if cuts.restarts:
+        row = cuts.restarts[0]
+        more = f", the first of {len(cuts.restarts)} times" if len(cuts.restarts) > 1 else ""
+        rest_s = _seconds_after(t_s, cuts)
+        says = f"its clock begins anew at sample {row + 1}{more}, from {t_s[row - 1]:.6g} to {t_s[row]:.6g} s"
+        yield SessionFinding(
+            "restarts", f"{says}; the {rest_s:.4g} s from there on follow one period after, as serve takes them"
+        )
+    if cuts.damaged:
+        row = cuts.damaged[0]
+        says = f"{len(cuts.damaged)} of its times are of no clock, the first {t_s[row]:.6g} s at sample {row + 1}"
+        yield SessionFinding("restarts", f"{says}; these samples are left out")
+
+
+def _seconds_after(t_s: Floats, cuts: _Cuts) -> float:
+    """How long what follows the first restart lasts."""
+    ends = [*cuts.restarts[1:], len(t_s)]
+    return float(sum(t_s[end - 1] - t_s[row] for row, end in zip(cuts.restarts, ends, strict=True)))
