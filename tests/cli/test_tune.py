@@ -4,6 +4,7 @@ import json
 import signal
 from dataclasses import replace
 from hashlib import sha256
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
+from gyrodrift.tune.search import journal
+from gyrodrift.tune.search.journal import Journal
 
 pytest.importorskip("numba", reason="tuning needs the workstation extra")
 
@@ -178,26 +181,38 @@ def test_other_methods_are_there_to_compare_with(eight: Path, tmp_path: Path, me
     assert numbers(tmp_path)["method"] == method
 
 
+def interrupt_after_saving(monkeypatch: pytest.MonkeyPatch, saves: int) -> None:
+    """Save at every turn, and send the signal of Ctrl-C after so many of them."""
+    save, saved = Journal.save, count(1)
+
+    def save_and_interrupt(self: Journal) -> None:
+        save(self)
+        if next(saved) == saves:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(journal, "SAVE_S", 0.0)
+    monkeypatch.setattr(Journal, "save", save_and_interrupt)
+
+
 def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_been(
-    eight: Path, tmp_path: Path
+    eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Status 130, and then the bytes of a run that was left alone."""
     out = tmp_path / "c.yaml"
-    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "7000", "--jobs", "1"]
-    with Command(*arguments, "--method", "carla") as tune:
-        while not (tmp_path / "c.progress.npz").exists():
-            assert tune.process.poll() is None, tune.log
-            tune._read(0.05)
-        assert tune.stop(signal.SIGINT) == 130
+    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "1000", "--jobs", "1", "--method", "carla"]
+    with monkeypatch.context() as patched:
+        interrupt_after_saving(patched, saves=3)
+        assert main(arguments) == 130
     assert load_config(out)
-    assert "it was interrupted: these are the best parameters so far" in tune.log
+    assert "it was interrupted: these are the best parameters so far" in "".join(capsys.readouterr())
     interrupted = yaml.safe_load(out.read_text())["provenance"]["iterations"]
-    assert 0 < interrupted < 7000
-    assert main([*arguments, "--method", "carla", "--resume"]) == 0
+    assert 0 < interrupted < 1000
+    assert (tmp_path / "c.progress.npz").exists()
+    assert main([*arguments, "--resume"]) == 0
     resumed = out.read_bytes()
     assert not (tmp_path / "c.progress.npz").exists()
     out.unlink()
-    assert main([*arguments, "--method", "carla"]) == 0
+    assert main(arguments) == 0
     assert out.read_bytes() == resumed
 
 

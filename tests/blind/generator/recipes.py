@@ -22,7 +22,7 @@ DECOYS = 8
 
 SEEDS = {"smoke": 3, "development": 1, "final": 20260}
 PART = {"smoke": "development", "development": "development", "final": "final"}
-SHAPE = {"smoke": (3, (2.5, 3.0)), "development": (0, (6.0, 8.0)), "final": (4, (6.0, 7.0))}
+SHAPE = {"smoke": (3, (1.2, 1.5)), "development": (0, (6.0, 8.0)), "final": (4, (6.0, 7.0))}
 """Sessions, and minutes of each; where it says 0 sessions, the seed takes four to six."""
 
 SMOKE: tuple[tuple[Kind, str, str], ...] = (
