@@ -1,0 +1,32 @@
+"""Which tests share a worker: those of files whose `pytestmark` names the same `xdist_group`.
+
+pytest-xdist 3.8 writes the group to an attribute of a test that pytest 9.2 no longer reads, and so spreads a group
+over all workers: a group's fixtures are made, and its kernels compiled, once in each of them.
+"""
+
+import re
+from functools import cache
+from pathlib import Path
+
+from xdist.scheduler import LoadGroupScheduling
+
+ROOT = Path(__file__).parent.parent
+GROUP = re.compile(r'^pytestmark = .*xdist_group\("(\w+)"\)', re.MULTILINE)
+
+
+def group_of(nodeid: str) -> str:
+    """The name of the group of a test, or the test's own id if it is in none."""
+    return _group_in(ROOT / nodeid.split("::", 1)[0]) or nodeid
+
+
+@cache
+def _group_in(path: Path) -> str:
+    named = GROUP.search(path.read_text()) if path.is_file() else None
+    return named[1] if named else ""
+
+
+class GroupScheduling(LoadGroupScheduling):  # type: ignore[misc]  # xdist ships no type information
+    """A group goes to one worker as a whole, and every other test on its own."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return group_of(nodeid)
