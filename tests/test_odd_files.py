@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from gyrodrift.cli import main
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.files import UnreadableError, read_ordinary
 from gyrodrift.service.memory_file import LONGEST_BYTES, read_memory
@@ -34,6 +35,16 @@ def test_what_is_no_ordinary_file_is_refused_at_once(odd: Path) -> None:
         load_session(odd)
     with pytest.raises(UsageError, match=r"--memory .*: is no ordinary file"):
         read_memory(odd)
+
+
+@pytest.mark.parametrize("command", ["info", "repair", "convert", "filter", "doctor"])
+def test_no_command_waits_for_a_pipe(tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also not before the session is read, where damage is looked for."""
+    path = tmp_path / "odd.mcap"
+    os.mkfifo(path)
+    outs = {"convert": [str(tmp_path / "out.csv")], "filter": ["--out", str(tmp_path / "out.csv")]}
+    assert main([command, str(path), *outs.get(command, [])]) == 4
+    assert "is no ordinary file" in capsys.readouterr().err
 
 
 def test_a_folder_and_a_huge_file_are_no_memory(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
-from gyrodrift.files import UnreadableError, read_ordinary
+from gyrodrift.files import UnreadableError, check_ordinary, read_ordinary
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import FIELDS, known
@@ -39,7 +39,7 @@ ANSWER_S = 10.0
 FAREWELL_S = 1.0
 LINK_EVERY_S = 10.0
 AT_LEAST_ONCE = 1
-LONGEST_PASSWORD_BYTES = 64 << 10
+LONGEST_PASSWORD_BYTES = (64 << 10) - 1
 """MQTT 3.1.1, 3.1.3.5: its length has 16 bits."""
 
 Text = Annotated[str, MaxLen(1024)]
@@ -228,10 +228,12 @@ class MqttOutput(Output[MqttOptions]):
         if not self.options.tls:
             return None
         try:
+            for path in filter(None, (self.options.ca, self.options.certificate, self.options.key)):
+                check_ordinary(Path(path))  # the loop of all outputs would wait for who writes to a pipe
             context = ssl.create_default_context(cafile=self.options.ca or None)
             if self.options.certificate:
                 context.load_cert_chain(self.options.certificate, self.options.key or None)
-        except OSError as error:  # ssl.SSLError is one
+        except (OSError, ValueError, UnreadableError) as error:  # ssl.SSLError is an OSError
             raise OutputError(f"cannot use the certificates of ca, certificate and key: {error}") from error
         return context
 

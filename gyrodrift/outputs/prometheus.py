@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
+from gyrodrift.outputs.net.names import well_formed
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost
@@ -138,7 +139,7 @@ def _gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
 
 
 def _of_outputs(status: ServiceStatus) -> "Iterator[Metric]":
-    outputs = {each.output: each for each in status.outputs}
+    outputs = {well_formed(each.output): each for each in status.outputs}
     up = _gauge("output_open", "1 while the output is open.", labels=("output",))
     clients = _gauge("output_clients", "Who listens to the output.", labels=("output",))
     sent = _counter("output_sent", "Messages sent.", labels=("output",))
@@ -161,7 +162,8 @@ def _identity(status: ServiceStatus) -> "Metric":
         "device": status.device.device_id or "",
         "filter": status.filter.name,
     }
-    return InfoMetricFamily("gyrodrift", "Program, device and filter.", said)
+    labels = {name: well_formed(value) for name, value in said.items()}
+    return InfoMetricFamily("gyrodrift", "Program, device and filter.", labels)
 
 
 def _gauge(name: str, about: str, value: float | None = None, labels: tuple[str, ...] = ()) -> "GaugeMetricFamily":

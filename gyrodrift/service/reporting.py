@@ -7,6 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from gyrodrift import __version__
+from gyrodrift.outputs.net.names import well_formed
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.secret import without_secrets
 from gyrodrift.service.filtering import Filtering
@@ -49,7 +50,7 @@ class Reporting:
 def _link_status(meter: LinkMeter) -> LinkStatus:
     link, decoder = meter.link, meter.link.decoder
     return LinkStatus(
-        port=without_secrets(link.name),
+        port=without_secrets(well_formed(link.name)),
         baud=link.baud,
         protocol=decoder.name if decoder else "unknown",
         is_open=link.port is not None,
@@ -86,7 +87,7 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
 
 
 def _config_status(filtering: Filtering) -> ConfigStatus:
-    file = None if filtering.watch is None else str(filtering.watch.path)
+    file = None if filtering.watch is None else well_formed(str(filtering.watch.path))
     counts = (filtering.applied, filtering.refused, filtering.applied_s)
     return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts)
 

@@ -106,9 +106,10 @@ def _is_intact(path: Path) -> bool:
     from gyrodrift.session.mcap.ending import Ending, ending_of  # noqa: PLC0415 - likewise
 
     try:
+        check_ordinary(path)
         with path.open("rb") as file:
             return ending_of(file) is Ending.INTACT
-    except OSError:  # is told by who reads it
+    except (OSError, UnreadableError):  # is told by who reads it
         return False
 
 

@@ -237,6 +237,27 @@ def test_options_that_cannot_be_are_told(option: str, problem: str) -> None:
         assert await_problem(outputs, problem)
 
 
+@pytest.mark.parametrize("option", ["ca", "certificate", "key"])
+def test_a_pipe_in_the_place_of_a_certificate_stops_no_other_output(tmp_path: Path, option: str) -> None:
+    """All outputs share a loop, which would wait for who writes to it."""
+    pipe, trusted = tmp_path / "pipe", tmp_path / "trusted"
+    os.mkfifo(pipe)
+    trusted.touch()
+    first = f"certificate={trusted}," if option == "key" else ""
+    with hub() as outputs:
+        outputs.want(f"mqtt:tls=true,{first}{option}={pipe}")
+        assert await_problem(outputs, "is no ordinary file")
+
+
+def test_a_password_that_mqtt_cannot_send_is_told(tmp_path: Path) -> None:
+    """Its length has 16 bits."""
+    secret = tmp_path / "secret"
+    secret.write_text("x" * 65536)
+    with hub() as outputs:
+        outputs.want(f"mqtt:user=ann,password_file={secret}")
+        assert await_problem(outputs, "cannot read password_file")
+
+
 def test_what_is_not_known_is_null(number: int, tmp_path: Path) -> None:
     """So that templates find the key; Home Assistant shows unknown."""
     with broker(number, tmp_path), hub() as outputs:

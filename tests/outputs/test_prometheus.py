@@ -9,6 +9,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,24 @@ def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
     assert values["gyrodrift_output_dropped_total", "tcp"] == 3
     assert values["gyrodrift_output_open", 'udp:host="x"'] == 0
     assert ("gyrodrift_heading_degrees", None) not in values
+
+
+def test_names_that_are_no_text_are_told_with_escapes() -> None:
+    """A path may have any bytes: that of the port, or that of another output."""
+    odd = replace(
+        STATUS,
+        link=replace(STATUS.link, port="/dev/gy\udcff"),
+        outputs=(OutputStatus("unix:path=/tmp/\udcfe", "/tmp/\udcfe", "", (), 0, 0, 0),),
+    )
+    with hub() as outputs:
+        outputs.want("prometheus:port=0")
+        url = f"http://{outputs.opened()[0].address}/metrics"
+        outputs.status(odd)
+        until_s = time.monotonic() + PATIENCE_S
+        while "udcff" not in (text := fetched(url)):
+            assert time.monotonic() < until_s, text
+    assert r'port="/dev/gy\\udcff"' in text
+    assert r'output="unix:path=/tmp/\\udcfe"' in text
 
 
 def test_open_metrics_are_given_to_who_asks_for_them(page: str) -> None:

@@ -1,4 +1,4 @@
-"""What a client calls itself, as it may be shown: in `status`, in the log, on the page."""
+"""Names from outside as they may be shown: in `status`, in the log, on the page, in metrics."""
 
 LONGEST_NAME = 40
 
@@ -8,3 +8,8 @@ def shown_name(name: str | bytes) -> str:
     text = name if isinstance(name, str) else name.decode("utf-8", "backslashreplace")
     cut = text[:LONGEST_NAME] + "…" * (len(text) > LONGEST_NAME)
     return "".join(each if each.isprintable() else repr(each)[1:-1] for each in cut)
+
+
+def well_formed(name: str) -> str:
+    """A name that UTF-8 can hold: bytes of a path that are no text become escapes."""
+    return name.encode("utf-8", "backslashreplace").decode()

@@ -6,6 +6,7 @@ from contextlib import closing, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from math import degrees
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
@@ -80,10 +81,11 @@ def read_ardupilot(path: Path) -> Session:
 
 def _check_formats(path: Path) -> None:
     """See that every declared message has a length: of one without, the reader of pymavlink finds no end."""
-    content, at = path.read_bytes(), -1
-    while (at := content.find(ARDUPILOT_FORMAT, at + 1)) >= 0:
-        if len(content) > at + LENGTH_AT and content[at + LENGTH_AT] < HEAD_BYTES:
-            raise DataError(f"{path}: is damaged: at byte {at} it declares a message without length")
+    at = -1
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        while (at := content.find(ARDUPILOT_FORMAT, at + 1)) >= 0:
+            if len(content) > at + LENGTH_AT and content[at + LENGTH_AT] < HEAD_BYTES:
+                raise DataError(f"{path}: is damaged: at byte {at} it declares a message without length")
 
 
 @contextmanager

@@ -9,13 +9,14 @@ import numpy as np
 
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
-from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError
+from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError
 from gyrodrift.session.foreign.read import running_clock
 from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.logs.missing import packages_of
 from gyrodrift.session.session import Session
 
 IMU = "sensor_msgs/msg/Imu"
+ROS1_MAGIC = b"#ROSBAG V"
 
 
 def read_bag(path: Path, topic: str | None = None) -> Session:
@@ -36,14 +37,14 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     place = path.parent if path.suffix.lower() == ".db3" else path
     if path.suffix.lower() == ".db3" and not (place / "metadata.yaml").is_file():
         raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
-    with packages_of(path, "ros"):
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra that few have
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
     try:
-        with AnyReader([place], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            rows = list(_samples(reader, _chosen(path, reader, topic)))
-    except (DataError, MemoryError):
+        with _reader_of(path, place) as reader:
+            decode = ros1_imu_sample if path.suffix.lower() == ".bag" else _ros2_decode()
+            rows = list(_samples(reader, _chosen(path, reader, topic), decode))
+    except DataError:
         raise
+    except MemoryError as error:
+        raise DataError(f"{path}: needs more memory than there is") from error
     except Exception as error:  # bytes from anywhere
         raise DataError(f"{path}: is no bag, or damaged: {error}") from error
     if not rows:
@@ -53,6 +54,23 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     return Session(
         path.stem, t_s, table[:, 2].copy(), t_host_s=table[:, 1].copy(), remarks=remarks, rate_scale=degrees(1.0)
     )
+
+
+def _check_beginning(path: Path) -> None:
+    """See that a bag of ROS 1 begins as one: its reader looks for the end of the first line in all of the file."""
+    if path.suffix.lower() != ".bag":
+        return
+    with path.open("rb") as file:
+        if file.read(len(ROS1_MAGIC)) != ROS1_MAGIC:
+            raise DataError(f"{path}: is no bag of ROS 1: it does not begin with {ROS1_MAGIC.decode()}")
+
+
+def _reader_of(path: Path, place: Path) -> Any:
+    """A reader that leaves the message definitions of a bag unparsed: text from anywhere, of any length."""
+    with packages_of(path, "ros"):
+        from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra that few have
+    _check_beginning(path)
+    return rosbag1.Reader(place) if path.suffix.lower() == ".bag" else rosbag2.Reader(place)
 
 
 def _chosen(path: Path, reader: Any, topic: str | None) -> list[Any]:
@@ -69,12 +87,17 @@ def _chosen(path: Path, reader: Any, topic: str | None) -> list[Any]:
     return [each for each in reader.connections if each.topic == wanted and each.msgtype == IMU]
 
 
-def _samples(reader: Any, connections: list[Any]) -> Iterator[Sample]:
-    for connection, log_ns, payload in reader.messages(connections=connections):
-        if reader.is2:
-            yield _sample(reader.deserialize(payload, connection.msgtype), log_ns)
-        else:
-            yield ros1_imu_sample(bytes(payload), log_ns)
+def _samples(reader: Any, connections: list[Any], decode: Decode) -> Iterator[Sample]:
+    for _, log_ns, payload in reader.messages(connections=connections):
+        yield decode(bytes(payload), log_ns)
+
+
+def _ros2_decode() -> Decode:
+    """What makes samples of messages in CDR, whose layout is the same in every release of ROS 2."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - likewise
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    return lambda payload, log_ns: _sample(store.deserialize_cdr(payload, IMU), log_ns)
 
 
 def _sample(message: Any, log_ns: int) -> Sample:

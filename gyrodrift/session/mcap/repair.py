@@ -13,6 +13,7 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
 from gyrodrift.errors import DataError
+from gyrodrift.files import UnreadableError, check_ordinary
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.checksums import ChecksumWriter
 from gyrodrift.session.mcap.ending import crc_of
@@ -72,6 +73,7 @@ def repair(path: Path, *, rebuilds: bool = True) -> Repaired | None:
         Where it was not written by gyrodrift, is being written, or cannot be written to.
     """
     try:
+        check_ordinary(path)
         with path.open("r+b") as file:
             lock(path, file)
             found = _found(path, file)
@@ -82,7 +84,7 @@ def repair(path: Path, *, rebuilds: bool = True) -> Repaired | None:
             return _rebuilt(path, file, found, rebuilds=rebuilds)
     except OSError as error:
         raise DataError(f"{path}: cannot be repaired: {error.strerror}") from error
-    except BrokenRecordError as error:
+    except (BrokenRecordError, UnreadableError) as error:
         raise DataError(f"{path}: cannot be repaired: {error}") from error
 
 

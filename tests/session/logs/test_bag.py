@@ -86,3 +86,22 @@ def test_a_topic_is_chosen_where_there_are_several(tmp_path: Path, kind: Callabl
 def test_what_is_no_bag_is_said(tmp_path: Path, name: str) -> None:
     with pytest.raises(DataError, match=r"is no bag, or damaged|there is no metadata\.yaml beside it"):
         load_session(written(tmp_path / name, b"#ROSBAG V2.0\n" + bytes(99)))
+
+
+def test_message_definitions_of_a_bag_are_not_parsed(tmp_path: Path) -> None:
+    """They may be anything, of any length, and the layout of what is read is known without them."""
+    path, store = tmp_path / "robot.bag", typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
+    with rosbag1.Writer(path) as writer:
+        for topic, definition in (("/a", "]" * 99), ("/b", "int32 a\n" * 100_000)):
+            other = writer.add_connection(topic, "pkg/msg/Other", msgdef=definition, md5sum="0" * 32)
+            writer.write(other, BEGAN_S * NS, bytes(8))
+        write_messages(writer, store, ("/imu",), ros1_imu)
+    assert len(load_session(path).rate_dps) == len(list(samples()))
+
+
+def test_a_huge_file_that_is_no_bag_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "robot.bag"
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(DataError, match="does not begin with #ROSBAG"):
+        load_session(path)
