@@ -29,6 +29,7 @@ LEAST_FORWARD, STANDING = 0.2, 0.2
 """A clock does not go back in nine steps of ten, and half of the steps forward are within this share of their median.
 One of too few digits stands still for most lines, and goes forward with a fifth of them at least."""
 
+LEAST_TO_UNNAME = 10
 SURROUNDINGS_C = (5.0, 70.0)
 WARMTH_RANGE_C = 2.0
 
@@ -51,6 +52,26 @@ def find_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
             continue
         column.kind, column.why = "clock", f"grows by {step:g} with each line"
         return
+
+
+def unname_clocks(columns: list[SeenColumn], lines_per_s: float | None) -> None:
+    """Take the name off a labelled clock that does not go on: `T: 25.1` is warm, and `us: 9980` lasts."""
+    for column in columns:
+        numbers = column.numbers
+        if column.kind == "clock" and len(numbers) >= LEAST_TO_UNNAME and not _goes_on(numbers, lines_per_s):
+            column.kind, column.why = "", ""
+
+
+def _goes_on(numbers: Sequence[float], lines_per_s: float | None) -> bool:
+    """Hardly ever back, and as fast as some unit makes it, or with enough of the lines where their pace is unknown."""
+    steps = [after - before for before, after in pairwise(numbers)]
+    if sum(step >= 0.0 for step in steps) < GROWING_STEPS * len(steps):
+        return False
+    forward = [step for step in steps if step > 0.0]
+    if len(forward) >= LEAST_FORWARD * len(steps):
+        return True
+    step = sum(forward) / len(steps)
+    return bool(lines_per_s) and step > 0.0 and _fits(step, lines_per_s)
 
 
 def _fits(step: float, lines_per_s: float | None) -> bool:

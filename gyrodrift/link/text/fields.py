@@ -11,6 +11,7 @@ from operator import xor
 from typing import NamedTuple
 
 from gyrodrift.columns.units import unit_of
+from gyrodrift.link.text.heads import head_of, with_head
 from gyrodrift.link.text.objects import leaves_of
 
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
@@ -19,7 +20,9 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
 LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
-LABELLED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)", re.IGNORECASE)
+LABELLED = re.compile(
+    rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE
+)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
@@ -54,9 +57,6 @@ TELEPLOT_CLOCK = "t_ms"
 
 WRAPPED = (("/*", "*/"), ("<", ">"), ("(", ")"), ("[", "]"))
 """Marks of beginning and end: of Serial Studio, of the Arduino forum, of tuples and of lists."""
-
-HEADED = re.compile(r"^([A-Za-z][\w ()]{0,30}):\s++(?=[A-Za-z]\w{0,3}\s*+[:=])")
-"""`Gyro: x= 1 | y= 2 | z= 3`: the word before the first label belongs to all of them."""
 
 STATE = re.compile(rf"'([^']+)'(?:: Sending state|\s*+>>)\s*+({NUMBER}|nan)", re.IGNORECASE)
 """A sensor of ESPHome in its log."""
@@ -143,14 +143,14 @@ def _labelled(line: str) -> Fields | None:
     """Values behind labels; None where there are none, or where one word stands before a row."""
     if "," in LABEL_END.split(line, 1)[0]:
         line = NAMES_FIRST.sub(_names_first, line)
-    line = HEADED.sub(r"\1 ", line)
+    head, line = head_of(line)
     if BRACKET.search(line):
         line = AXES_NAMED.sub(_named_axes, BRACED.sub(r"\1 ", line))
     line = VECTOR.sub(_axes, line)
     matches = list(LABELLED.finditer(line))
     if not matches or (len(matches) == 1 and sum(map(is_number, _row(line).values)) > 1):
         return None
-    labels = _headed(tuple(as_label(match[1]) for match in matches))
+    labels = with_head(head, _headed(tuple(as_label(match[1]) for match in matches)))
     return Fields(Form.LABELLED, labels, tuple(match[2] for match in matches), _units(line, matches))
 
 

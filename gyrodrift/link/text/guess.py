@@ -5,6 +5,7 @@ written or the numbers leave no other. What is not said is a question: how numbe
 acceleration, but never a rate.
 """
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from gyrodrift.columns.names import (
 )
 from gyrodrift.columns.spec import IGNORED
 from gyrodrift.columns.units import unit_in, unit_of
-from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_temperature
+from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_temperature, unname_clocks
 from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
 from gyrodrift.link.text.headings import Headings
 from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit
@@ -29,6 +30,9 @@ LEAST_LINES = 3
 MOST_LINES = 400
 TEMPERATURES_C = (-55.0, 150.0)
 """Beyond what any sensor is made for, a temperature is in counts."""
+
+TIMES = re.compile(r"\s*[*×]\s*")
+"""A number that is multiplied, `gz*100`, keeps that in its name."""
 
 ASKED_UNIT = "UNIT"
 """Stands in a SPEC for what a person has to say."""
@@ -123,6 +127,7 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
     name_by_label(columns)
     name_by_unit(columns)
     pace = lines_per_s * len(alike) / len(heard) if lines_per_s else None
+    unname_clocks(columns, pace)
     find_clock(columns, pace)
     find_accelerometer(columns)
     find_temperature(columns)
@@ -181,7 +186,7 @@ def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout, headings: Hea
         if fields.form is Form.ROW is layout.form and len(fields.values) == layout.count:
             if _has_numbers(fields):
                 return names
-            names = tuple(headings.full(as_label(value)) for value in fields.values)
+            names = tuple(headings.full(as_label(TIMES.sub(" x ", value))) for value in fields.values)
     return None
 
 

@@ -63,6 +63,8 @@ def rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, s
         return unit.option, f", in {unit.option} as it says"
     if unit is not None:
         return "", ""
+    if _is_gravity(columns, ("gx", "gy", "rate"), (1.0, STANDARD_GRAVITY_MPS2)):
+        return "", ", but the three have the length of gravity"
     odds = _radian_odds(column) * (SI_ODDS if _is_gravity_si(columns) else 1.0)
     if odds < SURE_ODDS:
         return "", ""
@@ -100,8 +102,12 @@ def _log_density(noise_dps: float) -> float:
 
 def _is_gravity_si(columns: Sequence[SeenColumn]) -> bool:
     """Whether three accelerations in the same line have the length of gravity in m/s²."""
-    three = [column for kind in ("ax", "ay", "az") for column in columns if column.kind == kind]
+    return _is_gravity(columns, ("ax", "ay", "az"), (STANDARD_GRAVITY_MPS2,))
+
+
+def _is_gravity(columns: Sequence[SeenColumn], kinds: Sequence[str], sizes: Sequence[float]) -> bool:
+    three = [column for kind in kinds for column in columns if column.kind == kind]
     if len(three) != 3 or not all(column.is_numeric for column in three):
         return False
     lengths = sorted(hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True))
-    return abs(lengths[len(lengths) // 2] - STANDARD_GRAVITY_MPS2) < GRAVITY_WITHIN * STANDARD_GRAVITY_MPS2
+    return any(abs(lengths[len(lengths) // 2] - size) < GRAVITY_WITHIN * size for size in sizes)

@@ -30,6 +30,7 @@ CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b"
 RATES = {"rate", "rates"}
 """Kinds of a label that name the vertical axis, or no axis: of the latter one with a unit of rates is the rate."""
 
+NUMBER_BEGINS = re.compile(r"[-+]?[.,]?\d")
 QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
 CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
@@ -258,7 +259,8 @@ def _rate(head: Head, index: int) -> Taken | None:
     unit = unit_in(label)
     factor = rate_factor(unit) if unit else None
     is_rate = bool({kind_of(without_unit(label)), kind_of(label)} & RATES)
-    return Taken(index, "rate_dps", factor) if factor is not None and is_rate else None
+    has_numbers = any(map(NUMBER_BEGINS.match, head.texts(index)))
+    return Taken(index, "rate_dps", factor) if factor is not None and is_rate and has_numbers else None
 
 
 def _yaw(head: Head, index: int) -> Taken | None:
