@@ -93,7 +93,7 @@ def _tell(
 ) -> list[str]:
     """Tell of one session; gives what contradicts what it is taken for."""
     from gyrodrift.describe.describe import describe
-    from gyrodrift.describe.possible import possible_part
+    from gyrodrift.describe.possible import impossible_values, possible_part
     from gyrodrift.describe.text import groups_of, lines_of
     from gyrodrift.session.checks.examine import examined
     from gyrodrift.session.files import load_session
@@ -112,6 +112,7 @@ def _tell(
         if arguments.json:
             kept = None if raw is None else raw._asdict()
             about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}
+            about["impossible"] = [_plain(value) for value in impossible_values(session)]
             about["checks"] = [_plain(finding) for finding in checked.findings]
             print(json.dumps(about, allow_nan=False, ensure_ascii=False))
         else:

@@ -127,7 +127,9 @@ def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixt
     assert about["metadata"] == ABOUT
     (tmp_path / "odd.csv").write_text("t_device_s,rate_dps\n-1e308,1\n1e308,nan\n1.1e308,1e308\n1.2e308,1e308\n")
     (line,) = told(capsys, "--json", tmp_path / "odd.csv")
-    assert json.loads(line, parse_constant=pytest.fail)["rates_not_finite"] == 1
+    odd = json.loads(line, parse_constant=pytest.fail)
+    assert odd["rates_not_finite"] == 3  # two that no gyro gives are among them
+    assert [value["column"] for value in odd["impossible"]] == ["rate_dps", "t_device_s"]
 
 
 def test_several_sessions_come_one_after_another(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

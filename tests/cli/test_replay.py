@@ -19,9 +19,9 @@ def session(tmp_path: Path) -> Path:
     """Times to the microsecond with jitter and a hole, rates with all their digits, angle and temperature."""
     rng = np.random.default_rng(8)
     t_us = np.cumsum(rng.integers(9000, 11000, SAMPLES)) + np.where(np.arange(SAMPLES) > 300, 700_000, 0)
-    rows = zip(
-        t_us / 1e6, rng.normal(0.3, 0.1, SAMPLES), rng.normal(0, 5, SAMPLES), rng.normal(25, 1, SAMPLES), strict=True
-    )
+    rate_dps = rng.normal(0.3, 0.1, SAMPLES) + 90.0 * np.sin(t_us / 1e6)
+    turned_deg = np.concatenate([[0.0], np.cumsum(0.5 * (rate_dps[1:] + rate_dps[:-1]) * np.diff(t_us) / 1e6)])
+    rows = zip(t_us / 1e6, rate_dps, turned_deg, rng.normal(25, 1, SAMPLES), strict=True)
     lines = (",".join(repr(float(value)) for value in row) for row in rows)
     path = tmp_path / "mine.csv"
     path.write_text("t_device_s,rate_dps,encoder_deg,temp_c\n" + "\n".join(lines) + "\n")

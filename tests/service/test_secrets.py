@@ -52,7 +52,7 @@ def asked(path: Path, line: str) -> bytes:
 def command_lines(pid: int) -> bytes:
     """Those of a process and its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return b"".join(command_line(int(each)) for each in [pid, *children])
+    return b"".join(command_line(each) for each in (pid, *map(int, children)))
 
 
 def command_line(pid: int) -> bytes:

@@ -19,9 +19,7 @@ class _Candidate:
     def is_sure(self) -> bool:
         """Whether enough good frames came, or the device has said who it is."""
         decoder = self.decoder
-        if decoder.counters.frames < self.protocol.sure_frames and decoder.device.device_id is None:
-            return False
-        return self.protocol.is_plausible(self.readings)
+        return decoder.counters.frames >= self.protocol.sure_frames or decoder.device.device_id is not None
 
 
 class Detector:
@@ -29,6 +27,7 @@ class Detector:
 
     def __init__(self, protocols: Sequence[WireProtocol], guard: Guard | None = None) -> None:
         self._candidates = [_Candidate(protocol, protocol.decoder()) for protocol in protocols]
+        self._is_said = len(self._candidates) == 1
         self._guard = guard or Guard()
 
     @property
@@ -41,6 +40,6 @@ class Detector:
         for candidate in self._candidates:
             candidate.decoder, readings = self._guard.push(candidate.protocol, candidate.decoder, chunk)
             candidate.readings += readings
-            if candidate.is_sure:
+            if candidate.is_sure and (self._is_said or candidate.protocol.is_plausible(candidate.readings)):
                 return candidate.decoder, candidate.readings
         return None

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from types import FunctionType
+from typing import cast
 
 import pytest
 
@@ -60,7 +62,7 @@ def test_a_compiled_function_changes_nested_records_as_the_plain_one_does() -> N
     """And gives back the same."""
     plain = Outer()
     made = array_of(plain)
-    assert compiled(changed)(made[0], 0.1) == changed(plain, 0.1)
+    assert compiled(cast(FunctionType, changed))(made[0], 0.1) == changed(plain, 0.1)
     assert made.tobytes() == array_of(plain).tobytes()
     assert asdict(plain.places[1]) == {"weight": 3.0, "inner": {"height": 2.0, "is_new": False}}
 
