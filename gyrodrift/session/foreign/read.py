@@ -70,7 +70,10 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
     rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
-    t_s, remarks = running_clock(rows["t_device_s"], rows["t_host_s"])
+    remarks: tuple[str, ...] = ()
+    t_s = rows["t_device_s"].copy()
+    if is_imu:
+        t_s, remarks = running_clock(t_s, rows["t_host_s"])
     return Session(
         name=path.stem,
         t_device_s=t_s,
@@ -90,7 +93,7 @@ def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str
     """The clock of the samples: that of the log where their stamps stand still, as drivers that set none leave them."""
     stands = len(stamps_s) > 1 and bool((stamps_s == stamps_s[0]).all())
     if not stands or not len(np.unique(logged_s)) > 1:
-        return stamps_s.copy(), ()
+        return stamps_s, ()
     said = f"all of its stamps are {stamps_s[0]:g} s, so the time at which each message was logged is taken"
     return logged_s - logged_s[0], (said,)
 
