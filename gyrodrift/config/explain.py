@@ -2,7 +2,7 @@
 
 from typing import Any, Literal, get_args, get_origin
 
-from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
+from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen, Predicate
 from pydantic import BaseModel, ConfigDict
 from pydantic.fields import FieldInfo
 
@@ -36,6 +36,8 @@ def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:
         return f"text of up to {LONGEST_SECRET} characters"
     if str in kinds:
         longest = next((bound.max_length for bound in bounds if isinstance(bound, MaxLen)), None)
+        if any(isinstance(bound, Predicate) for bound in bounds):  # a host is the only one
+            return f"a name or an address of up to {longest} characters, without user, password and path"
         shortest = any(isinstance(bound, MinLen) for bound in bounds)
         return f"text{' that is not empty' if shortest else ''}{f' of up to {longest} characters' if longest else ''}"
     return f"{'a whole number' if int in kinds else 'a number'} {_range(bounds)}{_unit(name) if unit is None else unit}"

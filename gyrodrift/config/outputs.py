@@ -80,7 +80,7 @@ def output_of(argument: str) -> OutputSpec:
     problems: list[str] = []
     for word in words:
         key, equals, text = word.partition("=")
-        is_public = _is_public(name, given.keys() - {"name"})
+        is_public = _is_public(name, given.keys() - {"name"}) and not _has_user(rest)
         if equals and (is_public or key in _keys(name)):
             given[key] = text
         elif is_public:
@@ -119,10 +119,21 @@ def _shown(argument: str) -> str:
     """The argument of `--output` with `***` for every value that may be a secret."""
     name, colon, rest = argument.partition(":")
     words = [word.partition("=") for word in rest.split(",")]
-    if not _is_public(name, (key for key, _, _ in words if key)):
-        known = [(key, text if _is_public(name, [key]) else HIDDEN) for key, equals, text in words if equals]
+    has_user = _has_user(rest)
+    if has_user or not _is_public(name, (key for key, _, _ in words if key)):
+        public = [_is_public(name, [key]) and not (has_user and {":", "@"} & set(text)) for key, _, text in words]
+        known = [
+            (key, text if is_public else HIDDEN)
+            for is_public, (key, equals, text) in zip(public, words, strict=True)
+            if equals
+        ]
         rest = ",".join(f"{key}={text}" for key, text in known)
     return without_secrets(f"{shown_key(name)}{colon}{rest}")
+
+
+def _has_user(value: Any) -> bool:
+    """Whether it may be an address with a user and a password in it, `ann:password@host`."""
+    return isinstance(value, str) and ":" in value.rpartition("@")[0]
 
 
 def options_help(name: str) -> Sequence[tuple[str, str, str]]:
@@ -158,7 +169,8 @@ def _checked(name: str, given: Mapping[str, Any], report: Report) -> OutputSpec 
                 report((str(key),), unknown_key(str(key), known, f"an option of {name}"))
                 continue
             expected = expectation(str(key), model.model_fields[str(key)])
-            value = "not shown" if str(key) in secrets(options) else said(given[str(key)])
+            is_hidden = str(key) in secrets(options) or _has_user(given[str(key)])
+            value = "not shown" if is_hidden else said(given[str(key)])
             report((str(key),), f"is {value}; expected {expected}")
         return None
     return OutputSpec(name, options(**content))

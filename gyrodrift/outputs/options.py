@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, get_type_hints
 
-from annotated_types import Ge, Gt, Le, MaxLen, MinLen
+from annotated_types import Ge, Gt, Le, MaxLen, MinLen, Predicate
 
 from gyrodrift.secret import SecretText, without_secrets
 
@@ -29,7 +29,16 @@ class About:
     text: str
 
 
-Host = Annotated[str, MinLen(1), MaxLen(253)]
+NOT_IN_A_HOST = "@/"
+"""Characters of addresses such as `mqtt://user:password@host`, which would show a password wherever a host is shown."""
+
+
+def is_host(text: str) -> bool:
+    """Whether a text may be a host: a name or an address alone."""
+    return not set(NOT_IN_A_HOST) & set(text)
+
+
+Host = Annotated[str, MinLen(1), MaxLen(253), Predicate(is_host)]
 """A name or address."""
 
 Port = Annotated[int, Ge(0), Le(65535)]

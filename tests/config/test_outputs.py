@@ -51,7 +51,7 @@ def test_outputs_are_a_list_of_blocks_with_a_name(tmp_path: Path) -> None:
             "outputs.0.port: is 70000; expected a whole number from 0 to 65535",
         ),
         ("outputs: [{name: tcp, port: 1.5}]\n", "outputs.0.port: is 1.5; expected a whole number from 0 to 65535"),
-        ("outputs: [{name: tcp, host: 5}]\n", "outputs.0.host: is 5; expected text that is not empty"),
+        ("outputs: [{name: tcp, host: 5}]\n", "outputs.0.host: is 5; expected a name or an address"),
         (
             "outputs: [{name: tcp, rate_hz: fast}]\n",
             "outputs.0.rate_hz: is 'fast' (text); expected a number above 0 up to 1e+06 Hz",

@@ -38,6 +38,8 @@ MISTAKES = (
     f"password: '{MARKER}",
     f"password: {MARKER}, password: {MARKER}",
     f"password: {MARKER * 1000}",
+    f"host: 'ann:{MARKER}@127.0.0.1'",
+    f"host: 'mqtt://ann:{MARKER}@127.0.0.1'",
 )
 
 
@@ -118,6 +120,9 @@ MISTAKEN_WORDS = (
     f"mqtt:password:{MARKER}",
     f"mqtt:password=a,{MARKER}=b",
     f"mqtt,password={MARKER}",
+    f"mqtt:host=ann:{MARKER}@127.0.0.1",
+    f"tcp:host=tcp://ann:a,{MARKER}@127.0.0.1",
+    f"mqtt:host=ann:{MARKER},@127.0.0.1",
 )
 
 
