@@ -19,6 +19,9 @@ from gyrodrift.session.session import TABLE, Session
 from gyrodrift.session.tables.known import DOWN
 
 US_PER_S = 1e6
+TIMESTAMP = "timestamp"
+"""Field of every topic of PX4, µs."""
+
 STDERR = 2
 ARDUPILOT_FORMAT, LENGTH_AT, HEAD_BYTES = b"\xa3\x95\x80", 4, 3
 """Head of a message that declares another, where the length of that stands, and the least that it is."""
@@ -130,10 +133,11 @@ def read_px4(path: Path) -> Session:
         raise DataError(f"{path}: is damaged: {error}") from error
     for topic in ULOG_TOPICS:
         for found in log.data_list:
-            if found.name == topic.name and found.multi_id == 0 and topic.rate in found.data:
-                times, rates = found.data["timestamp"].astype(np.float64), found.data[topic.rate].astype(np.float64)
+            if found.name == topic.name and found.multi_id == 0 and {TIMESTAMP, topic.rate} <= found.data.keys():
+                times, rates = found.data[TIMESTAMP].astype(np.float64), found.data[topic.rate].astype(np.float64)
                 return _session(path, f"PX4, {topic.name}", times, rates, None, [])
-    raise DataError(f"{path}: has none of the topics {', '.join(topic.name for topic in ULOG_TOPICS)}")
+    names = ", ".join(topic.name for topic in ULOG_TOPICS)
+    raise DataError(f"{path}: has none of the topics {names} with a time and a rate")
 
 
 def _session(

@@ -118,3 +118,11 @@ def test_the_extra_is_named_where_its_package_is_missing(
     ):
         assert main(["info", str(written(tmp_path / name, content))]) == 4
         assert f"pip install 'gyrodrift[{extra}]'" in capsys.readouterr().err
+
+
+def test_a_topic_of_px4_without_its_time_is_none(tmp_path: Path) -> None:
+    """Of a damaged log any name may be another."""
+    pytest.importorskip("pyulog")
+    columns = ULOG_COLUMNS.replace("timestamp", "timestbmp")
+    with pytest.raises(DataError, match=r"none of the topics sensor_combined, .* with a time and a rate"):
+        load_session(written(tmp_path / "a.ulg", ulog(columns)))
