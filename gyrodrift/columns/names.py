@@ -8,7 +8,10 @@ from gyrodrift.columns.units import Dimension, Unit, unit_of, without_unit
 
 GYRO = "gyro?|gyr|gy|g|w|omega|rot|rate|gyroscope|rotation|rotationrate|angvel|angularvelocity|angularrate"
 GYRO_WORDS = "gyro?|gyr|gyroscope|omega|angvel|angularvelocity|angularrate|rotationrate"
-GYRO_ABROAD = "drehrate|winkelgeschwindigkeit|vitesseangulaire|velocidadangular|velocit(a|à)angolare|giroscopio|giro"
+GYRO_ABROAD = (
+    r"drehrate|winkelgeschwindigkeit|vitesseangulaire|velocidadangular|velocit(a|à)angolare"
+    r"|giroscopio|giro|gyroskop|kreisel"
+)
 YAW_RATE_ABROAD = (
     "gierrate|giergeschwindigkeit|gierwinkelgeschwindigkeit|vitessedelacet|tauxdelacet|velocidaddegui[nñ]ada"
 )
@@ -18,8 +21,8 @@ BESIDE = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor)+")
 """Words and chips that are named before a quantity."""
 
-SCALED = re.compile(r"[*×]|/\s*\d{2}")
-"""A name that is multiplied or divided, `gz*100` or `gz/10`, is that of another number."""
+SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
+"""A name that is multiplied or divided, `gz*100`, `10 gz` or `gz/10`, is that of another number."""
 
 INDEX = re.compile(r"\[([012])\]")
 EITHER = re.compile(r"rot(ation)?z")
@@ -45,7 +48,8 @@ KINDS = {
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
     "yaw": r"(est|fused|current)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
-    "heading": r"heading(deg)?|hdg|compass|azimuth|course",
+    "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
+    r"|compass|cog|courseoverground",
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
     "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
     "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
@@ -125,13 +129,20 @@ class SeenColumn:
 
 def kind_of(label: str) -> str:
     """The key of KINDS that a label means; empty where it is none of them."""
-    name = BESIDE.sub("", INDEX.sub(r".\1", label)).strip()
+    name = BESIDE.sub(_beside, INDEX.sub(r".\1", label)).strip()
     if SCALED.search(name):
         return ""
     words, mark, place = name.rpartition(".")
     named = f"{words}{PLACES[place]}" if mark and place in PLACES else f"{words}{place}"
     without_unit = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
     return _kind_of(named) or _kind_of(without_unit)
+
+
+def _beside(found: re.Match[str]) -> str:
+    """Nothing for a unit and for what has numbers, such as a range; words may say another quantity: `gz (bias)`."""
+    inner = found[0][1:-1]
+    is_word = inner.replace(" ", "").isalpha() and len(inner) > 1 and unit_of(inner) is None
+    return f" {inner} " if is_word else ""
 
 
 def _kind_of(name: str) -> str:

@@ -101,7 +101,7 @@ REPLACED = tuple(
         (r"\^2|\*\*2", "2"),
         (r"radians?", "rad"),
         (r"degrees?|°", "deg"),
-        (r"(?<=[a-z\d\s/._-])sec(?:ond)?s?\b|^sec(?:ond)?s?$", "s"),
+        (r"(?<=[a-z\d\s/._-])(?:sec(?:ond)?s?|seg|sek)\b|^sec(?:ond)?s?$", "s"),
         (r"minutes?", "min"),
         (r"\s{0,8}\bper\b\s*+|_per_|\s{0,8}/\s*+", "/"),
         (r"[·⋅*]", "."),
@@ -158,7 +158,8 @@ def _plain(word: str) -> str:
 def without_unit(label: str) -> str:
     """The name in a label without the unit that `unit_in` finds there: `gyro_z_rad_s` is `gyro z`."""
     label = label.strip()[:LONGEST]
-    name = " ".join(word for word in TAILS.split(BRACKETED.sub(" ", label)) if word)
+    named = BRACKETED.sub(lambda found: " " if unit_of(found[1]) else found[0], label)
+    name = " ".join(word for word in TAILS.split(named) if word)
     if unit_in(label) is None or any(unit_of(bracketed) for bracketed in BRACKETED.findall(label)):
         return name
     words = [word for word in name.split() if word.lower() != "per"]

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 from gyrodrift.columns.names import kind_of
@@ -24,14 +25,23 @@ TARGETS = {
 }
 """Columns of a session by the meanings of a SPEC; others are not used yet."""
 
-CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime", re.IGNORECASE)
-STEP_WORDS = re.compile(r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt", re.IGNORECASE)
+CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
+STEP_WORDS = re.compile(
+    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
+    re.IGNORECASE,
+)
 CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b", re.IGNORECASE)
 RATES = {"rate", "rates"}
 """Kinds of a label that name the vertical axis, or no axis: of the latter one with a unit of rates is the rate."""
 
+BACKWARDS = 0.1
+"""Steps back that a clock may have: restarts, and rows in another order."""
+
 NUMBER_BEGINS = re.compile(r"[-+]?[.,]?\d")
 QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
+AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
+"""A quaternion of these is where the device should point, not where it does."""
+
 CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 
@@ -229,7 +239,7 @@ def labelled_columns(head: Head) -> TableColumns | None:
     quaternion = _quaternion(head)
     if not clocks or len(rates) > 1 or (not rates and len(yaws) != 1 and not (quaternion and not yaws)):
         return None
-    running = [clock for clock in clocks if len(set(head.texts(clock.index))) > 1] or clocks
+    running = [clock for clock in clocks if _goes_on(head.texts(clock.index))] or clocks
     moved = rates or yaws or quaternion
     taken = (running[0], *moved, *_temperature(head))
     remarks = _yaw_remarks({each.target for each in moved}, head.labels[moved[0].index])
@@ -239,6 +249,17 @@ def labelled_columns(head: Head) -> TableColumns | None:
 def _clocks(head: Head) -> list[tuple[int, str]]:
     found = ((index, clock_unit(label, head.texts(index))) for index, label in enumerate(head.labels))
     return [(index, unit) for index, unit in found if unit]
+
+
+def _goes_on(texts: Sequence[str]) -> bool:
+    """Whether a clock changes, and hardly ever back: `response time (ms)` does not."""
+    if len(set(texts)) < 2 or not all(map(NUMBER_BEGINS.match, texts)) or any(map(is_time, texts)):
+        return len(set(texts)) > 1
+    try:
+        numbers = [float(text.replace(",", ".")) for text in texts]
+    except ValueError:
+        return True
+    return sum(after < before for before, after in pairwise(numbers)) <= BACKWARDS * len(numbers)
 
 
 def clock_unit(label: str, texts: Sequence[str]) -> str:
@@ -268,15 +289,16 @@ def _yaw(head: Head, index: int) -> Taken | None:
     unit, name = unit_in(label), without_unit(label)
     if unit is None or unit.dimension is not Dimension.ANGLE:
         return None
-    is_clockwise = CLOCKWISE.search(name) is not None
-    if not is_clockwise and kind_of(name) != "yaw":
+    kind = kind_of(name)
+    if kind not in {"yaw", "heading"}:
         return None
-    return Taken(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if is_clockwise else 1.0))
+    return Taken(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if kind == "heading" else 1.0))
 
 
 def _quaternion(head: Head) -> list[Taken]:
     """The four parts of the one quaternion; none where there are others."""
-    found = [(QUATERNION.fullmatch(label.strip()), index) for index, label in enumerate(head.labels)]
+    labels = ["" if AIMS.search(label) else label.strip() for label in head.labels]
+    found = [(QUATERNION.fullmatch(label), index) for index, label in enumerate(labels)]
     parts = {part[1].lower(): index for part, index in found if part}
     is_one = len(parts) == 4 and sum(part is not None for part, _ in found) == 4
     return [Taken(parts[axis], f"q{axis}") for axis in "wxyz"] if is_one else []
