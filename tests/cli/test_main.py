@@ -92,7 +92,7 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
     ("line", "expected"),
     [
         ("serve --prt /dev/ttyUSB0", "--prt: serve has no such option; did you mean --port"),
-        ("serve --protocol natve", "--protocol natve: did you mean native?"),
+        ("serve --protocol nativ", "--protocol nativ: did you mean native?"),
         ("serve --log-level warn", "--log-level warn: did you mean warning?"),
         ("record -o sessions", "-o: record has no such option; did you mean --out?"),
         ("tune --filter=restlevl", "--filter restlevl: did you mean restlevel?"),

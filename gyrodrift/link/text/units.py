@@ -29,6 +29,8 @@ guess on the safe side, which decides nothing alone."""
 
 LEAST_SAMPLES = 20
 GRAVITY_WITHIN = 0.1
+ALWAYS = (0.1, 0.5, 0.9)
+"""Quantiles: gravity is there all the time, and a turn of 1 rad/s is not."""
 
 
 def clock_unit(column: SeenColumn, lines_per_s: float | None) -> tuple[str, str]:
@@ -63,7 +65,7 @@ def rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, s
         return unit.option, f", in {unit.option} as it says"
     if unit is not None:
         return "", ""
-    if _is_gravity(columns, ("gx", "gy", "rate"), (1.0, STANDARD_GRAVITY_MPS2)):
+    if _is_gravity(columns, ("gx", "gy", "rate"), (1.0, STANDARD_GRAVITY_MPS2), ALWAYS):
         return "", ", but the three have the length of gravity"
     odds = _radian_odds(column) * (SI_ODDS if _is_gravity_si(columns) else 1.0)
     if odds < SURE_ODDS:
@@ -105,9 +107,13 @@ def _is_gravity_si(columns: Sequence[SeenColumn]) -> bool:
     return _is_gravity(columns, ("ax", "ay", "az"), (STANDARD_GRAVITY_MPS2,))
 
 
-def _is_gravity(columns: Sequence[SeenColumn], kinds: Sequence[str], sizes: Sequence[float]) -> bool:
+def _is_gravity(
+    columns: Sequence[SeenColumn], kinds: Sequence[str], sizes: Sequence[float], quantiles: Sequence[float] = (0.5,)
+) -> bool:
+    """Whether three columns have the length of gravity, at these quantiles of their lengths."""
     three = [column for kind in kinds for column in columns if column.kind == kind]
     if len(three) != 3 or not all(column.is_numeric for column in three):
         return False
     lengths = sorted(hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True))
-    return any(abs(lengths[len(lengths) // 2] - size) < GRAVITY_WITHIN * size for size in sizes)
+    told = [lengths[int(quantile * (len(lengths) - 1))] for quantile in quantiles]
+    return any(all(abs(length - size) < GRAVITY_WITHIN * size for length in told) for size in sizes)

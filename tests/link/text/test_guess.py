@@ -221,3 +221,15 @@ def test_a_temperature_in_counts_is_left_out() -> None:
     found = guess([f"gz_dps={n(1):.2f} temp={-3600 - i}" for i in range(9)])
     assert found is not None
     assert found.spec == "gz_dps=rate:dps"
+
+
+def test_a_turn_of_one_radian_per_second_is_no_gravity() -> None:
+    """Whose length is one, too, for most of what was heard."""
+    lines = [
+        f"AccelX:0.10,AccelY:-0.20,AccelZ:{9.77 + n(0.02):.2f},"
+        f"GyroX:0.01,GyroY:-0.01,GyroZ:{1.05 if i > 120 else 0.01:.2f}"
+        for i in range(400)
+    ]
+    found = guess(lines, 80.0)
+    assert found is not None
+    assert found.spec == "GyroZ=rate:rads"
