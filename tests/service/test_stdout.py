@@ -173,7 +173,7 @@ def test_a_terminal_that_nobody_reads_takes_what_it_has_room_for_and_no_more() -
             output.take([corrected(i)])
         assert output.wakes()
         read = os.read(controller, 1 << 16)
-        while output.wakes() or b'"seq":1999' not in read:
+        while output.wakes() or b'"seq":1999' not in read or not read.endswith(b"\n"):
             output.take([])
             read += os.read(controller, 1 << 16)
         assert [json.loads(line)["seq"] for line in read.splitlines()] == list(range(2000))
@@ -191,7 +191,7 @@ def test_a_terminal_that_took_half_a_line_gets_the_other_half(monkeypatch: pytes
         for i in range(2000):
             output.take([corrected(i)])
         read = b""
-        while output.wakes() or b'"seq":1999' not in read:
+        while output.wakes() or b'"seq":1999' not in read or not read.endswith(b"\n"):
             output.take([])
             read += os.read(controller, 1 << 16)
         seqs = [json.loads(line)["seq"] for line in read.splitlines()]
