@@ -220,18 +220,18 @@ class _Seen:
 
 def _likelihood(dps: float, seen: _Seen) -> float:
     """Of what was seen, up to a factor that is the same for all units, where one of the unit is `dps` deg/s."""
-    product = _student(log(seen.noise * dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
+    product = student(log(seen.noise * dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
     if seen.is_hidden:
         product = HELD_SHARE + (1.0 - HELD_SHARE) * product
-    product *= dps * _student(seen.bias * dps / BIAS_DPS, BIAS_DEGREES_OF_FREEDOM)
+    product *= dps * student(seen.bias * dps / BIAS_DPS, BIAS_DEGREES_OF_FREEDOM)
     if seen.turn:
-        product *= _student(log(seen.turn * dps / TURN_DPS) / TURN_SCALE, DEGREES_OF_FREEDOM)
+        product *= student(log(seen.turn * dps / TURN_DPS) / TURN_SCALE, DEGREES_OF_FREEDOM)
         product *= BEYOND_SHARE if seen.turn * dps > RANGE_DPS else 1.0
     if seen.scale is not None:
-        product *= _student(log(seen.scale / dps) / ENCODER_SCALE, DEGREES_OF_FREEDOM)
+        product *= student(log(seen.scale / dps) / ENCODER_SCALE, DEGREES_OF_FREEDOM)
     return product
 
 
-def _student(z: float, degrees_of_freedom: float) -> float:
+def student(z: float, degrees_of_freedom: float) -> float:
     """Density of Student's t, up to its constant."""
     return float((1.0 + z * z / degrees_of_freedom) ** (-0.5 * (degrees_of_freedom + 1.0)))

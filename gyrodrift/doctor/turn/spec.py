@@ -6,6 +6,7 @@ from math import isfinite
 
 import numpy as np
 
+from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of
 from gyrodrift.doctor.turn.motion import TurnWindow, motion_of
 from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG
@@ -21,8 +22,6 @@ GOES_ON, CHANGES = 0.98, 0.5
 
 OFTEN = 0.9
 """Of the values of the column that turned: a column that comes more rarely is left out."""
-
-TEMPERATURES_C = (-55.0, 150.0)
 
 
 @dataclass(frozen=True, slots=True)

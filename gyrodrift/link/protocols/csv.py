@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite, isnan, nan
 
+from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, LineDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
@@ -25,9 +26,6 @@ JUDGED_LINES, JUDGED_S = 10, 1.0
 ODD_SHARE = 0.1
 """Of its steps in which a clock stands still or goes back: a device may repeat a line or begin anew. Of other numbers
 it is half, or nearly all."""
-
-TEMPERATURES_C = (-55.0, 150.0)
-"""What parts are made for (military range, with what a junction may reach)."""
 
 ENCODER_STEPS = 3.0
 """Rounding moves an angle by less than two of its steps beside its rate; beyond this it is no angle of that rate."""

@@ -19,6 +19,7 @@ from gyrodrift.columns.names import (
     name_by_label,
     name_by_unit,
 )
+from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.columns.spec import IGNORED
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_temperature, unname_clocks
@@ -28,9 +29,6 @@ from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit
 
 LEAST_LINES = 3
 MOST_LINES = 400
-TEMPERATURES_C = (-55.0, 150.0)
-"""Beyond what any sensor is made for, a temperature is in counts."""
-
 TIMES = re.compile(r"\s*[*×]\s*")
 """A number that is multiplied, `gz*100`, keeps that in its name."""
 

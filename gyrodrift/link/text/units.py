@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Sequence
-from math import exp, hypot, log, pi, sqrt
+from math import hypot, log, pi, sqrt
 from statistics import fmean
 
 from gyrodrift.columns.names import SeenColumn
+from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.spec import CLOCK_US, RATE_DPS, STANDARD_GRAVITY_MPS2
 from gyrodrift.columns.units import Dimension
 from gyrodrift.link.text.behaviour import step_of
@@ -16,12 +17,6 @@ UNIT_FACTOR = 6.0
 
 MICROSECONDS_FROM = 400.0
 """Without a pace, a step of this and more is in µs (2.5 kHz), and a smaller one in ms (2.5 Hz)."""
-
-NOISE_DPS, NOISE_SCALE = 0.08, log(2.5)
-"""Noise at rest of cheap gyros and the scatter of its logarithm, as in `columns.rate_unit`."""
-
-SURE_ODDS = 100.0
-"""A unit that is not written is told from here on, as in `columns.rate_unit`."""
 
 SI_ODDS = 10.0
 """Libraries that print m/s² beside rad/s (Adafruit Unified Sensor, ROS) against those beside deg/s (ESPHome, BNO055): a
@@ -93,13 +88,12 @@ def _radian_odds(column: SeenColumn) -> float:
     digits = max(len(text.partition(".")[2]) for text in column.texts)
     hidden = 10.0**-digits / sqrt(12.0)  # what rounding may hide: the uniform error of a step
     noise = max(sqrt(fmean(bend * bend for bend in quiet) / 6.0), hidden)
-    return exp(_log_density(noise * RATE_DPS["rads"]) - _log_density(noise))
+    return _density(noise * RATE_DPS["rads"]) / _density(noise)
 
 
-def _log_density(noise_dps: float) -> float:
-    """Student's t with five degrees of freedom of the logarithm of a noise, up to a constant."""
-    z = log(noise_dps / NOISE_DPS) / NOISE_SCALE
-    return -3.0 * log(1.0 + z * z / 5.0)
+def _density(noise_dps: float) -> float:
+    """Student's t of the logarithm of a noise, up to a constant."""
+    return student(log(noise_dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
 
 
 def _is_gravity_si(columns: Sequence[SeenColumn]) -> bool:

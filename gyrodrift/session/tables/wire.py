@@ -6,6 +6,7 @@ Two to five numbers may be anything, so that they are taken for this form only w
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.session.tables.plan import Head, TableColumns, Taken
 
 FORM = "csv protocol of gyrodrift"
@@ -14,9 +15,6 @@ STEP_US = (50.0, 1e6)
 """Time between samples of a gyro that a sketch prints: 20 kHz to 1 Hz."""
 
 MOST_DPS = 4000.0
-TEMPERATURES_C = (-55.0, 150.0)
-"""What parts are made for (military range, with what a junction may reach)."""
-
 LEAST_ROWS = 10
 MOST = 2.0**63
 """Of microseconds and angles that are worth a look."""
