@@ -7,7 +7,8 @@ from pathlib import Path
 from unicodedata import category
 
 STYLE_SHEET = Path(__file__).with_name("page.css")
-SCRIPT = Path(__file__).with_name("page.js")
+SCRIPTS = {"data-curve=": Path(__file__).with_name("page.js"), 'class="chart"': Path(__file__).with_name("chart.js")}
+"""Scripts, by the mark of the elements that need them."""
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 """What a browser lets the page do: it holds all that it needs, and nothing is fetched."""
@@ -45,7 +46,7 @@ def page(title: str, body: Sequence[str]) -> str:
 <title>{text(title)}</title>
 <style>
 {style}</style>
-{_script(parts)}</head>
+{_scripts(parts)}</head>
 <body>
 <main>
 {parts}
@@ -55,11 +56,10 @@ def page(title: str, body: Sequence[str]) -> str:
 """
 
 
-def _script(parts: str) -> str:
-    """Where there are curves to be switched."""
-    if "data-curve=" not in parts:
-        return ""
-    return f"<script>//<![CDATA[\n{SCRIPT.read_text(encoding='utf-8')}//]]></script>\n"
+def _scripts(parts: str) -> str:
+    """The scripts that some element of the page needs."""
+    sources = [path.read_text(encoding="utf-8") for mark, path in SCRIPTS.items() if mark in parts]
+    return "".join(f"<script>//<![CDATA[\n{source}//]]></script>\n" for source in sources)
 
 
 def _contents(chapters: Sequence[str]) -> str:

@@ -143,7 +143,10 @@ def _extremes(y: Floats) -> Iterable[int]:
 
 
 def as_svg(figure: Figure, name: str, says: str) -> str:
-    """The figure as an element to stand in a page, to be made while `styled`.
+    """The figure as an element of a page; call it within `styled`.
+
+    The class `chart` gives it the buttons of chart.js: copy, or save as SVG or PNG. They serve every `<svg>` of this
+    class with a `viewBox` and with colors as `var(--role)` in its attributes.
 
     Parameters
     ----------
@@ -159,7 +162,7 @@ def as_svg(figure: Figure, name: str, says: str) -> str:
     svg = re.sub(r"\s*\n\s*", "\n", svg)
     for colour, role in ROLES.items():
         svg = svg.replace(colour, f"var(--{role})")
-    return svg.replace("<svg", f'<svg role="img" aria-label="{says}"', 1).strip()
+    return svg.replace("<svg", f'<svg role="img" aria-label="{says}" class="chart"', 1).strip()
 
 
 def _saved(figure: Figure, name: str) -> str:

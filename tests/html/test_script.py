@@ -85,7 +85,7 @@ press("Escape");
 said.escaped = ticks("x");
 
 const panel = document.querySelector(".panel"), width = panel.getBoundingClientRect().width;
-panel.querySelector("button").click();
+panel.querySelector(".larger").click();
 said.wider = panel.getBoundingClientRect().width / width;
 return said;
 """
