@@ -52,6 +52,19 @@ def test_yaw_has_a_value_for_every_sample_and_begins_at_zero(key: str) -> None:
     assert np.isfinite(found).all()
 
 
+@pytest.mark.parametrize("key", [key for key in BY_KEY if key != "hdr"])
+def test_every_method_integrates_by_the_trapezoidal_rule(key: str) -> None:
+    """A quarter turn within 0.05 deg; rate times step is off by 0.5 deg while this rate of 100 deg/s lasts.
+
+    HDR is as published: its equation 8 is rate times step.
+    """
+    t_s = np.arange(800) / RATE_HZ
+    rate_dps = 100.0 * np.clip((t_s - 4.0) / 0.5, 0.0, 1.0)
+    turned_deg = np.concatenate([[0.0], np.cumsum(0.5 * (rate_dps[1:] + rate_dps[:-1]) / RATE_HZ)])
+    found = yaw(key, t_s, rate_dps)
+    assert np.abs(found - turned_deg).max() < 0.05
+
+
 @pytest.mark.parametrize("key", LEARNERS)
 def test_a_bias_at_rest_is_learnt(key: str) -> None:
     """Plain integration drifts by 48 degrees in these two minutes."""
@@ -82,15 +95,15 @@ def test_the_start_calibration_takes_off_the_mean_of_its_seconds() -> None:
     """And nothing later."""
     t_s = np.arange(1000) / RATE_HZ
     rate_dps = np.where(t_s < 3.0, 0.5, 10.5)
-    assert yaw("start", t_s, rate_dps)[-1] == pytest.approx(70.0)
-    assert yaw("start", t_s, rate_dps, calibration_s=1.0)[-1] == pytest.approx(70.0)
+    assert yaw("start", t_s, rate_dps)[-1] == pytest.approx(69.95)  # half a step of the rise
+    assert yaw("start", t_s, rate_dps, calibration_s=1.0)[-1] == pytest.approx(69.95)
 
 
 def test_the_sign_integrator_climbs_by_its_step_and_stops_at_its_threshold() -> None:
     """A rate of 1 deg/s: after n samples n steps are off; one of 3 deg/s is left alone."""
     t_s = np.arange(101) / RATE_HZ
     found = yaw("sign", t_s, np.ones(101), step_dps=0.001, theta_dps=2.0)
-    assert found[-1] == pytest.approx(sum(1.0 - 0.001 * n for n in range(1, 101)) / RATE_HZ)
+    assert found[-1] == pytest.approx(sum(1.0 - 0.001 * (n - 0.5) for n in range(1, 101)) / RATE_HZ)
     assert yaw("sign", t_s, np.full(101, 3.0), step_dps=0.001, theta_dps=2.0)[-1] == pytest.approx(3.0)
 
 
@@ -116,7 +129,7 @@ def test_hdr_is_the_filter_itself() -> None:
 
 
 def test_vqf_turns_as_its_own_quaternion_does() -> None:
-    """But for the one sample by which its newest bias is ahead."""
+    """Within half a sample of the turn: the package adds up rate times step."""
     vqf = pytest.importorskip("vqf", reason="VQF is not installed")
     t_s, rate_dps = still(60.0)
     rate_dps[3000:4000] += 20.0
@@ -124,7 +137,7 @@ def test_vqf_turns_as_its_own_quaternion_does() -> None:
     gyroscope[:, 2], accelerometer[:, 2] = np.deg2rad(rate_dps), 9.81
     quaternion = vqf.VQF(1.0 / RATE_HZ).updateBatch(gyroscope, accelerometer)["quat6D"]
     turned_deg = np.rad2deg(np.unwrap(2.0 * np.arctan2(quaternion[:, 3], quaternion[:, 0])))
-    assert np.allclose(yaw("vqf", t_s, rate_dps), turned_deg - turned_deg[0], rtol=0.0, atol=0.02)
+    assert np.allclose(yaw("vqf", t_s, rate_dps), turned_deg - turned_deg[0], rtol=0.0, atol=0.11)
 
 
 def test_the_defaults_of_the_peers_are_those_of_their_packages() -> None:

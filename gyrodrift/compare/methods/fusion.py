@@ -5,7 +5,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
-from gyrodrift.evaluation.integration import euler
+from gyrodrift.evaluation.integration import trapezium
 
 
 def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
@@ -18,4 +18,4 @@ def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     axes[:, 2] = rate_dps
     # It answers in 32-bit floats: what it took off is small, so that is kept, and the rate keeps its digits.
     taken_off_dps = np.array([given[2] - float(bias.update(given)[2]) for given in axes])
-    return euler(steps_s(t_s), rate_dps - taken_off_dps)
+    return trapezium(steps_s(t_s), rate_dps - taken_off_dps)

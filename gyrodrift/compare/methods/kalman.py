@@ -1,11 +1,10 @@
 """The zero-rate update: a scalar Kalman filter that takes the rate for the bias while nothing turns."""
 
-import numpy as np
-
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import steps_s
 from gyrodrift.compile import compiled_once
+from gyrodrift.evaluation.integration import trapezium
 
 REST_TAU_S = 0.5
 """Low-pass that a rate at rest stays close to, s."""
@@ -21,12 +20,13 @@ def run_kalman(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     Still is what has stayed within `rest_dps` of its own low-pass for `rest_s`, and that below `bias_most_dps`.
     """
     names = ("rest_dps", "rest_s", "bias_most_dps", "noise_dps", "walk_dps_rts")
-    found: Floats = _walk(steps_s(t_s), rate_dps, *(params[name] for name in names))
-    return found
+    dt_s = steps_s(t_s)
+    corrected_dps: Floats = _corrected(dt_s, rate_dps, *(params[name] for name in names))
+    return trapezium(dt_s, corrected_dps)
 
 
 @compiled_once()
-def _walk(
+def _corrected(
     dt_s: Floats,
     rate_dps: Floats,
     rest_dps: float,
@@ -35,7 +35,7 @@ def _walk(
     noise_dps: float,
     walk_dps_rts: float,
 ) -> Floats:
-    yaw_deg = np.zeros(len(dt_s))
+    corrected_dps = rate_dps.copy()
     bias_dps, variance, slow_dps, still_s = 0.0, START_DPS**2, rate_dps[0], 0.0
     for n in range(1, len(dt_s)):
         slow_dps += (rate_dps[n] - slow_dps) * dt_s[n] / (dt_s[n] + REST_TAU_S)
@@ -46,5 +46,5 @@ def _walk(
             gain = variance / (variance + noise_dps**2)
             bias_dps += gain * (rate_dps[n] - bias_dps)
             variance -= gain * variance
-        yaw_deg[n] = yaw_deg[n - 1] + (rate_dps[n] - bias_dps) * dt_s[n]
-    return yaw_deg
+        corrected_dps[n] = rate_dps[n] - bias_dps
+    return corrected_dps

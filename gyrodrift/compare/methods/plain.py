@@ -4,7 +4,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
-from gyrodrift.evaluation.integration import euler
+from gyrodrift.evaluation.integration import start_calibrated, trapezium
 
 
 def steps_s(t_s: Floats) -> Floats:
@@ -19,7 +19,7 @@ def mean_step_s(t_s: Floats) -> float:
 
 def run_euler(t_s: Floats, rate_dps: Floats, _params: Params) -> Floats:
     """Yaw of the rate as it is, deg, shape (n,)."""
-    return euler(steps_s(t_s), rate_dps)
+    return trapezium(steps_s(t_s), rate_dps)
 
 
 def run_start_calibration(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
@@ -27,5 +27,4 @@ def run_start_calibration(t_s: Floats, rate_dps: Floats, params: Params) -> Floa
 
     The mean is taken off from the first sample on, as a device does that keeps its first seconds until it knows.
     """
-    first = t_s - t_s[0] < params["calibration_s"]
-    return euler(steps_s(t_s), rate_dps - float(np.mean(rate_dps[first])))
+    return start_calibrated(t_s, rate_dps, params["calibration_s"])

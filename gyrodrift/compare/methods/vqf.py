@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
-from gyrodrift.evaluation.integration import euler
+from gyrodrift.evaluation.integration import trapezium
 
 GRAVITY_MSS = 9.81
 """Of a device that lies level. Without an accelerometer VQF detects no rest."""
@@ -44,4 +44,4 @@ def _as_imu(rate_dps: Floats) -> tuple[Floats, Floats]:
 
 
 def _without(t_s: Floats, rate_dps: Floats, bias_rps: Floats) -> Floats:
-    return euler(steps_s(t_s), rate_dps - np.rad2deg(bias_rps[:, 2]))
+    return trapezium(steps_s(t_s), rate_dps - np.rad2deg(bias_rps[:, 2]))

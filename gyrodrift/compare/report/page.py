@@ -54,7 +54,7 @@ def report_html(comparison: Comparison, made: Provenance) -> str:
         section("Yaw and its error over time", *_figures(comparison)),
         section("Session by session", *_sessions(comparison)),
         section("What ran", _entries(comparison.entries), paragraph(f"{HOW} It took {comparison.seconds:.3g} s.")),
-        provenance(replace(made, sessions=_used(comparison), config=" ".join(sources(comparison)))),
+        provenance(replace(made, sessions=_used(comparison), config=_config_words(comparison))),
     ]
     return page(f"Yaw drift compared on {made.set_name}", [part for part in body if part])
 
@@ -215,15 +215,20 @@ def _entry(entry: Entry) -> str:
 
 
 def _used(comparison: Comparison) -> list[UsedFile]:
-    """What it was made from: the sessions that were compared, those that were tuned on, and the config."""
-    has_more = bool(comparison.train) or comparison.config is not None
+    """The sessions: those compared, and those tuned on."""
+    is_tuned = bool(comparison.train)
     used = [
-        UsedFile(_session_name(comparison, one), one.session.digest, "compared" if has_more else "")
+        UsedFile(_session_name(comparison, one), one.session.digest, "compared" if is_tuned else "")
         for one in comparison.sessions
     ]
-    used += [
+    return used + [
         UsedFile(name, about.digest, "tuning")
         for name, about in zip(comparison.train, comparison.trained_on, strict=True)
     ]
+
+
+def _config_words(comparison: Comparison) -> str:
+    """Sources of the parameters, and the digest of the config."""
     config = comparison.config
-    return [*used, *([UsedFile(config.name, config.sha256, "config")] if config is not None else [])]
+    digest = [] if config is None else [f"SHA-256 of {config.name}: {config.sha256}."]
+    return " ".join([*sources(comparison), *digest])
