@@ -69,7 +69,7 @@ def _for(frames: Iterator[Frame], duration_s: float | None) -> Iterator[Frame]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m firmware_sim", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m firmware_sim", description=__doc__, allow_abbrev=False)
     parser.add_argument("--link", type=Path, required=True, help="name that the pty is linked at")
     parser.add_argument("--rig", type=Path, help="rig file (default: the shipped config/rig.yaml)")
     parser.add_argument(

@@ -157,7 +157,7 @@ def _means(values: Floats, count: int) -> Floats:
 
 def main(argv: list[str] | None = None) -> int:
     """Draw them all."""
-    parser = argparse.ArgumentParser(prog="python -m firmware_sim.gallery", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m firmware_sim.gallery", description=__doc__, allow_abbrev=False)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
     parser.add_argument("names", nargs="*", metavar="NAME", help="effects to draw (default: all)")
     arguments = parser.parse_args(argv)

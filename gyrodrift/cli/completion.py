@@ -64,7 +64,7 @@ def complete() -> None:
 
 def _whole_parser(line: str) -> argparse.ArgumentParser:
     """All commands, and the options of the one that stands in the line: the others are not asked for."""
-    parser = argparse.ArgumentParser(prog="gyrodrift")
+    parser = argparse.ArgumentParser(prog="gyrodrift", allow_abbrev=False)
     parser.add_argument("--version", action="store_true", help="the version")
     commands = parser.add_subparsers()
     asked = line.split()[1:2]

@@ -54,7 +54,9 @@ class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line each, and `UsageError`s."""
 
     def __init__(self, name: str = "", **options: Any) -> None:
-        super().__init__(prog=f"gyrodrift {name}".rstrip(), formatter_class=HelpFormatter, **options)
+        super().__init__(
+            prog=f"gyrodrift {name}".rstrip(), formatter_class=HelpFormatter, allow_abbrev=False, **options
+        )
         self._name = name
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
@@ -80,7 +82,7 @@ class Parser(argparse.ArgumentParser):
 
     def _mistake(self, word: str) -> str:
         known = self._option_string_actions
-        if any(option.startswith(word) for option in known if word.startswith("--") or option == word):
+        if word in known:
             return ""
         if RENAMED.get(word) in known:
             return f"{word}: is {RENAMED[word]} now"

@@ -97,7 +97,10 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
         ("record -o sessions", "-o: record has no such option; did you mean --out?"),
         ("tune --filter=restlevl", "--filter restlevl: did you mean restlevel?"),
         ("tune --threads 2", "--threads: is --jobs now"),
-        ("compare --iteration 5 --sed 3 x", "--sed: compare has no such option; did you mean --seed?"),
+        ("compare --sed 3 x", "--sed: compare has no such option; did you mean --seed?"),
+        ("serve --port x --prot native", "--prot: serve has no such option; did you mean --protocol?"),
+        ("compare --iteration=5 x", "--iteration: compare has no such option; did you mean --iterations?"),
+        ("--vers", "--vers: gyrodrift has no such option; did you mean --version?"),
         (
             "diagnose --withhold scale_facto",
             "--withhold scale_facto: there is no such effect; did you mean scale_fac",
