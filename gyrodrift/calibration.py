@@ -82,6 +82,11 @@ class Calibration:
     repeats: Annotated[int, Ge(1), Le(1000)] | None = None
     mark_deg: Annotated[float, Ge(0.0), Le(360.0)] | None = None
 
+    @property
+    def scale_sigma(self) -> float | None:
+        """Larger standard error of the two scales, as a share; None where none was measured."""
+        return max((se for se in (self.scale_ccw_se, self.scale_cw_se) if se is not None), default=None)
+
     def rate_dps(self, measured_dps: float, temp_c: float = nan) -> float:
         """True rate of a measured one, deg/s; without a temperature the bias is that at `temp_c`."""
         return self.of_rest_dps(measured_dps - self.bias_at_dps(temp_c))

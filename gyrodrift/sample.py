@@ -70,6 +70,8 @@ class Corrected(NamedTuple):
         The measured rate integrated as it is, unwrapped, in degrees, 0 where `yaw_deg` is.
     heading_deg
         Compass heading, clockwise from north, 0 to 360; NaN until a reference was given.
+    reference_deg
+        Angle of the encoder, unwrapped, from where `yaw_deg` is 0, in degrees; NaN without an encoder.
     """
 
     sample: Sample
@@ -82,3 +84,4 @@ class Corrected(NamedTuple):
     rest_probability: float = nan
     raw_yaw_deg: float = nan
     heading_deg: float = nan
+    reference_deg: float = nan

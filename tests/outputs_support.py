@@ -26,7 +26,7 @@ def corrected(seq: int, **values: Any) -> Corrected:
     """A sample of a device at 100 Hz with everything known; `values` are fields of `Corrected`."""
     t_s = seq / 100.0
     sample = Sample(seq, t_s, 1.7e9 + t_s, 1.5, 10.0, 25.0)
-    known = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0)
+    known = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0, 10.0)
     return known._replace(**values)
 
 

@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
+        from gyrodrift.session.calibrated import applied_scale_sigma
         from gyrodrift.session.tables.write import written_ending
 
         if arguments.out is not None:
@@ -67,10 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
         session = options.calibrated_session(arguments, config)
         chosen = config.chosen
+        sigma = applied_scale_sigma(session)
+        params = config.params if sigma is None else chosen.with_scale_sigma(config.params, sigma)
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()
         try:
-            _write(arguments.out, session, rows_of(session, chosen, config.params, state), chosen, progress.evaluated)
+            _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.evaluated)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None:
                 raise

@@ -5,6 +5,7 @@ No numpy here and nothing compiled: `serve` and `record` read these records too.
 
 from collections.abc import Callable
 from dataclasses import Field, dataclass, fields
+from math import nan
 from typing import Any, ClassVar, Protocol
 
 
@@ -109,6 +110,20 @@ def as_they_are(params: Any) -> Any:
     return params
 
 
+def keep_state(_state: Any) -> None:
+    """Leave the state of a filter without a yaw sigma as it is."""
+
+
+def keep_params(params: Any, _scale_sigma: float) -> Any:
+    """Parameters of a filter that does not model the scale factor."""
+    return params
+
+
+def unknown_sigma(_coefficients: Any, _state: Any) -> float:
+    """Scale share of the yaw sigma of a filter that has none: NaN."""
+    return nan
+
+
 @dataclass(frozen=True, slots=True)
 class FilterMemory:
     """How a filter remembers its sensor from one run to the next, as a frozen dataclass of its own.
@@ -143,6 +158,12 @@ class Filter:
         state then has a `witness`, a `WitnessState`.
     memory
         How it remembers its sensor; None for one that begins anew.
+    zero
+        From the present sample on `yaw_sigma_deg` is that of the yaw turned since; yaw itself does not jump.
+    with_scale_sigma
+        Parameters for a device whose scale factor has this standard deviation, as a share, from a calibration.
+    scale_sigma_deg
+        Share of `yaw_sigma_deg` that comes from the scale factor, deg; NaN for a filter without a yaw sigma.
     columns
         Attributes of the state that `gyrodrift filter` writes beside time and rate.
 
@@ -184,6 +205,9 @@ class Filter:
     dash: str = "--"
     sees_beside: bool = False
     memory: FilterMemory | None = None
+    zero: Callable[[Any], None] = keep_state
+    with_scale_sigma: Callable[[Any, float], Any] = keep_params
+    scale_sigma_deg: Callable[[Any, Any], float] = unknown_sigma
 
     @property
     def step_beside(self) -> Callable[[Any, Any, float, float, float, float], bool]:

@@ -4,6 +4,7 @@ from gyrodrift.filters.filter import Filter, FilterMemory, FilterParameter, Redu
 from gyrodrift.filters.restlevel import memory
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.filters.restlevel.zero import scale_sigma_deg, with_scale_sigma, zero_yaw
 
 PARAMETERS = (
     FilterParameter(
@@ -88,4 +89,7 @@ RESTLEVEL = Filter(
     dash="-",
     sees_beside=True,
     memory=FilterMemory(memory.learned, memory.begun, memory.knowledge),
+    zero=zero_yaw,
+    with_scale_sigma=with_scale_sigma,
+    scale_sigma_deg=scale_sigma_deg,
 )

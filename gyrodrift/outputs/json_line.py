@@ -58,6 +58,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         rest_probability,
         _,
         heading_deg,
+        _,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask

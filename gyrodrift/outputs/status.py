@@ -64,6 +64,8 @@ class DeviceStatus:
 class FilterStatus:
     """The filter after the last sample; None for what it does not say.
 
+    scale_sigma_deg
+        Share of `yaw_sigma_deg` from the scale factor.
     heading_deg
         Compass heading, clockwise from north, 0 to 360; None until a reference was given.
     rejected
@@ -77,6 +79,7 @@ class FilterStatus:
     name: str = ""
     yaw_deg: float = 0.0
     yaw_sigma_deg: float | None = None
+    scale_sigma_deg: float | None = None
     bias_dps: float = 0.0
     bias_sigma_dps: float | None = None
     rest_probability: float | None = None

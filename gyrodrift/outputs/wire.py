@@ -16,7 +16,7 @@ STATUS = b"T"
 OUTPUTS = b"O"
 DROPPED = b"D"
 
-RECORD = Struct("<q15d")
+RECORD = Struct("<q16d")
 MOST_RECORDS = 256
 """In a datagram."""
 

@@ -8,6 +8,7 @@ from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.calibration import Calibration
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
@@ -15,7 +16,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.calibrating import Calibrating
-from gyrodrift.service.reference import YawReference
+from gyrodrift.service.reference import EncoderReference, YawReference
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
 if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
@@ -60,11 +61,13 @@ class Filtering:
     chosen: Filter = DEFAULT
     state: FilterState = field(init=False)
     reference: YawReference = field(default_factory=YawReference)
+    encoder: EncoderReference = field(default_factory=EncoderReference)
     raw_yaw_deg: float = 0.0
     calibrating: Calibrating = field(init=False)
     filter: Filter = field(init=False)
     params: Any = field(init=False)
     _coefficients: Any = field(init=False)
+    _scaled_by: Calibration | None = None
     last: Sample | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
@@ -86,11 +89,14 @@ class Filtering:
             self.filter, self.params = self.watch.config.chosen, self.watch.config.params
             self.log.info("filter_chosen", name=self.filter.name, parameters=str(self.watch.path))
             self._tell_completed(self.watch)
-        self._coefficients, self.state = self.filter.coefficients(self.params), self.filter.state()
+        self._set_coefficients()
+        self.state = self.filter.state()
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them on."""
         calibrated = self.calibrating.take(samples, self.state.bias_dps)
+        if self.calibrating.applied is not self._scaled_by:
+            self._set_coefficients()
         corrected = self._corrected(calibrated) if samples else []
         for sink in tuple(self.sinks):
             try:
@@ -134,6 +140,11 @@ class Filtering:
         return self.state.yaw_deg - self.reference.zero_deg
 
     @property
+    def scale_sigma_deg(self) -> float:
+        """Share of the yaw sigma from the scale factor, deg; NaN for a filter without a yaw sigma."""
+        return self.filter.scale_sigma_deg(self._coefficients, self.state)
+
+    @property
     def witness(self) -> WitnessState | None:
         """What the filter tells of its witness of rest; None for one that hears none."""
         return getattr(self.state, "witness", None) if self.filter.sees_beside else None
@@ -143,17 +154,27 @@ class Filtering:
         self.state = state
 
     def zero(self) -> None:
-        """Yaw is 0 from here."""
+        """Set yaw and its sigma to 0 at the last sample."""
+        self.filter.zero(self.state)
         self.reference.zero(self.state.yaw_deg, self.raw_yaw_deg)
+        self.encoder.align()
 
     def set_heading(self, heading_deg: float) -> None:
         """The compass heading is this, clockwise from north."""
         self.reference.set_heading(self.state.yaw_deg, heading_deg)
 
+    def _set_coefficients(self) -> None:
+        """Work out the coefficients, with the scale error that the calibration in force leaves."""
+        self._scaled_by = self.calibrating.applied
+        sigma = None if self._scaled_by is None else self._scaled_by.scale_sigma
+        params = self.params if sigma is None else self.filter.with_scale_sigma(self.params, sigma)
+        self._coefficients = self.filter.coefficients(params)
+
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
         step, coefficients, state = self.filter.step_beside, self._coefficients, self.state
         reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
         zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
+        reference_of = self.encoder.angle_deg
         corrected = []
         for sample in samples:
             if step(coefficients, state, sample.t_device_s, sample.rate_dps, sample.still, sample.temp_c):
@@ -173,6 +194,7 @@ class Filtering:
                         state.rest_probability,
                         raw_deg - raw_zero_deg,
                         reference.heading_deg(yaw_deg) if has_north else nan,
+                        reference_of(sample.encoder_deg, yaw_deg - zero_deg),
                     )
                 )
         self.last, self.raw_yaw_deg = last, raw_deg
@@ -239,7 +261,7 @@ class Filtering:
             self._begin_again(new.chosen)
         self.calibrating.follow(new.calibration, self.state.bias_dps)
         self.params = new.params
-        self._coefficients = self.filter.coefficients(new.params)
+        self._set_coefficients()
         self._is_rate_checked = False
         self.applied, self.applied_s = self.applied + 1, time.time()
         changes = new.changes_from(old)

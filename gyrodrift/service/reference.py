@@ -1,17 +1,19 @@
-"""Where yaw counts from, and which way north is: set by a person, and nothing that the filter knows of."""
+"""Reference of yaw and heading: the zero and the north that a person set, and the encoder angle from the same zero."""
 
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import copysign, inf, isfinite, nan
+
+FULL_TURN_DEG, HALF_TURN_DEG = 360.0, 180.0
 
 
 @dataclass(slots=True)
 class YawReference:
-    """Takes yaw as the filter has it to yaw and heading as they are sent.
+    """Converts yaw of the filter to yaw and heading of the output.
 
     zero_deg, raw_zero_deg
-        Yaw of the filter, and the integrated raw rate, where yaw is 0.
+        Yaw of the filter, and the integrated measured rate, where the output yaw is 0.
     north_deg
-        Yaw of the filter at which the heading is 0; NaN until a heading was given.
+        Yaw of the filter at which the heading is 0; NaN until a heading is set.
     """
 
     zero_deg: float = 0.0
@@ -20,17 +22,47 @@ class YawReference:
 
     @property
     def has_north(self) -> bool:
-        """A heading was given."""
+        """Whether a heading was set."""
         return isfinite(self.north_deg)
 
     def zero(self, yaw_deg: float, raw_deg: float) -> None:
-        """Yaw is 0 now."""
+        """Set the zero to this yaw."""
         self.zero_deg, self.raw_zero_deg = yaw_deg, raw_deg
 
     def set_heading(self, yaw_deg: float, heading_deg: float) -> None:
-        """The compass heading is this now: clockwise from north, while yaw is counter-clockwise."""
+        """Set the north. A heading counts clockwise, yaw counter-clockwise."""
         self.north_deg = yaw_deg + heading_deg
 
     def heading_deg(self, yaw_deg: float) -> float:
-        """From 0 to below 360; NaN without a reference."""
-        return (self.north_deg - yaw_deg) % 360.0
+        """Heading from 0 to below 360; NaN without a north."""
+        return (self.north_deg - yaw_deg) % FULL_TURN_DEG
+
+
+@dataclass(slots=True)
+class EncoderReference:
+    """Unwraps the encoder angle and aligns it with yaw at the first sample and at each zero, as `info` does."""
+
+    _offset_deg: float = nan
+    _last_deg: float = nan
+    _low_deg: float = inf
+    _high_deg: float = -inf
+
+    def align(self) -> None:
+        """Take the yaw of the next sample as the true one."""
+        self._offset_deg = nan
+
+    def angle_deg(self, encoder_deg: float, yaw_deg: float) -> float:
+        """Encoder angle from the zero of yaw; NaN where the encoder has none. `yaw_deg` is the output yaw.
+
+        An encoder whose range exceeds a full turn counts turns itself and is not unwrapped.
+        """
+        if not isfinite(encoder_deg):
+            return nan
+        self._low_deg, self._high_deg = min(self._low_deg, encoder_deg), max(self._high_deg, encoder_deg)
+        step_deg = encoder_deg - self._last_deg  # NaN at the first
+        if abs(step_deg) > HALF_TURN_DEG and self._high_deg - self._low_deg <= FULL_TURN_DEG:
+            self._offset_deg -= copysign(FULL_TURN_DEG, step_deg)
+        self._last_deg = encoder_deg
+        if not isfinite(self._offset_deg):
+            self._offset_deg = yaw_deg - encoder_deg
+        return encoder_deg + self._offset_deg

@@ -73,6 +73,7 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         name=filtering.filter.name,
         yaw_deg=filtering.yaw_deg,
         yaw_sigma_deg=_known(state.yaw_sigma_deg),
+        scale_sigma_deg=_known(filtering.scale_sigma_deg),
         bias_dps=state.bias_dps,
         bias_sigma_dps=_known(state.bias_sigma_dps),
         rest_probability=_known(state.rest_probability),

@@ -60,6 +60,12 @@ def with_calibration(session: Session, calibration: Calibration) -> Session:
     return replace(session, rate_dps=rate_dps, metadata={**others, APPLIED: calibration.table()})
 
 
+def applied_scale_sigma(session: Session) -> float | None:
+    """Standard error of the scale that was applied to a session, as a share; None without a calibration."""
+    table = session.metadata.get(APPLIED)
+    return calibration_of_table(table).scale_sigma if table else None
+
+
 def with_config(session: Session, given: Calibration | None) -> Session:
     """A session under the calibration of a config where that is one of its device; without one under its own.
 

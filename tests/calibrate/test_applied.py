@@ -1,5 +1,6 @@
 """A calibration where it is applied: the config, `serve`, sessions, and what filters and judges them."""
 
+from csv import DictReader
 from dataclasses import replace
 from pathlib import Path
 
@@ -111,6 +112,9 @@ def test_serve_records_the_rate_of_the_device_and_the_calibration_beside_it(tmp_
     )
     assert yaw_deg == near(lines[-1]["yaw_deg"], 1e-3)
     assert yaw_deg == near(360.0, 0.3)
+    sigma_deg = [float(row["yaw_sigma_deg"]) for row in DictReader(out.read_text().splitlines())][len(lines) - 1]
+    assert sigma_deg == near(lines[-1]["yaw_sigma_deg"], 1e-3)
+    assert sigma_deg < 0.5  # 0.04 % of a turn and its way; 1 % would be 4.5
     np.testing.assert_array_equal(calibrated(load_session(out)).rate_dps, right.rate_dps)
 
 

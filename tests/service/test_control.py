@@ -155,3 +155,17 @@ def test_a_crowd_at_the_socket_is_turned_away(service: Controlled, port: Path) -
     with Command("serve", "--port", port.resolve(), "--control", service.path) as second:
         assert second.end() != 0
     assert service.path.exists()
+
+
+def test_zero_restarts_sigma_and_aligns_the_encoder(service: Controlled) -> None:
+    """What is sent after a zero counts from it: yaw, its sigma, the scale share, and the encoder on the page."""
+    service.config.write_text("filter: restlevel\n")
+    assert service.asked("reload")["ok"]
+    before = service.feed(300)[-1]
+    assert before["yaw_sigma_deg"] > 1.0
+    assert service.asked("zero") == {"ok": True, "yaw_deg": 0.0}
+    status = service.asked("status")["filter"]
+    assert (status["yaw_deg"], status["yaw_sigma_deg"], status["scale_sigma_deg"]) == (0.0, 0.0, 0.0)
+    after = service.feed(1)[-1]
+    assert after["yaw_sigma_deg"] < 0.1
+    assert after["yaw_deg"] < 0.2

@@ -20,8 +20,8 @@ Value = Callable[[Corrected], float]
 SPANS: dict[str, Value] = {
     "yaw_deg": lambda c: c.yaw_deg,
     "raw_yaw_deg": lambda c: c.raw_yaw_deg,
-    "encoder_deg": lambda c: c.sample.encoder_deg,
-    "error_deg": lambda c: c.yaw_deg - c.sample.encoder_deg,
+    "encoder_deg": lambda c: c.reference_deg,
+    "error_deg": lambda c: c.yaw_deg - c.reference_deg,
     "rate_dps": lambda c: c.sample.rate_dps,
     "rest_probability": lambda c: c.rest_probability,
 }
@@ -30,7 +30,7 @@ SPANS: dict[str, Value] = {
 LASTS: dict[str, Value] = {
     "yaw_deg": lambda c: c.yaw_deg,
     "raw_yaw_deg": lambda c: c.raw_yaw_deg,
-    "encoder_deg": lambda c: c.sample.encoder_deg,
+    "encoder_deg": lambda c: c.reference_deg,
     "rate_dps": lambda c: c.sample.rate_dps,
     "corrected_dps": lambda c: c.corrected_dps,
     "yaw_sigma_deg": lambda c: c.yaw_sigma_deg,

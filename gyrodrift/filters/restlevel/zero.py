@@ -1,0 +1,52 @@
+"""Yaw sigma of restlevel: its restart at a zero, and the share of the scale factor.
+
+Yaw that was turned before the zero is the same in all hypotheses by definition. Each hypothesis therefore gets the yaw
+of the zero with no variance and no covariance with its bias. A later bias estimate then corrects only the yaw turned
+since the zero.
+"""
+
+from dataclasses import replace
+from math import sqrt
+
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.mixture import collapse
+from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import TURN_DEG
+
+
+def zero_yaw(s: RestlevelState) -> None:
+    """Restart the yaw sigma at the last sample; `s.yaw_deg` stays."""
+    if s.samples == 0:
+        return
+    for h in s.hypotheses:
+        if h.weight > 0.0:
+            _zero_hypothesis(h, s)
+    collapse(s)
+    s.start_yaw_deg, s.travelled_deg, s.yaw_sigma_deg = s.yaw_deg, 0.0, 0.0
+
+
+def _zero_hypothesis(h: Hypothesis, s: RestlevelState) -> None:
+    """Let it agree with the output yaw now, part way through a block that it adds as a whole at the end.
+
+    With t seconds of the block gone, the block will add -t·bias to yaw too much. Its yaw, variance and covariance
+    begin with the opposite.
+    """
+    checkpoint, gone_s = h.checkpoint, s.block.seconds
+    checkpoint.yaw_deg, checkpoint.yaw_var, checkpoint.covariance = s.moments.yaw_deg, 0.0, 0.0
+    if h.is_at_rest:
+        h.yaw_deg, h.yaw_var, h.covariance = s.moments.yaw_deg, 0.0, 0.0
+        return
+    h.yaw_deg = s.moments.yaw_deg + (h.bias_dps - s.bias_dps) * gone_s
+    h.covariance = h.bias_var * gone_s
+    h.yaw_var = h.covariance * gone_s
+
+
+def scale_sigma_deg(c: RestlevelCoefficients, s: RestlevelState) -> float:
+    """Share of `s.yaw_sigma_deg` from scale and cross-axis errors since the zero, deg."""
+    net_deg = s.yaw_deg - s.start_yaw_deg
+    return c.scale_sigma * sqrt(net_deg * net_deg + TURN_DEG * s.travelled_deg)
+
+
+def with_scale_sigma(params: RestlevelParams, sigma: float) -> RestlevelParams:
+    """Parameters with the standard error of a calibrated scale, where it is below `scale_percent`."""
+    return replace(params, scale_percent=min(params.scale_percent, 100.0 * sigma))
