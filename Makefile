@@ -66,6 +66,8 @@ audit: $(VENV)/ready
 	$(AUDIT)/bin/pip-audit --strict --disable-pip --no-deps --requirement $(AUDIT)/packages.txt
 
 pictures: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.pictures moving-demo docs/demo-moving.svg
+	$(BIN)/python -m tests.pictures comparison docs/comparison.svg
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
 	$(BIN)/python -m firmware_sim.gallery --out docs/effects
 	$(BIN)/python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png

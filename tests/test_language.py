@@ -22,7 +22,6 @@ LATER = (
     "gyrodrift/diagnose/",
     "gyrodrift/filters/restlevel/",
     # not rewritten yet
-    "README.md",
     "docs/",
     "firmware_sim/",
     "gyrodrift/",
