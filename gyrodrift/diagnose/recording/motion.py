@@ -7,6 +7,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from gyrodrift.arrays import Floats
+from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SMOOTH_S = 0.11
@@ -43,15 +44,7 @@ class ReplayedMotion:
         """Angle in degrees and rate in deg/s at times from the first sample on; cubic between the points."""
         if self._is_grid(t_s):
             return self.angle_deg, self.rate_dps
-        place = np.clip(t_s / self.period_s, 0.0, len(self.angle_deg) - 1.0 - SLACK)
-        left = place.astype(np.int64)
-        u = place - left
-        y0, y1 = self.angle_deg[left], self.angle_deg[left + 1]
-        d0, d1 = self.rate_dps[left] * self.period_s, self.rate_dps[left + 1] * self.period_s
-        bend, twist = 3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1
-        angle_deg = y0 + u * (d0 + u * (bend + u * twist))
-        rate_dps = (d0 + u * (2.0 * bend + 3.0 * u * twist)) / self.period_s
-        rate_dps[t_s < 0.0] = 0.0
+        angle_deg, rate_dps = _cubic(np.ascontiguousarray(t_s), self.period_s, self.angle_deg, self.rate_dps)
         return angle_deg, rate_dps
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
@@ -64,6 +57,23 @@ class ReplayedMotion:
     def _is_grid(self, t_s: Floats) -> bool:
         last_s = (len(self.angle_deg) - 1) * self.period_s
         return len(t_s) == len(self.angle_deg) and t_s[0] == 0.0 and abs(t_s[-1] - last_s) < SLACK * self.period_s
+
+
+@compiled_once()
+def _cubic(t_s: Floats, period_s: float, node_deg: Floats, node_dps: Floats) -> tuple[Floats, Floats]:
+    """Angle in degrees and rate in deg/s at times, by Hermite's cubic through angles and rates of a grid."""
+    angle_deg, rate_dps = np.empty(len(t_s)), np.empty(len(t_s))
+    last = len(node_deg) - 1.0 - SLACK
+    for i in range(len(t_s)):
+        slot = min(max(t_s[i] / period_s, 0.0), last)
+        left = int(slot)
+        u = slot - left
+        y0, y1 = node_deg[left], node_deg[left + 1]
+        d0, d1 = node_dps[left] * period_s, node_dps[left + 1] * period_s
+        bend, twist = 3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1
+        angle_deg[i] = y0 + u * (d0 + u * (bend + u * twist))
+        rate_dps[i] = (d0 + u * (2.0 * bend + 3.0 * u * twist)) / period_s if t_s[i] >= 0.0 else 0.0
+    return angle_deg, rate_dps
 
 
 def rough_rate_dps(recording: Recording, encoder_deg: Floats) -> Floats:
