@@ -36,9 +36,10 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
     if level not in LEVELS or style not in FORMATS:
         raise UsageError(f"no log of level {level!r} and format {style!r}")
     renderer: Any
+    is_for_person = style == "auto" and sys.stderr.isatty()
     if style == "json":
         renderer = structlog.processors.JSONRenderer()
-    elif style == "text" or not sys.stderr.isatty():
+    elif not is_for_person:
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
         renderer = structlog.dev.ConsoleRenderer(colors=_has_colours())
@@ -47,8 +48,9 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
         processors=[
             _public,
             structlog.processors.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            structlog.processors.TimeStamper(*(("%H:%M:%S", False) if is_for_person else ("iso", True))),
             *([] if style == "json" else [_printable]),
+            *([_sentence] if is_for_person else []),
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
@@ -73,6 +75,13 @@ def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) ->
         if isinstance(value, str) and not value.isprintable():
             entry[key] = "".join(each if each.isprintable() else repr(each)[1:-1] for each in value)
     return entry
+
+
+def _sentence(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
+    """The sentence of an event that has a summary, in place of its name and fields."""
+    if "summary" not in entry:
+        return entry
+    return {"event": entry["summary"], "level": entry["level"], "timestamp": entry["timestamp"]}
 
 
 def _has_colours() -> bool:

@@ -85,7 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
         events.listeners.append(recorder.on_event)
         try:
             listeners = _listeners(link, recorder, stop, arguments.duration, yaw, stderr if is_shown else None)
-            Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S, end_event="record_end").run()
+            service = Service(link, listeners, log, events, stop, read_interval_s=READ_INTERVAL_S)
+            service.end_event, service.is_watched = "record_end", is_shown
+            service.run()
         finally:
             _tell(filter(Path.exists, recorder.paths))  # a full disk may have taken none of it
     return 0

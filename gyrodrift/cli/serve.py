@@ -5,10 +5,12 @@ restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the dev
 """
 
 import argparse
+import os
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from gyrodrift.cli import numbers, options
 from gyrodrift.errors import UsageError
@@ -58,6 +60,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_link_options(parser)
     options.add_filter_options(parser, "YAML with a filter and its parameters; followed while serve runs")
     parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print JSON lines on a terminal too, where one line shows the state otherwise (default: in a pipe only)",
+    )
+    parser.add_argument(
         "--rate", type=numbers.number(1e6), metavar="HZ", help="at most HZ lines a second of device time (default: all)"
     )
     parser.add_argument(
@@ -103,22 +110,30 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.log import open_log
+    from gyrodrift.log import open_log, unwaiting_stderr
+    from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.service.filtering import Filtering
+    from gyrodrift.service.live_line import ServiceLine
     from gyrodrift.service.loop import Service
     from gyrodrift.service.notify import SystemdNotify
     from gyrodrift.service.rest_word import RestWord
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
-    log = open_log(options.log_level(arguments), arguments.log_format)
+    is_shown = _has_reader(arguments)
+    above = (
+        AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format))) if is_shown and sys.stderr.isatty() else None
+    )
+    log = open_log(options.log_level(arguments), arguments.log_format, above)
     events = LinkEvents(log)
     given = (watch.config.columns, watch.config.send) if watch else ()
     target, port = options.link_target(arguments, baud, events, *given)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
-        stdout = JsonLines(STDOUT, rate_hz)
-        filtering = Filtering(link, [stdout], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
+        stdout = None if is_shown else JsonLines(STDOUT, rate_hz)
+        filtering = Filtering(
+            link, [stdout or ServiceLine(link, STDOUT)], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name]
+        )
         recording = [] if arguments.record is None else [_recording(arguments, filtering, events, log)]
         listeners: list[SampleListener] = [*recording, filtering]
         if options.reads_columns_of_config(arguments):
@@ -138,8 +153,13 @@ def run(arguments: argparse.Namespace) -> int:
             reporting.feed.want([*asked, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word, is_watched=is_shown).run()
     return 0
+
+
+def _has_reader(arguments: argparse.Namespace) -> bool:
+    """Whether a person reads stdout, and not a program."""
+    return sys.stdout.isatty() and not arguments.json and os.environ.get("TERM") != "dumb"
 
 
 def _control(path: Path, commands: "ServiceCommands", log: "FilteringBoundLogger") -> "Control":

@@ -24,7 +24,7 @@ class ServiceCommands:
     """Who carries them out."""
 
     filtering: Filtering
-    stdout: JsonLines
+    stdout: JsonLines | None
     reporting: Reporting
     stop: StopSignal
     word: RestWord
@@ -68,6 +68,8 @@ class ServiceCommands:
         rate_hz = number(words, "rate HZ, or rate 0 for every sample")
         if not 0.0 <= rate_hz <= FASTEST_HZ:
             raise CommandError(f"expected rate HZ with a number from 0 to {FASTEST_HZ:.0f}")
+        if self.stdout is None:
+            raise CommandError("stdout shows one line on a terminal; start serve with --json")
         self.stdout.set_rate(rate_hz or None)
         return {"rate_hz": rate_hz or None}
 

@@ -106,8 +106,11 @@ class Filtering:
 
     def tick(self, now_s: float) -> None:
         """Follow the config, tell what was rejected."""
-        for sink in self.sinks:
-            sink.tick(now_s)
+        for sink in tuple(self.sinks):
+            try:
+                sink.tick(now_s)
+            except ReaderGoneError:
+                self._forget(sink)
         if self.watch is not None:
             self._follow_config(self.watch)
         if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:

@@ -6,7 +6,7 @@ A signal to stop is one of the things waited for.
 import gc
 import select
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import inf
@@ -66,7 +66,9 @@ class Service:
         A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
         handfuls. Arrival times are later by up to as much.
     end_event
-        What the log calls the last line.
+        Event name of the last log line.
+    is_watched
+        A person sees the counters on a live line; `link_stats` is then logged at level debug.
     """
 
     link: Link
@@ -80,10 +82,12 @@ class Service:
     word: RestWord | None = None
     read_interval_s: float = 0.0
     end_event: str = "service_end"
+    is_watched: bool = False
     _marks: _Marks = field(default_factory=_Marks)
     _poller: select.poll = field(init=False)
     _waited_for: dict[int, int] = field(default_factory=dict)
     _watch: StreamWatch = field(init=False)
+    _begun_s: float = 0.0
 
     def __post_init__(self) -> None:
         self._watch = StreamWatch(self.events)
@@ -98,7 +102,7 @@ class Service:
         RecordingError
             Where a recording that was asked for cannot go on.
         """
-        self._marks.stats_s = self._marks.tick_s = time.monotonic()
+        self._begun_s = self._marks.stats_s = self._marks.tick_s = time.monotonic()
         gc.collect()
         gc.freeze()  # what start-up left behind need not be walked again while samples come in
         try:
@@ -113,7 +117,7 @@ class Service:
             self.log.info("reader_gone")
         finally:
             self.link.close()
-            self._log_stats(self.end_event, time.monotonic())
+            self._log_stats(self.end_event, time.monotonic(), is_end=True)
 
     def _loop(self) -> None:
         while not self.stop.is_set:
@@ -175,15 +179,25 @@ class Service:
             self.events("link_speaks")
         self._marks.is_silent = is_silent
 
-    def _log_stats(self, event: str, now_s: float) -> None:
+    def _summary(self, of_listeners: Mapping[str, Any], now_s: float) -> str:
+        """The run in one sentence, for the last line of the log."""
+        counted = self.link.counted()
+        lost = f"{counted['missing']} lost" + (f", {counted['damaged']} frames damaged" if counted["damaged"] else "")
+        yaw = f", yaw {of_listeners['yaw_deg']:+.2f} deg at the end" if "yaw_deg" in of_listeners else ""
+        return f"{counted['samples']} samples in {now_s - self._begun_s:.1f} s, {lost}{yaw}."
+
+    def _log_stats(self, event: str, now_s: float, *, is_end: bool = False) -> None:
         marks, counters, decoder = self._marks, self.link.counters, self.link.decoder
         elapsed_s = max(now_s - marks.stats_s, 1e-9)
         byte_rate = (counters.bytes - marks.stats_bytes) / elapsed_s
         of_listeners: dict[str, Any] = self._watch.stats()
         for listener in self.listeners:
             of_listeners |= listener.stats()
-        self.log.info(
+        summary = {"summary": self._summary(of_listeners, now_s)} if is_end else {}
+        log = self.log.debug if self.is_watched and not is_end else self.log.info
+        log(
             event,
+            **summary,
             protocol=decoder.name if decoder else "unknown",
             rate_hz=round((counters.samples - marks.stats_samples) / elapsed_s, 2),
             **self.link.counted(),

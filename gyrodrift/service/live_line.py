@@ -1,0 +1,117 @@
+"""The line that `serve` shows on a terminal in place of JSON: yaw, sigma, bias, rest and link, updated in place."""
+
+import errno
+import os
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from gyrodrift.errors import visible
+from gyrodrift.link.link import Link
+from gyrodrift.sample import Corrected
+from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.unwaiting import send_unwaiting
+
+CLEAR = "\r\x1b[K"
+SILENT_S = 2.0
+"""A link without samples for this long is called silent, s."""
+
+RATE_S = 2.0
+"""The sample rate is the mean over at least this time, s."""
+
+NO_WAKES: Mapping[int, int] = {}
+
+
+class ServiceLine:
+    """Writes the newest corrected sample and the state of the link on one line, with each tick.
+
+    Parameters
+    ----------
+    fd
+        Descriptor of the terminal; it is not closed here.
+    """
+
+    def __init__(self, link: Link, fd: int) -> None:
+        self._link, self._fd = link, fd
+        self._last: Corrected | None = None
+        self._marks: list[tuple[float, int]] = []
+
+    @property
+    def is_wanted(self) -> bool:
+        """The person at the terminal started the service."""
+        return True
+
+    def wakes(self) -> Mapping[int, int]:
+        """No descriptor: a terminal that takes nothing now gets the next line."""
+        return NO_WAKES
+
+    def take(self, samples: list[Corrected]) -> None:
+        """Keep the newest sample."""
+        if samples:
+            self._last = samples[-1]
+
+    def tick(self, now_s: float) -> None:
+        """Rewrite the line."""
+        self._marks.append((now_s, self._link.counters.samples))
+        while len(self._marks) > 2 and now_s - self._marks[1][0] >= RATE_S:
+            del self._marks[0]
+        self._write(CLEAR + self.text()[: self._columns()])
+
+    def text(self) -> str:
+        """The line, without control characters."""
+        if self._last is None:
+            return visible(f"waiting for samples on {self._link.name}")
+        last, (begin_s, begin), (now_s, now) = self._last, self._marks[0], self._marks[-1]
+        rate_hz = (now - begin) / max(now_s - begin_s, 1e-9)
+        parts = [
+            f"yaw {_signed(last.yaw_deg, 2)}{_margin(last.yaw_sigma_deg, 2)} deg",
+            f"bias {_signed(last.bias_dps, 3)} deg/s",
+            f"rest {100.0 * last.rest_probability:.0f} %" if isfinite(last.rest_probability) else "",
+            f"{rate_hz:.1f} Hz",
+            self._link_words(),
+        ]
+        return "   ".join(filter(None, parts))
+
+    def stats(self) -> dict[str, Any]:
+        """No counters of its own."""
+        return {}
+
+    def finish(self) -> None:
+        """End the line; the last values stay on the screen."""
+        if self._last is not None:
+            self._write("\r\n")
+
+    def close(self) -> None:
+        """Leave the terminal open."""
+
+    def _link_words(self) -> str:
+        silent_s = self._link.silent_s()
+        if silent_s > SILENT_S:
+            return f"silent for {silent_s:.0f} s"
+        lost, decoder = self._link.counters.missing, self._link.decoder
+        damaged = decoder.counters.damaged if decoder else 0
+        return f"{lost} lost, {damaged} damaged" if lost or damaged else "link ok"
+
+    def _columns(self) -> int | None:
+        """Characters that fit without wrapping; a wrapped line cannot be cleared."""
+        try:
+            columns = os.get_terminal_size(self._fd).columns
+        except OSError:
+            return None
+        return columns - 1 if columns else None
+
+    def _write(self, text: str) -> None:
+        try:
+            send_unwaiting(self._fd, text.encode())
+        except OSError as error:
+            if error.errno in (errno.EPIPE, errno.EIO):
+                raise ReaderGoneError from error
+            raise
+
+
+def _signed(value: float, digits: int) -> str:
+    return f"{round(value, digits) + 0.0:+.{digits}f}"  # + 0.0: no -0.00
+
+
+def _margin(sigma: float, digits: int) -> str:
+    return f" ± {sigma:.{digits}f}" if isfinite(sigma) else ""

@@ -1,0 +1,68 @@
+"""`serve` on a terminal: one line that is updated in place, log lines above it, and a sentence at the end."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from outputs_support import csv_at_100_hz
+from support import Terminal, never, ours, speaking_on
+
+from firmware_sim.pty import PtyDevice
+
+
+@contextmanager
+def on_terminal(port: Path, *options: str | Path, columns: int = 120) -> Iterator[tuple[Terminal, PtyDevice]]:
+    """`serve` on a terminal, reading a device that the test speaks for."""
+    with (
+        speaking_on(port) as device,
+        Terminal(*ours("serve", "--port", port, *options), columns=columns, rows=24) as terminal,
+    ):
+        device.wait_for_reader(never)
+        yield terminal, device
+
+
+def test_a_terminal_shows_one_line_below_the_log_and_ends_with_a_sentence(port: Path) -> None:
+    """Yaw with its sigma, bias, rest, rate and link; no JSON."""
+    with on_terminal(port) as (terminal, device):
+        device.send_all(csv_at_100_hz(300), never)
+        terminal.until(lambda it: "yaw +" in it.text, "yaw")
+        lines = terminal.text.rstrip().split("\n")
+        assert " deg   bias " in lines[-1]
+        assert "rest " in lines[-1]
+        assert lines[-1].rstrip().endswith("link ok")
+        assert "filter_chosen" in terminal.text
+        assert terminal.text.count("yaw +") == 1
+        assert "{" not in terminal.text
+        terminal.process.send_signal(signal.SIGTERM)
+        assert terminal.end() == 0
+        last = terminal.text.rstrip().split("\n")[-1]
+        assert "300 samples in " in last
+        assert " s, 0 lost, yaw +" in last
+        assert last.rstrip().endswith(" deg at the end.")
+
+
+def test_a_lost_sample_and_silence_are_on_the_line(port: Path) -> None:
+    """The counters of the link stand in place of `link ok`."""
+    with on_terminal(port) as (terminal, device):
+        device.send_all(csv_at_100_hz(100) + csv_at_100_hz(100, first=103), never)
+        terminal.until(lambda it: "silent for " in it.text, "silence")
+        assert "yaw +" in terminal.text
+
+
+@pytest.mark.parametrize("columns", [40, 80])
+def test_the_line_never_wraps(port: Path, columns: int) -> None:
+    """A narrow terminal shows the beginning of it."""
+    with on_terminal(port, "--log-level", "warning", columns=columns) as (terminal, device):
+        device.send_all(csv_at_100_hz(300), never)
+        terminal.until(lambda it: "yaw +" in it.text, "yaw")
+        assert terminal.text.count("\n") == terminal.text.rstrip().count("\n") + 23
+
+
+def test_json_lines_come_on_a_terminal_when_they_are_asked_for(port: Path) -> None:
+    """As in a pipe."""
+    with on_terminal(port, "--json", "--quiet") as (terminal, device):
+        device.send_all(csv_at_100_hz(100), never)
+        terminal.until(lambda it: '"yaw_deg":' in it.text, "JSON")
+        assert "link ok" not in terminal.text
