@@ -1,9 +1,9 @@
-# make demo: a simulated gyro, the service, a live view.   make test: everything that is checked.
-# Both do all the set-up there is: a virtual environment in .venv with what pyproject.toml names.
+# make demo: a simulated gyro, the service, and a live view.   make test: format, lint, types and all tests.
+# Both create a virtual environment in .venv and install the packages of pyproject.toml.
 
 VENV := .venv
 BIN := $(VENV)/bin
-# Many tests wait for a device that speaks in real time: three processes keep two processors busy.
+# Many tests wait for a device in real time, so three processes are needed to keep two cores busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
 .PHONY: demo test types tests bench evaluate faults soak overload crash fuzz mutate audit pictures clean
@@ -19,20 +19,20 @@ test: $(VENV)/ready-to-test
 types: $(VENV)/ready-to-test
 	$(BIN)/mypy
 
-# Each process keeps to one thread of linear algebra, as the commands do: more would wait for each other.
+# Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
 tests: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
 
-# How good the results are over many random cases, beside the figures committed last; fails where one became worse.
-# EVALUATE="diagnose --count 50" chooses; hours for all rows of the blind check. What is interrupted goes on.
+# Compares results over many random cases with the committed figures, and fails if one is worse. All rows of the blind
+# check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run continues.
 evaluate: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.evaluate $(EVALUATE)
 
-# What it survives, counted: every fault of the simulated device; HOURS of device time at 1 kHz, with PACE=1 in real
-# time; too much of everything.
+# Robustness campaigns: every fault of the simulated device (FAULT_SEED); HOURS of device time at 1 kHz (PACE=1: in real
+# time); overload.
 faults: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.robustness faults $(if $(FAULT_SEED),--seed $(FAULT_SEED))
 
@@ -42,23 +42,22 @@ soak: $(VENV)/ready-to-test
 overload: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.robustness overload
 
-# Whatever comes from outside, for FUZZ_S seconds of processor time: guided by coverage where atheris has a wheel, by
-# chance elsewhere.
+# Fuzzes all inputs for FUZZ_S seconds of processor time: guided by coverage if atheris has a wheel, else at random.
 FUZZ_S := 1800
 fuzz: $(VENV)/ready-to-test
-	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are made by chance" >&2
+	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are random" >&2
 	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_S)
 
-# Deliberate faults, each of which some test has to catch; FAULTS names areas or faults.
+# Mutation test: a test must catch each deliberate fault. FAULTS selects areas or faults.
 mutate: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.mutate $(FAULTS)
 
-# Every writer killed at random moments, KILLS times each.
+# Kills every writer at random moments, KILLS times each.
 KILLS := 20
 crash: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.crash --kills $(KILLS)
 
-# The packages of .venv against the public list of known holes. A package that the list cannot tell of is a failure too.
+# Checks the packages of .venv against the public list of vulnerabilities. An unknown package is a failure, too.
 AUDIT := $(VENV)/audit
 audit: $(VENV)/ready
 	@$(BIN)/python -m venv $(AUDIT) && $(AUDIT)/bin/python -m pip install --quiet pip-audit
@@ -80,14 +79,14 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
-# What the firmware is compiled with and runs on in tests: a compiler for AVR, the Arduino core and a simulated AVR.
+# Firmware tests need a compiler for AVR, the Arduino core and a simulated AVR.
 FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
-# Clients that the outputs are proved with, and shells whose completion is. RUNLEVEL=1 asks Debian not to start the services among them.
+# Clients to test the outputs, and shells to test completion. RUNLEVEL=1 tells Debian not to start their services.
 CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils netcat-openbsd \
   zsh fish
 
-# MAVProxy is a client that tests run; without what its maps and plots need. Clients of npm come beside those of PyPI;
-# Signal K's server without what it calls optional.
+# MAVProxy is a test client, installed without the packages for its maps and plots. Clients of npm are installed at the
+# same time, without their optional packages.
 $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clients/signalk/package-lock.json | $(BIN)/python
 	@{ ! command -v npm > /dev/null || for place in tests/clients tests/clients/signalk; do \
 	  npm ci --silent --no-audit --no-fund --ignore-scripts --omit=optional --prefix $$place > /dev/null || \
@@ -102,7 +101,7 @@ $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clie
 	    echo "no $$package: tests that need it are skipped; apt-get install it" >&2; done; fi
 	@touch $@ $(VENV)/ready
 
-# Debian and Ubuntu keep the venv module in a package of its own.
+# Debian and Ubuntu have the venv module in a separate package.
 $(BIN)/python:
 	@set -e; for python in $(PYTHON) python3.13 python3.12 python3.11 python3; do \
 	  if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
