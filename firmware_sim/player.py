@@ -45,6 +45,34 @@ def play(
     return sent, lost
 
 
+def play_after_each_opening(
+    frames: Callable[[], Iterator[Frame]],
+    device: PtyDevice,
+    speed: float | None,
+    is_over: Callable[[], bool],
+) -> tuple[int, int]:
+    """Send all frames from the first to each reader that opens the port; counts as `play`.
+
+    The device is off without a reader. It stays off after the last frame until the reader leaves.
+    """
+    sent = lost = 0
+    has_left = False
+
+    def is_off() -> bool:
+        nonlocal has_left
+        has_left = has_left or not device.has_reader()
+        return has_left or is_over()
+
+    while not is_over():
+        device.wait_for_reader(is_over)
+        has_left = False
+        counts = play(frames(), device, speed, is_off)
+        sent, lost = sent + counts[0], lost + counts[1]
+        while not is_off():
+            time.sleep(LONGEST_NAP_S)
+    return sent, lost
+
+
 def _wait_until(due_s: float, is_over: Callable[[], bool]) -> None:
     while (early_s := due_s - time.monotonic()) > 0.0 and not is_over():
         time.sleep(min(early_s, LONGEST_NAP_S))

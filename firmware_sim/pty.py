@@ -9,6 +9,7 @@ import fcntl
 import os
 import pty
 import select
+import socket
 import struct
 import termios
 import time
@@ -16,6 +17,8 @@ import tty
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+
+from firmware_sim.reservation import reserve
 
 TIOCPKT = 0x5420
 TIOCPKT_FLUSHREAD = 0x01
@@ -63,6 +66,7 @@ class PtyDevice:
         self._cable = cable or Cable()
         self._first_link = link
         self._t_s = 0.0
+        self._reservation: socket.socket | None = None
         self._plug_in(self._cable.link_at(link, 0.0) or link)
 
     @property
@@ -96,9 +100,11 @@ class PtyDevice:
         self._flushed = False
         self._opened_s: float | None = None
         try:
+            self._reservation = _reserved(link)
             _make_link(self.slave_name, link)
         except LinkInUseError:
             os.close(fd)
+            self._release()
             raise
         self.fd = fd
 
@@ -168,8 +174,15 @@ class PtyDevice:
         with suppress(OSError):
             if self.link.is_symlink() and str(self.link.readlink()) == self.slave_name:
                 self.link.unlink()
+        self._release()
         os.close(self.fd)
         self.fd = -1
+
+    def _release(self) -> None:
+        """Let other devices have the link."""
+        if self._reservation is not None:
+            self._reservation.close()
+            self._reservation = None
 
     def _carried(self, content: bytes) -> bytes:
         return self._cable.carry(content, self._t_s, lambda: _line_rate(self.fd))
@@ -207,6 +220,16 @@ def _line_rate(fd: int) -> int:
     """The line rate in baud that the reader has set, standard or not."""
     termios2 = fcntl.ioctl(fd, TCGETS2, bytes(TERMIOS2.size))
     return int(TERMIOS2.unpack(termios2)[-1])
+
+
+def _reserved(link: Path) -> socket.socket:
+    """Reservation of the link until it is closed."""
+    reservation = reserve(link)
+    if reservation is None:
+        raise LinkInUseError(
+            f"{link} belongs to a simulated device that is running; choose another --link or stop that device"
+        )
+    return reservation
 
 
 def _make_link(target: str, link: Path) -> None:

@@ -1,14 +1,19 @@
 """The wheel, as `pipx install .` builds it: installed into an environment of its own, run from a folder of its own."""
 
+import json
 import os
+import re
 import shlex
 import subprocess
 import sys
 import venv
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+import yaml
 
 import gyrodrift
 
@@ -27,9 +32,43 @@ class Installed:
     folder: Path
 
     def run(self, *words: str | Path) -> "subprocess.CompletedProcess[str]":
-        command = [str(self.bin / words[0]), *map(str, words[1:])]
-        no_clone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-        return subprocess.run(command, cwd=self.folder, env=no_clone, capture_output=True, text=True, check=False)
+        return subprocess.run(
+            self.command(*words), cwd=self.folder, env=without_clone(), capture_output=True, text=True, check=False
+        )
+
+    def command(self, *words: str | Path) -> list[str]:
+        return [str(self.bin / words[0]), *map(str, words[1:])]
+
+    @contextmanager
+    def running(self, *words: str | Path) -> "Iterator[subprocess.Popen[str]]":
+        """A command that does not end by itself; it is stopped at the end of the block."""
+        process = subprocess.Popen(
+            self.command(*words),
+            cwd=self.folder,
+            env=without_clone(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        try:
+            yield process
+        finally:
+            process.terminate()
+            process.communicate()
+
+
+def without_clone() -> dict[str, str]:
+    """The environment of a user who has the wheel alone."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+
+def commands_without_parts(link: Path) -> list[list[str]]:
+    """Commands of the page "From parts to yaw" for users without hardware, on a link of the test."""
+    page = (ROOT / "docs" / "from-parts-to-yaw.md").read_text().partition("\n## Without parts\n")[2]
+    block = re.search(r"^```sh\n(.*?)^```$", page.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
+    assert block, "the page has commands for users without parts"
+    text = block[1].replace("/tmp/gyro", str(link)).replace("--output web", "--output web:port=0")
+    return [shlex.split(line, comments=True) for line in text.splitlines()]
 
 
 @pytest.fixture(scope="module")
@@ -89,3 +128,40 @@ def test_the_command_that_a_message_gives_installs_the_extra(where: str, install
     tried = subprocess.run([*shlex.split(command), "--no-index"], capture_output=True, text=True, check=False)
     assert tried.returncode == 0, tried.stderr
     assert "Requirement already satisfied: gyrodrift[lab]" in tried.stdout
+
+
+def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tmp_path: Path) -> None:
+    """Its commands, one after the other: the link is listed, doctor has no error, a whole turn of 364.3 reads 360."""
+    link = tmp_path / "gyro"
+    device, devices, doctor, calibrate, serve = commands_without_parts(link)
+    assert device.pop() == "&"
+    with installed.running(*device, "--speed", "3") as simulated:
+        while not link.is_symlink():
+            assert simulated.poll() is None, "the simulated device ended"
+        listed = installed.run("python", "-c", only_below(tmp_path), *devices[1:])
+        assert f"{link}\n" in listed.stdout
+        assert re.search(r"speaks +native", listed.stdout), listed.stdout
+        looked = installed.run(*doctor)
+        assert looked.returncode == 0, looked.stdout + looked.stderr
+        calibrated = installed.run(*calibrate)
+        assert calibrated.returncode == 0, calibrated.stderr
+        found = yaml.safe_load((installed.folder / "my.yaml").read_text())["calibration"]
+        assert (found["scale_ccw"], found["scale_cw"]) == pytest.approx((1 / 1.012, 1 / 1.012), abs=2e-4)
+        with installed.running(*serve) as service:
+            assert service.stdout is not None
+            samples = map(json.loads, service.stdout)
+            turned = next(sample for sample in samples if sample["encoder_deg"] == 360.0)
+    assert turned["yaw_deg"] == pytest.approx(360.0, abs=0.5)
+
+
+def only_below(folder: Path) -> str:
+    """A program that runs gyrodrift where no other simulated devices are: those of other tests are left alone."""
+    return f"""
+import sys
+from pathlib import Path
+from firmware_sim import reservation
+all_links = reservation.reserved_links
+reservation.reserved_links = lambda: [link for link in all_links() if link.is_relative_to({str(folder)!r})]
+from gyrodrift.cli import main
+sys.exit(main(sys.argv[1:]))
+"""

@@ -27,6 +27,7 @@ COMMANDS = {
     "filter": "run the same filter over a recorded session",
     "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
+    "simulated-device": "a simulated gyro on a serial port, to try every command without hardware",
     "replay": "play a recorded session through a pty that looks like the device",
     "convert": "a session from .mcap to .csv or back, or for other programs",
     "repair": "close session files that were cut off, and mend damaged ones",

@@ -7,6 +7,7 @@ somebody holds never; many boards reset when their port is opened. Names of ttyS
 import argparse
 import dataclasses
 import json
+import os
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from gyrodrift.cli import numbers, options
 
 if TYPE_CHECKING:
     from gyrodrift.link.listening import HeardPort
+    from gyrodrift.link.serial_port import SerialPort
 
 EXAMPLES = """\
 gyrodrift devices
@@ -42,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.listening import listen_at, look_at
     from gyrodrift.link.port import serial_ports
 
-    ports = serial_ports()
+    ports = [*serial_ports(), *_simulated()]
     asked = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, asked) if arguments.listen else look_at(ports)
     if arguments.json:
@@ -52,6 +54,15 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print("gyrodrift: no serial port is plugged in", file=sys.stderr)
     return 0
+
+
+def _simulated() -> "list[SerialPort]":
+    """Links of the simulated devices that run on this machine."""
+    from firmware_sim import reservation
+    from gyrodrift.link.serial_port import SerialPort
+
+    links = [link for link in reservation.reserved_links() if link.is_symlink()]
+    return [SerialPort(str(link), os.path.realpath(link), product="simulated device") for link in links]
 
 
 def _told(heard: "HeardPort") -> str:

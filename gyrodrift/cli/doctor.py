@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.errors import LinkError, PortMissingError, UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.doctor.evidence import DeviceEvidence
@@ -127,7 +127,7 @@ def _heard(arguments: argparse.Namespace, baud: int | None, seconds: float, prog
         return listen(replace(asked, port=ports[0].name), seconds, progress.evaluated)
     try:
         target, port = find_gyro(ports, asked, lambda *_, **__: None)
-    except UsageError as error:
+    except (UsageError, PortMissingError) as error:
         if not str(error).startswith("--port auto"):
             raise
         return DeviceEvidence(options.AUTO_PORT, search=str(error))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import PortMissingError, UsageError
 from gyrodrift.link.link import EventHandler, LinkOptions
 from gyrodrift.link.listening import HeardPort, Speech, listen_at
 from gyrodrift.link.port import Port
@@ -15,12 +15,15 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
 
     Raises
     ------
+    PortMissingError
+        No port is plugged in, or no gyro speaks at any of them.
     UsageError
-        Where no port is there, several would be sent something, or none or several of them speak; it says what there
-        is and what to do.
+        Several gyros speak, or `--send` would reach several ports.
     """
     if not ports:
-        raise UsageError("--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port")
+        raise PortMissingError(
+            "--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port"
+        )
     if options.send and len(ports) > 1:
         names = ", ".join(port.name for port in ports)
         raise UsageError(f"--port auto: {names} would all be sent what --send says; name the port with --port")
@@ -30,7 +33,8 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
     if len(speakers) != 1:
         for _, _, open_port in speakers:
             open_port.close()
-        raise UsageError(_what_there_is(heard, len(speakers)))
+        kind = UsageError if speakers else PortMissingError
+        raise kind(_what_there_is(heard, len(speakers)))
     name, speech, open_port = speakers[0]
     on_event("port_found", port=name, protocol=speech.protocol, baud=speech.baud, rate_hz=_rounded(speech.rate_hz))
     return replace(options, port=name, baud=speech.baud, protocol=speech.protocol), open_port

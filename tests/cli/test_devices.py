@@ -76,7 +76,7 @@ def test_a_port_that_is_held_is_left_alone(simulated: Simulated) -> None:
         assert found["holder"]["pid"] == first.process.pid
         assert found["reason"] == f"in use by {found['holder']['name']} (pid {first.process.pid})"
         with on([port], "serve", "--port", "auto") as second:
-            assert second.end() == 2
+            assert second.end() == 3
         assert f"gyrodrift: {port}: in use by" in second.log
         first.take_lines(5)
         assert first.stop() == 0
@@ -126,20 +126,37 @@ def test_where_no_gyro_speaks_each_port_is_listed_with_why(tmp_path: Path) -> No
     with speaking_on(tmp_path / "silent"):
         ports = [tmp_path / "silent", tmp_path / "gone"]
         with on(ports, "serve", "--port", "auto", "--timeout", "1") as run:
-            assert run.end() == 2
+            assert run.end() == 3
     assert "--port auto: no gyro speaks here; plug one in, or name its port with --port" in run.log
     assert f"gyrodrift: {ports[0]}: the device said nothing within 1 s" in run.log
     assert f"gyrodrift: {ports[1]}: there is no such port" in run.log
 
 
 def test_where_no_port_is_there_it_is_said() -> None:
-    """By both."""
+    """The link is missing, the command line is right: status 3."""
     with on([], "serve", "--port", "auto") as run:
-        assert run.end() == 2
+        assert run.end() == 3
     assert run.log == (
         "gyrodrift: --port auto: no serial port is plugged in; plug the gyro in, or name its port with --port\n"
     )
     assert listed([], "--listen") == []
+
+
+def test_a_simulated_device_is_listed_with_its_link(simulated: Simulated, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`devices --listen` finds it without hardware; its row says that it is simulated."""
+    port = simulated("gyro")
+    monkeypatch.setenv("SIMULATED_BELOW", str(port.parent))
+    (device,) = listed([], "--listen")
+    assert (device["name"], device["product"]) == (str(port), "simulated device")
+    assert device["speech"]["protocol"] == "native"
+
+
+def test_port_auto_ignores_a_simulated_device(simulated: Simulated, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot never takes a simulation for its gyro."""
+    monkeypatch.setenv("SIMULATED_BELOW", str(simulated("gyro").parent))
+    with on([], "serve", "--port", "auto") as run:
+        assert run.end() == 3
+    assert "no serial port is plugged in" in run.log
 
 
 def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -> None:

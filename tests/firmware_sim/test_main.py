@@ -5,16 +5,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import serial
 from golden_frames import HELLO
 from support import PATIENCE_S, Command
 
+from firmware_sim.motion.profile import load_profile
+from firmware_sim.reservation import reserve
+
 A_MINUTE_OF_CSV = ("--speed", "max", "--protocol", "csv", "--duration", "60")
 
 SIGNAL_AT_THE_LINK = """
 import os, signal, sys
-from firmware_sim import __main__ as command
+from firmware_sim import __main__, command
 
 class Device(command.PtyDevice):
     def __init__(self, *arguments):
@@ -22,7 +26,7 @@ class Device(command.PtyDevice):
         os.kill(os.getpid(), signal.SIGTERM)
 
 command.PtyDevice = Device
-sys.exit(command.main())
+sys.exit(__main__.main())
 """
 
 
@@ -45,6 +49,13 @@ def wait_for(link: Path, command: Command) -> None:
     """Wait, without a pause, so that the next line runs in the moment that the link stands."""
     while not link.is_symlink():
         assert command.process.poll() is None, "it ended without a link"
+
+
+def reserve_is_free(link: Path) -> bool:
+    reservation = reserve(link)
+    if reservation is not None:
+        reservation.close()
+    return reservation is not None
 
 
 def port_on(command: Command, link: Path) -> serial.Serial:
@@ -202,3 +213,43 @@ def test_two_readers_one_after_the_other_are_both_served(link: Path) -> None:
             with port_on(command, link) as port:
                 assert HELLO in (port.read_until(b"\0"), port.read_until(b"\0"))
         assert command.stop() == 0
+
+
+def test_a_second_device_on_a_link_is_refused_and_the_first_goes_on(link: Path) -> None:
+    """The link stays with its device; the second ends with the status of the link and one clear line."""
+    with simulator("--link", link, "--protocol", "csv") as first:
+        wait_for(link, first)
+        slave = link.readlink()
+        status, log = ended("--link", link)
+        assert (status, len(log)) == (3, 1)
+        assert f"{link} belongs to a simulated device that is running" in log[0]
+        assert link.readlink() == slave
+        with port_on(first, link) as port:
+            assert port.read(1)
+    assert reserve_is_free(link)
+
+
+def test_a_link_of_a_killed_device_is_free(link: Path) -> None:
+    """A kill leaves the link behind; the next device replaces it."""
+    with simulator("--link", link) as killed:
+        wait_for(link, killed)
+    assert link.is_symlink()
+    status, _ = ended("--link", link, "--duration", "0")
+    assert status == 0
+    assert not link.is_symlink()
+
+
+def test_with_reset_the_device_is_off_until_a_reader_opens_the_port(link: Path) -> None:
+    """The first reader gets the device from power-on."""
+    with simulator("--link", link, "--protocol", "csv", "--reset") as command:
+        with port_on(command, link) as port:
+            lines = [port.readline() for _ in range(4)]
+        assert command.stop() == 0
+    assert [line.split(b",")[0] for line in lines if not line.startswith(b"#")][:2] == [b"0", b"10000"]
+
+
+def test_whole_turns_are_whole() -> None:
+    """Every stop of the profile is a multiple of 360 degrees, for three turns each way."""
+    profile = load_profile("whole-turns")
+    stops_deg = profile.at(np.array([11.9, *(16.0 + 5.0 * index for index in range(6))]))[0]
+    assert stops_deg == pytest.approx([0.0, 360.0, 0.0, 360.0, 0.0, 360.0, 0.0])

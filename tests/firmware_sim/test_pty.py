@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from support import PATIENCE_S, never, speaking_on
 
 from firmware_sim import player, pty
-from firmware_sim.player import LONGEST_NAP_S, play, stopped_by_signals
+from firmware_sim.player import LONGEST_NAP_S, play, play_after_each_opening, stopped_by_signals
 from firmware_sim.pty import DRAIN_S, OPENING_S, LinkInUseError, PtyDevice
 from firmware_sim.wire.encoder import Frame
 
@@ -393,6 +393,27 @@ def test_a_device_without_reader_counts_what_is_lost(device: PtyDevice, clock: C
     frames = [Frame(0.0, b"hello", 0), *frames_at(0.0, 1.0, 2.0)]
     assert play(iter(frames), device, 1.0) == (0, 3)
     assert clock.now_s == pytest.approx(1002.0)
+
+
+@pytest.mark.parametrize("speed", [1.0, None])
+def test_each_reader_gets_all_frames_from_the_first(device: PtyDevice, clock: Clock, speed: float | None) -> None:
+    """A board that is reset by opening its port starts over for the second reader."""
+    frames, ports = frames_at(0.0, 1.0, 2.0), [serial.Serial(str(device.link), timeout=PATIENCE_S)]
+    got: list[bytes] = []
+    content = b"".join(frame.content for frame in frames)
+
+    def read_and_open_again() -> bool:
+        if not ports[-1].is_open:
+            ports.append(serial.Serial(str(device.link), timeout=PATIENCE_S))
+        elif ports[-1].in_waiting == len(content):
+            got.append(ports[-1].read(len(content)))
+            ports[-1].close()
+        return len(got) == 2
+
+    counts = play_after_each_opening(lambda: iter(frames), device, speed, read_and_open_again)
+    ports[-1].close()
+    assert (counts, got) == ((6, 0), [content, content])
+    assert clock.now_s < 2000.0
 
 
 def test_a_long_rest_between_frames_can_be_ended(device: PtyDevice, clock: Clock) -> None:

@@ -1,0 +1,131 @@
+"""The simulated device as a command: its options, and its run on a pty until a signal or the end of its time."""
+
+import argparse
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from itertools import takewhile
+from pathlib import Path
+
+from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
+from firmware_sim.measure import StillWord, measure
+from firmware_sim.motion.profile import load_profile, shipped_profiles
+from firmware_sim.player import play, play_after_each_opening, stopped_by_signals
+from firmware_sim.pty import PtyDevice
+from firmware_sim.rig import load_rig, parse_effect, with_effects
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.registry import ENCODERS
+
+
+def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
+    """Play the rig on a pty until a signal comes or the time is over; `tell` gets a sentence at both ends.
+
+    Raises
+    ------
+    FileError
+        The rig, the profile, an effect or a fault has a mistake.
+    LinkInUseError
+        The link cannot be made, or belongs to something else.
+    """
+    rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
+    faults = [parse_fault(text) for text in arguments.fault]
+    profile = load_profile(arguments.profile)
+    encoder = ENCODERS[arguments.protocol]
+
+    def frames() -> Iterator[Frame]:
+        """All frames from power-on."""
+        blocks = faulty_blocks(measure(rig, profile, arguments.seed, still=StillWord(arguments.still)), faults)
+        endless = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
+        return endless if arguments.duration is None else takewhile(lambda f: f.t_s < arguments.duration, endless)
+
+    cable = FaultyCable(faults)
+    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, encoder.hello(rig.base), cable)) as device:
+        tell(f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
+        if arguments.reset:
+            sent, lost = play_after_each_opening(frames, device, arguments.speed, is_over)
+        else:
+            if arguments.wait:
+                device.wait_for_reader(is_over)
+            sent, lost = play(frames(), device, arguments.speed, is_over)
+        if not is_over():
+            device.drain()
+    tell(f"{sent} samples sent, {lost} without a reader")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name of the port, a link to the pty")
+    parser.add_argument("--rig", type=Path, metavar="FILE", help="rig file (default: the shipped one)")
+    parser.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help="add an effect to the rig, at its typical size without parameters (repeatable; default: none)",
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="FAULT[:param=value,...]",
+        help="a fault of the link, from from_s to to_s of device time; it begins at 2 s by default "
+        f"(repeatable): {', '.join(FAULTS)}",
+    )
+    parser.add_argument(
+        "--profile",
+        default="turntable",
+        metavar="PROFILE",
+        help=f"motion: {', '.join(shipped_profiles())}, or a file (default turntable)",
+    )
+    parser.add_argument(
+        "--protocol", default="native", choices=sorted(ENCODERS), help="protocol that it sends (default native)"
+    )
+    parser.add_argument("--seed", type=_seed, default=0, metavar="S", help="seed of all random numbers (default 0)")
+    parser.add_argument(
+        "--still",
+        default=StillWord.NONE.value,
+        choices=[word.value for word in StillWord],
+        help="send with each sample whether the table stands still: the truth (true), or always 1 or 0; "
+        "native and csv only (default none)",
+    )
+    parser.add_argument(
+        "--speed", type=_speed, default=1.0, metavar="X", help="times real time, or max: as fast as it is read"
+    )
+    parser.add_argument(
+        "--wait", action="store_true", help="power on when the first reader opens the port (default: at once)"
+    )
+    parser.add_argument(
+        "--reset",
+        action="store_true",
+        help="power on again each time a reader opens the port, as boards do that are reset by DTR (default: no)",
+    )
+    parser.add_argument(
+        "--duration",
+        type=_number(0.0, "seconds, 0 or more"),
+        metavar="S",
+        help="stop after S seconds of device time (default: never)",
+    )
+
+
+def _number(minimum: float, expected: str) -> Callable[[str], float]:
+    """Parser of finite numbers of at least `minimum`."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not minimum <= value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text}: expected {expected}")
+        return value
+
+    return read
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text}: expected a whole number, 0 or more")
+    return int(text)
+
+
+def _speed(text: str) -> float | None:
+    return None if text == "max" else _number(1e-6, "a number above 0, or max")(text)
