@@ -13,8 +13,8 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 BASE = (
-    "arrays calibration callable_room cluster compile errors files installation log log_stream logger nearest parallel"
-    " process_list progress public_yaml sample secret unwaiting"
+    "arrays calibration callable_room cluster compile errors files installation log log_stream logger nearest noise"
+    " parallel process_list progress public_yaml sample secret unwaiting"
 )
 """Single files at the top of the package: they know each other and no room."""
 

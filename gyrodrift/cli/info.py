@@ -1,22 +1,24 @@
-"""Tell what recorded sessions hold: rate, gaps, clocks, temperature, rest and the noise there.
+"""Describe recorded sessions: rate, gaps, clocks, temperature, rest, and the noise at rest.
 
-What is worth a second look has a ! in front. Bias and noise are those of the stretches in which the device stood still:
-by the encoder, or, without one, where the rate is steady, which a constant spin is as well. Times of stretches are s
-after the first sample. --out and --picture draw yaw too, raw and corrected by a filter, and need matplotlib; where it
-is missing, the command that installs it is told.
+One session is described in full; several become a table with a line for each and a summary. A ! marks values that
+deserve a second look. Bias and noise come from the times at rest: by the encoder, or, without one, where the rate is
+steady, which a constant spin is as well. Times are s after the first sample. --out and --picture also draw yaw, raw
+and corrected by a filter; they need matplotlib.
 """
 
 import argparse
 import dataclasses
 import json
+import os
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gyrodrift.cli import options
+from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.errors import DataError, UsageError, visible
 from gyrodrift.files import check_writable, whole_file, write_whole
 
@@ -24,13 +26,17 @@ if TYPE_CHECKING:
     from gyrodrift.config.model import Config
     from gyrodrift.describe.text import Group
     from gyrodrift.describe.values import SessionDescription
+    from gyrodrift.describe.yaw import YawHistory
     from gyrodrift.html.provenance import Provenance
     from gyrodrift.progress import Progress
+    from gyrodrift.session.checks.finding import SessionFinding
+    from gyrodrift.session.mcap.raw import RawSize
     from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
 
 EXAMPLES = """\
+gyrodrift info session.mcap
 gyrodrift info sessions
 gyrodrift info sessions --out report
 gyrodrift info sessions --json
@@ -46,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SESSION",
         help="recorded session (.mcap or .csv), or a folder of them",
     )
-    parser.add_argument("--json", action="store_true", help="a JSON object a session instead, on one line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per session, each on one line")
+    parser.add_argument("--verbose", action="store_true", help="print the full text of each of several sessions")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder for report.html, a page of all sessions (default: none)"
     )
@@ -54,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--picture", type=Path, metavar="FILE", help="draw the session (.png, .svg or .pdf; default: none)"
     )
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects (default: restlevel)"
+        "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects yaw (default: restlevel)"
     )
     options.add_damage_option(parser)
     options.add_columns_option(parser)
@@ -62,12 +69,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Describe each session; 0 when all are told, and nothing in them contradicts what they are taken for.
+    """Describe the sessions; 0 if all are readable and none contradicts its units.
+
+    Files are written before anything is printed: a reader such as `head` may end early.
 
     Raises
     ------
     DataError
-        When all are told, with what does.
+        After the descriptions, with the sessions that are unreadable or contradict their units.
     """
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
@@ -75,59 +84,145 @@ def run(arguments: argparse.Namespace) -> int:
 
         paths = session_paths(arguments.sessions)
         options.check_damage(paths, allow_damage=arguments.allow_damage)
-        drawing = _drawing(arguments, paths)
-        wrong: list[str] = []
-        for number, path in enumerate(paths):
-            progress.evaluated("sessions", number, len(paths))
-            wrong += _tell(arguments, path, drawing, progress, is_first=number == 0)
-        if drawing is not None and drawing.page is not None:
-            page = drawing.page.html(_provenance(arguments, drawing.config, paths))
-            write_whole(arguments.out / "report.html", [page])
-    if wrong:
-        raise DataError("\n".join(wrong))
+        is_table = len(paths) > 1 and not (arguments.verbose or arguments.json)
+        drawing = _drawing(arguments, paths, is_table=is_table)
+        errors: list[str] = []
+        descriptions = _descriptions(arguments, paths, drawing, progress, errors)
+        texts = _table(paths, descriptions) if is_table else _texts(arguments, descriptions)
+        if drawing is not None:
+            texts = iter(list(texts))
+            with progress.aside():
+                drawing.write(paths)
+        for text in texts:
+            with progress.aside():
+                print(visible(text))  # names of files, notes and devices may hold anything
+    if errors:
+        raise DataError("\n".join(errors))
     return 0
 
 
-def _tell(
-    arguments: argparse.Namespace, path: Path, drawing: "_Drawing | None", progress: "Progress", *, is_first: bool
-) -> list[str]:
-    """Tell of one session; gives what contradicts what it is taken for."""
+Descriptions = Iterator[tuple["_Description", "YawHistory | None"]]
+
+
+class _Description(NamedTuple):
+    """A session with everything that is said of it; `possible` is without values that no sensor gives."""
+
+    path: Path
+    session: "Session"
+    possible: "Session"
+    values: "SessionDescription"
+    groups: "Sequence[Group]"
+    raw: "RawSize | None"
+    findings: "Sequence[SessionFinding]"
+
+    def yaw(self, config: "Config") -> "YawHistory | None":
+        """Yaw by the filter of a config."""
+        from gyrodrift.describe.yaw import yaw_history_of
+        from gyrodrift.session.calibrated import with_config
+
+        session = with_config(self.possible, config.calibration)
+        return yaw_history_of(session, config.chosen, config.params)
+
+
+def _descriptions(
+    arguments: argparse.Namespace,
+    paths: "Sequence[Path]",
+    drawing: "_Drawing | None",
+    progress: "Progress",
+    errors: list[str],
+) -> Descriptions:
+    """The readable sessions, with yaw if they are drawn or have an encoder; `errors` gets the other ones."""
+    config = _config(arguments)
+    for index, path in enumerate(paths):
+        progress.evaluated("sessions", index, len(paths))
+        try:
+            description = _described(arguments, path)
+        except DataError as error:
+            errors.append(str(error))
+            continue
+        with progress.aside():
+            options.tell_remarks(path, description.session)
+        errors += [f"{path}: {finding}" for finding in description.findings if finding.is_error]
+        yaw = None
+        if drawing is not None or description.values.encoder is not None:
+            yaw = description.yaw(config)
+        if drawing is not None:
+            drawing.add(description, yaw)
+        yield description, yaw
+
+
+def _described(arguments: argparse.Namespace, path: Path) -> _Description:
     from gyrodrift.describe.describe import describe
-    from gyrodrift.describe.possible import impossible_values, possible_part
-    from gyrodrift.describe.text import groups_of, lines_of
+    from gyrodrift.describe.possible import possible_part
+    from gyrodrift.describe.text import groups_of
     from gyrodrift.session.checks.examine import examined
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
     reading = options.reading(arguments)
-    whole = load_session(path, reading.columns, allow_damage=arguments.allow_damage)
-    checked = examined(reading.applied(whole), reading)
+    loaded = load_session(path, reading.columns, allow_damage=arguments.allow_damage)
+    checked = examined(reading.applied(loaded), reading)
     session = checked.session
     raw = raw_size(path, allow_damage=session.damage is not None)
     possible = possible_part(session)
-    description = describe(possible)
-    groups = groups_of(session, description, raw, checked.findings)
-    with progress.aside():
-        options.tell_remarks(path, session)
+    values = describe(possible)
+    groups = groups_of(session, values, raw, checked.findings)
+    return _Description(path, session, possible, values, groups, raw, checked.findings)
+
+
+def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Iterator[str]:
+    """The full text of each session, or its JSON line."""
+    from gyrodrift.describe.text import lines_of
+
+    for index, (described, _) in enumerate(descriptions):
         if arguments.json:
-            kept = None if raw is None else raw._asdict()
-            about = {"session": str(path), **_plain(description), "raw": kept, "metadata": _plain(session.metadata)}
-            about["impossible"] = [_plain(value) for value in impossible_values(session)]
-            about["checks"] = [_plain(finding) for finding in checked.findings]
-            print(json.dumps(about, allow_nan=False, ensure_ascii=False))
+            yield json.dumps(_json(described), allow_nan=False, ensure_ascii=False)
         else:
-            lines = [*[""] * (not is_first), str(path), *lines_of(groups)]
-            print(*map(visible, lines), sep="\n")  # names of files, notes and devices may hold anything
-    if drawing is not None:
-        drawing.take(possible, description, groups)
-    return [f"{path}: {finding}" for finding in checked.findings if finding.is_error]
+            yield "\n".join([*[""] * (index > 0), str(described.path), *lines_of(described.groups)])
 
 
-def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing | None":
-    """What draws the sessions; None where nothing is to be drawn. All that could be wrong is found beforehand."""
+def _json(described: _Description) -> dict[str, object]:
+    from gyrodrift.describe.possible import impossible_values
+
+    session, raw = described.session, described.raw
+    return {
+        "session": str(described.path),
+        **_plain(described.values),
+        "raw": None if raw is None else raw._asdict(),
+        "metadata": _plain(session.metadata),
+        "impossible": [_plain(value) for value in impossible_values(session)],
+        "checks": [_plain(finding) for finding in described.findings],
+    }
+
+
+def _table(paths: "Sequence[Path]", descriptions: "Descriptions") -> Iterator[str]:
+    """A line per session, and a summary."""
+    from gyrodrift.describe.listing import listing
+    from gyrodrift.describe.overview import row_of
+
+    names = _names(paths)
+    rows = [row_of(names[described.path], described.values, yaw, described.groups) for described, yaw in descriptions]
+    if rows:
+        yield from listing(rows)
+
+
+def _names(paths: "Sequence[Path]") -> dict[Path, str]:
+    """Paths without the folder that all of them share."""
+    shared = os.path.commonpath([path.absolute().parent for path in paths])
+    return {path: os.path.relpath(path.absolute(), shared) for path in paths}
+
+
+def _config(arguments: argparse.Namespace) -> "Config":
+    from gyrodrift.config.model import Config, load_config
+
+    return load_config(arguments.config) if arguments.config else Config()
+
+
+def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_table: bool) -> "_Drawing | None":
+    """The files to be drawn, None for none; mistakes in the options show before any work."""
     if arguments.picture is None and arguments.out is None:
-        if arguments.config is not None:
-            raise UsageError("--config is the filter that --out and --picture draw; give one of them")
+        if arguments.config is not None and not is_table:
+            raise UsageError("--config is the filter of --out, --picture and the table of several sessions: add one")
         return None
     if arguments.picture is not None:
         _check_picture(arguments.picture, sessions)
@@ -139,7 +234,7 @@ def _drawing(arguments: argparse.Namespace, sessions: list[Path]) -> "_Drawing |
     return _Drawing(arguments)
 
 
-def _check_picture(path: Path, sessions: list[Path]) -> None:
+def _check_picture(path: Path, sessions: "Sequence[Path]") -> None:
     from gyrodrift.files import check_inputs_kept
 
     if path.suffix not in PICTURES:
@@ -150,34 +245,47 @@ def _check_picture(path: Path, sessions: list[Path]) -> None:
 
 
 class _Drawing:
-    """Sessions as a picture and as a page, as far as they are asked for."""
+    """The page and the picture of the sessions, whichever is asked for."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        from gyrodrift.config.model import Config, load_config
         from gyrodrift.describe.report import SessionsPage
 
-        self.config = load_config(arguments.config) if arguments.config else Config()
-        self.page = None if arguments.out is None else SessionsPage()
-        self._picture = arguments.picture
+        self._arguments = arguments
+        self._config = _config(arguments)
+        self._page = None if arguments.out is None else SessionsPage()
+        self._samples = 0
+        self._count = 0
 
-    def take(self, session: "Session", description: "SessionDescription", groups: "Sequence[Group]") -> None:
-        """The next session."""
-        from gyrodrift.describe.panels import Seen
+    def add(self, described: _Description, yaw: "YawHistory | None") -> None:
+        """Draw the next session."""
+        from gyrodrift.describe.drawing import DescribedSession
         from gyrodrift.describe.picture import draw
-        from gyrodrift.describe.yaw import yaw_history_of
-        from gyrodrift.session.calibrated import with_config
 
-        right = with_config(session, self.config.calibration)
-        seen = Seen(session, description, yaw_history_of(right, self.config.chosen, self.config.params))
-        if self.page is not None:
-            self.page.add(seen, groups)
-        if self._picture is not None:
-            with whole_file(self._picture) as file:
-                draw(seen, file, self._picture.suffix.removeprefix("."))
+        drawn = DescribedSession(described.possible, described.values, yaw)
+        self._count += 1
+        self._samples += described.values.samples
+        if self._page is not None:
+            self._page.add(drawn, described.groups)
+        picture = self._arguments.picture
+        if picture is not None:
+            with whole_file(picture) as file:
+                draw(drawn, file, picture.suffix.removeprefix("."))
+
+    def write(self, paths: "Sequence[Path]") -> None:
+        """Write the page, and say which files are there now."""
+        written = []
+        if self._arguments.picture is not None and self._count:
+            written.append(self._arguments.picture)
+        if self._page is not None and self._count:
+            page = self._arguments.out / "report.html"
+            write_whole(page, [self._page.html(_provenance(self._arguments, self._config, paths))])
+            written.append(page)
+        contents = f"{self._count} session{'s' * (self._count != 1)}, {samples_text(self._samples)}"
+        for path in written:
+            tell_written(path, contents, is_quiet=self._arguments.quiet)
 
 
 def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequence[Path]") -> "Provenance":
-    """What the page says of where it comes from."""
     from gyrodrift.evaluation.dataset import digest_of
     from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
 
@@ -193,9 +301,9 @@ def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequenc
 
 
 def _plain(value: Any) -> dict[str, object]:
-    """A dataclass or a mapping as JSON has it: null for what is no finite number."""
+    """A dataclass or a mapping as JSON, with null for numbers that are not finite."""
     named = value if isinstance(value, Mapping) else {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    return {str(name): _plain_value(one) for name, one in named.items()}
+    return {str(name): _plain_value(item) for name, item in named.items()}
 
 
 def _plain_value(value: object) -> object:
@@ -207,7 +315,7 @@ def _plain_value(value: object) -> object:
         case Enum():
             return value.value
         case tuple() | list():
-            return [_plain_value(one) for one in value]
+            return [_plain_value(item) for item in value]
         case _ if hasattr(value, "tolist"):
             return _plain_value(value.tolist())
         case _:

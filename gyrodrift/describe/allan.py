@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.describe.values import Allan, Stretch
+from gyrodrift.noise import FLICKER_FLOOR
 
 ALLAN_LEAST_S = 30.0
 CLUSTERS_LEAST = 9
@@ -21,9 +22,6 @@ LOW_PASSED = 0.8
 FLAT_ERROR = 0.2
 """The longest times say little; a floor shows where deviations are at least that good, over two octaves."""
 
-FLICKER_FLOOR = 0.664
-"""√(2 ln 2/π): the flat part of an Allan deviation over the bias instability B (IEEE 952, C.1.3)."""
-
 
 def allan_deviation(rate_dps: Floats, period_s: float) -> tuple[Floats, Floats]:
     """Averaging times in octaves, s, and the overlapping Allan deviation there, deg/s; both of shape (k,).
@@ -35,11 +33,11 @@ def allan_deviation(rate_dps: Floats, period_s: float) -> tuple[Floats, Floats]:
     octaves = (len(rate_dps) // CLUSTERS_LEAST).bit_length()
     taus_s: Floats = period_s * np.exp2(np.arange(octaves, dtype=np.float64))
     deviations_dps = np.zeros(octaves)
-    room_deg = np.empty((2, len(rate_dps)))
+    buffer_deg = np.empty((2, len(rate_dps)))
     for octave, tau_s in enumerate(taus_s):
         lag = 1 << octave
-        turns_deg = np.subtract(angles_deg[lag:], angles_deg[:-lag], out=room_deg[0, : 1 - lag or None])
-        changes_deg = np.subtract(turns_deg[lag:], turns_deg[:-lag], out=room_deg[1, : 1 - 2 * lag])
+        turns_deg = np.subtract(angles_deg[lag:], angles_deg[:-lag], out=buffer_deg[0, : 1 - lag or None])
+        changes_deg = np.subtract(turns_deg[lag:], turns_deg[:-lag], out=buffer_deg[1, : 1 - 2 * lag])
         deviations_dps[octave] = sqrt(changes_deg @ changes_deg / (2.0 * len(changes_deg))) / tau_s
     return taus_s, deviations_dps
 

@@ -1,17 +1,26 @@
-"""The panels of a session as figures of a page, small multiples of one size."""
+"""Panels of a session as SVG elements of a page."""
 
 from collections.abc import Sequence
 
-from gyrodrift.describe.panels import Panel
+from gyrodrift.describe.drawing import Panel
 from gyrodrift.html.svg import as_svg, canvas, styled
 
 WIDE_IN, HIGH_IN = 3.1, 1.9
+FULL_WIDE_IN, FULL_HIGH_IN = 9.6, 2.9
 
 
-def panel_svgs(drawn: Sequence[Panel], name: str) -> list[str]:
-    """Of each panel an element; `name` is that of no other figure of the page."""
+def panel_svgs(panels: Sequence[Panel], name: str) -> list[str]:
+    """Small charts of one size; `name` is unique within the page."""
     with styled():
-        return [_svg(panel, f"{name}-{at}") for at, panel in enumerate(drawn)]
+        return [_svg(panel, f"{name}-{index}") for index, panel in enumerate(panels)]
+
+
+def full_width_svg(panel: Panel, name: str) -> str:
+    """A chart as wide as the page; `name` is unique within the page."""
+    with styled():
+        figure = canvas(FULL_WIDE_IN, FULL_HIGH_IN, left=0.065, bottom=0.12, top=0.98, right=0.995)
+        panel.draw(figure.add_subplot())
+        return as_svg(figure, name, panel.name)
 
 
 def _svg(panel: Panel, name: str) -> str:

@@ -1,52 +1,99 @@
-"""A session in one row: what is compared at a glance over many of them."""
+"""A session in one row of a table."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
+from gyrodrift.describe.text import Group
 from gyrodrift.describe.values import RestSource, SessionDescription
-from gyrodrift.describe.yaw import YawHistory, mean_absolute
+from gyrodrift.describe.yaw import YawHistory, last_error, mean_absolute
+
+
+@dataclass(frozen=True, slots=True)
+class YawErrors:
+    """Yaw errors of a session against its encoder, deg: mean absolute value, and the last value with its sign."""
+
+    filter_name: str
+    raw_mean_deg: float
+    corrected_mean_deg: float
+    raw_end_deg: float
+    corrected_end_deg: float
 
 
 @dataclass(frozen=True, slots=True)
 class SessionRow:
-    """Of a session; None where it does not say.
+    """A session in one row; None for values that it does not have.
 
     bias_dps
-        Mean rate over all that an encoder says was rest, deg/s.
-    raw_error_deg, corrected_error_deg
-        Mean absolute yaw error of the plain integral and of the filter, deg.
+        Mean rate over all rests that the encoder shows, deg/s.
+    walk_deg_rts, instability_dps
+        Angle random walk in deg/√s and bias instability in deg/s.
+    white_deg_rts
+        Angle random walk in deg/√s if the scatter over the longest rest were white noise.
+    odd
+        Names of the values that deserve a second look.
     """
 
     name: str
-    minutes: float
+    samples: int
+    duration_s: float
     rate_hz: float | None
+    gaps: int
     missing: int
+    rests: int
+    rest_s: float
     bias_dps: float | None
     walk_deg_rts: float | None
-    raw_error_deg: float | None
-    corrected_error_deg: float | None
+    white_deg_rts: float | None
+    instability_dps: float | None
+    errors: YawErrors | None
+    odd: tuple[str, ...]
 
 
-def row_of(name: str, description: SessionDescription, yaw: YawHistory | None) -> SessionRow:
-    """The row of a session."""
-    known = yaw if yaw is not None and yaw.has_reference else None
+def row_of(
+    name: str, description: SessionDescription, yaw: YawHistory | None, groups: Sequence[Group] = ()
+) -> SessionRow:
+    """The row of a session; `groups` is its full text."""
+    allan = description.allan
     return SessionRow(
         name=name,
-        minutes=description.duration_s / 60.0,
+        samples=description.samples,
+        duration_s=description.duration_s,
         rate_hz=description.rate_hz,
+        gaps=description.gaps.count,
         missing=description.gaps.missing,
+        rests=len(description.stretches),
+        rest_s=sum(rest.end_s - rest.start_s for rest in description.stretches),
         bias_dps=bias_at_rest(description),
-        walk_deg_rts=None if description.allan is None else description.allan.angle_random_walk_deg_rts,
-        raw_error_deg=None if known is None else mean_absolute(known.raw_error_deg),
-        corrected_error_deg=None if known is None else mean_absolute(known.corrected_error_deg),
+        walk_deg_rts=None if allan is None else allan.angle_random_walk_deg_rts,
+        white_deg_rts=_white_deg_rts(description),
+        instability_dps=None if allan is None else allan.bias_instability_dps,
+        errors=_errors(yaw),
+        odd=tuple(dict.fromkeys(line.name for group in groups for line in group.lines if line.is_odd)),
     )
 
 
+def _errors(yaw: YawHistory | None) -> YawErrors | None:
+    if yaw is None or not yaw.has_reference:
+        return None
+    raw_deg, corrected_deg = yaw.raw_error_deg, yaw.corrected_error_deg
+    means = (mean_absolute(raw_deg), mean_absolute(corrected_deg))
+    return YawErrors(yaw.filter_name, *means, last_error(raw_deg), last_error(corrected_deg))
+
+
+def _white_deg_rts(description: SessionDescription) -> float | None:
+    if not description.stretches or not description.rate_hz:
+        return None
+    longest = max(description.stretches, key=lambda rest: rest.end_s - rest.start_s)
+    return longest.std_dps / sqrt(description.rate_hz)
+
+
 def bias_at_rest(description: SessionDescription) -> float | None:
-    """Mean rate at rest, long rests counting more, deg/s; None where no encoder says that there was any."""
-    stretches = description.stretches if description.still_by is RestSource.ENCODER else ()
-    lengths_s = [one.end_s - one.start_s for one in stretches]
+    """Mean rate at rest weighted by duration, deg/s; None if no encoder shows a rest."""
+    rests = description.stretches if description.still_by is RestSource.ENCODER else ()
+    lengths_s = [rest.end_s - rest.start_s for rest in rests]
     if not sum(lengths_s):
         return None
-    return float(np.average([one.mean_dps for one in stretches], weights=lengths_s))
+    return float(np.average([rest.mean_dps for rest in rests], weights=lengths_s))

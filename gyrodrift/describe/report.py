@@ -1,20 +1,21 @@
-"""Sessions as a page: one HTML file that shows of each its yaw, raw and corrected, and how it was recorded."""
+"""Sessions as a page: for each its yaw error, yaw, bias, and how it was recorded."""
 
 from collections.abc import Sequence
 from math import isfinite
 
-import numpy as np
-
-from gyrodrift.arrays import Floats
-from gyrodrift.describe.figures import panel_svgs
+from gyrodrift.describe.drawing import DescribedSession, Panel
+from gyrodrift.describe.figures import full_width_svg, panel_svgs
+from gyrodrift.describe.listing import duration_text
 from gyrodrift.describe.overview import SessionRow, bias_at_rest, row_of
-from gyrodrift.describe.panels import Panel, Seen, recording_panels, yaw_panels
+from gyrodrift.describe.recording_panels import recording_panels
 from gyrodrift.describe.text import Group
-from gyrodrift.describe.yaw import YawHistory, mean_absolute
+from gyrodrift.describe.yaw import YawHistory, last_error, mean_absolute
+from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 from gyrodrift.html.html import (
     columns,
     facts,
     figure,
+    folded,
     header,
     headings,
     legend,
@@ -31,19 +32,23 @@ from gyrodrift.html.html import (
 )
 from gyrodrift.html.numbers import degrees, even, mean, significant
 from gyrodrift.html.provenance import Provenance, provenance
+from gyrodrift.noise import (
+    FLICKER_WORDS,
+    ROOT_SECONDS_PER_ROOT_HOUR,
+    SECONDS_PER_HOUR,
+)
 
 UNKNOWN = "–"
 
 DRAWN = 12
-"""Sessions of which figures are drawn; of more the others stand in the table alone."""
+"""Only this many sessions have figures; the table has all of them."""
 
-YAW_WORDS = (
-    "<b>Yaw, raw and corrected.</b> Errors within a degree are drawn to scale, larger ones by factors of ten. The bias "
-    "is what the filter took out of the rate."
-)
+ERROR_WORDS = "<b>Yaw error.</b> Yaw minus the encoder. The scale is linear within a degree and logarithmic beyond it."
+YAW_WORDS = "<b>Yaw and bias.</b> The bias is the drift that the filter subtracts from the rate."
 RECORDING_WORDS = (
-    "<b>The recording.</b> No scale is narrower than what matters for yaw, so that what looks flat is negligible."
+    "<b>The recording.</b> A change that looks flat is negligible for yaw. Times that never change have no panel."
 )
+NOISE_WORDS = f"Bias instability is {FLICKER_WORDS}."
 
 
 class SessionsPage:
@@ -53,92 +58,108 @@ class SessionsPage:
         self._rows: list[SessionRow] = []
         self._chapters: list[str] = []
 
-    def add(self, seen: Seen, groups: Sequence[Group]) -> None:
-        """The next session, with what is told of it in words."""
-        self._rows.append(row_of(seen.session.name, seen.description, seen.yaw))
+    def add(self, described: DescribedSession, groups: Sequence[Group]) -> None:
+        """Add the next session; `groups` is its full text."""
+        self._rows.append(row_of(described.session.name, described.description, described.yaw))
         if len(self._rows) <= DRAWN:
-            self._chapters.append(_chapter(len(self._rows), seen, groups))
+            self._chapters.append(_chapter(len(self._rows), described, groups))
 
     def html(self, made: Provenance) -> str:
         """The file."""
         filter_words = f"Corrected: {text(made.config)}." if made.config else ""
         head = header(
-            f"gyrodrift info · {_counted(self._rows)}",
+            f"gyrodrift info · {_size_words(self._rows)}",
             f"{made.set_name}: {_headline(self._rows)}",
             paragraph(f"{_reference_words(self._rows)} {filter_words}"),
         )
-        overview = section("All sessions", _overview(self._rows), _left_out(self._rows)) if len(self._rows) > 1 else ""
+        overview = ""
+        if len(self._rows) > 1:
+            overview = section("All sessions", _overview(self._rows), _not_drawn(self._rows))
         parts = [head, overview, *self._chapters, provenance(made)]
         return page(f"{made.set_name}: recorded sessions", [part for part in parts if part])
 
 
-def _left_out(rows: Sequence[SessionRow]) -> str:
-    """Where not all sessions are drawn."""
-    more = len(rows) - DRAWN
-    return paragraph(f"The first {DRAWN} are drawn below, the other {more} are not.") if more > 0 else ""
+def _not_drawn(rows: Sequence[SessionRow]) -> str:
+    without = len(rows) - DRAWN
+    return paragraph(f"The first {DRAWN} have figures below, the other {without} have none.") if without > 0 else ""
 
 
-def _chapter(number: int, seen: Seen, groups: Sequence[Group]) -> str:
-    """The chapter of a session."""
+def _chapter(number: int, described: DescribedSession, groups: Sequence[Group]) -> str:
     odd = [f"{line.name}: {line.value}" for group in groups for line in group.lines if line.is_odd]
     return section(
-        f"{number}. {seen.session.name}",
+        f"{number}. {described.session.name}",
         warnings("Worth a second look", odd),
-        tiles([_yaw_tile(seen.yaw), _samples_tile(seen), _rest_tile(seen)]),
-        _figure(YAW_WORDS, yaw_panels(seen), f"yaw-{number}", can_switch=True),
-        _figure(RECORDING_WORDS, list(recording_panels(seen)), f"recording-{number}", can_switch=False),
-        columns([_group(one) for one in groups]),
+        tiles([_yaw_tile(described.yaw), _samples_tile(described), _rest_tile(described)]),
+        _error_figure(described, f"error-{number}"),
+        _yaw_figure(described, f"yaw-{number}"),
+        _recording_figure(described, f"recording-{number}"),
+        folded("Details", columns([_group(group) for group in groups])),
     )
 
 
-def _counted(rows: Sequence[SessionRow]) -> str:
-    minutes = sum(one.minutes for one in rows)
+def _size_words(rows: Sequence[SessionRow]) -> str:
+    minutes = sum(row.duration_s for row in rows) / 60.0
     return f"{len(rows)} session{'s' * (len(rows) > 1)}, {significant(minutes, 3)} minutes"
 
 
 def _headline(rows: Sequence[SessionRow]) -> str:
-    raw = [one.raw_error_deg for one in rows if one.raw_error_deg is not None]
-    corrected = [one.corrected_error_deg for one in rows if one.corrected_error_deg is not None]
-    if not raw:
+    errors = [row.errors for row in rows if row.errors is not None]
+    if not errors:
         return "recorded without an encoder"
-    return f"mean yaw error {degrees(mean(raw))} raw, {degrees(mean(corrected))} corrected"
+    raw_deg, corrected_deg = (
+        mean([error.raw_mean_deg for error in errors]),
+        mean([error.corrected_mean_deg for error in errors]),
+    )
+    return f"mean yaw error {degrees(raw_deg)} raw, {degrees(corrected_deg)} corrected"
 
 
 def _reference_words(rows: Sequence[SessionRow]) -> str:
-    known = sum(one.raw_error_deg is not None for one in rows)
-    if not known:
-        return "Without an encoder nothing says what yaw should be: raw and corrected yaw are shown beside each other."
-    of_all = "" if known == len(rows) else f" It is known of {known} of {len(rows)} sessions: those with an encoder."
-    return f"The yaw error is the mean absolute difference to the angle of the encoder.{of_all}"
+    with_encoder = sum(row.errors is not None for row in rows)
+    if not with_encoder:
+        return "Without an encoder the yaw error is unknown. The page shows raw and corrected yaw."
+    part = "" if with_encoder == len(rows) else f" {with_encoder} of {len(rows)} sessions have an encoder."
+    return f"The yaw error is the mean absolute difference to the angle of the encoder.{part}"
 
 
 def _overview(rows: Sequence[SessionRow]) -> str:
-    head = ["session", "min", "Hz", "missing", "bias, deg/s", "random walk, deg/√s", "raw error", "corrected error"]
-    columns = (
-        _column([one.minutes for one in rows]),
-        _column([one.rate_hz for one in rows]),
-        [str(one.missing) for one in rows],
-        _column([one.bias_dps for one in rows]),
-        _column([one.walk_deg_rts for one in rows]),
-        _column([one.raw_error_deg for one in rows], "°"),
-        _column([one.corrected_error_deg for one in rows], "°"),
+    head = [
+        "session",
+        "min",
+        "Hz",
+        "missing",
+        "bias, deg/s",
+        "random walk, °/√h",
+        "bias instability, °/h",
+        "raw error",
+        "corrected error",
+    ]
+    errors = [row.errors for row in rows]
+    cells = (
+        _column([row.duration_s / 60.0 for row in rows]),
+        _column([row.rate_hz for row in rows]),
+        [str(row.missing) for row in rows],
+        _column([row.bias_dps for row in rows]),
+        _column([row.walk_deg_rts for row in rows], factor=ROOT_SECONDS_PER_ROOT_HOUR),
+        _column([row.instability_dps for row in rows], factor=SECONDS_PER_HOUR),
+        _column([None if error is None else error.raw_mean_deg for error in errors], "°"),
+        _column([None if error is None else error.corrected_mean_deg for error in errors], "°"),
     )
     caption = (
-        "Missing: samples. Bias: mean rate at rest, by the encoder. Random walk: of the angle, by white noise, over "
-        "the longest still stretch of at least 30 s. Errors: mean absolute yaw error."
+        "Missing: samples. Bias: mean rate at rest, by the encoder. Random walk and bias instability: noise over the "
+        f"longest rest of at least 30 s. {NOISE_WORDS} Errors: mean absolute yaw error."
     )
-    named = [f"{number}. {text(one.name)}" for number, one in enumerate(rows, 1)]
-    return table(caption, headings(head), [list(cells) for cells in zip(named, *columns, strict=True)])
+    names = [f"{number}. {text(row.name)}" for number, row in enumerate(rows, 1)]
+    return table(caption, headings(head), [list(row_cells) for row_cells in zip(names, *cells, strict=True)])
 
 
-def _column(values: Sequence[float | None], unit: str = "") -> list[str]:
-    known = even([float("nan") if value is None else value for value in values])
-    return [UNKNOWN if value is None else f"{told}{unit}" for value, told in zip(values, known, strict=True)]
+def _column(values: Sequence[float | None], unit: str = "", factor: float = 1.0) -> list[str]:
+    numbers = even([float("nan") if value is None else factor * value for value in values])
+    return [UNKNOWN if value is None else f"{number}{unit}" for value, number in zip(values, numbers, strict=True)]
 
 
 def _yaw_tile(yaw: YawHistory | None) -> str:
     if yaw is None:
-        return tile("Yaw", [("not one usable pair of samples", UNKNOWN)])
+        return tile("Yaw", [("fewer than two usable samples", UNKNOWN)])
     corrected = f"corrected by {text(yaw.filter_name)}"
     if yaw.has_reference:
         return tile(
@@ -146,8 +167,8 @@ def _yaw_tile(yaw: YawHistory | None) -> str:
             [
                 (corrected, degrees(mean_absolute(yaw.corrected_error_deg))),
                 ("raw", degrees(mean_absolute(yaw.raw_error_deg))),
-                ("corrected, error at the end", _signed(_last(yaw.corrected_error_deg))),
-                ("raw, error at the end", _signed(_last(yaw.raw_error_deg))),
+                ("corrected, error at the end", _signed(last_error(yaw.corrected_error_deg))),
+                ("raw, error at the end", _signed(last_error(yaw.raw_error_deg))),
             ],
         )
     sigma_deg = float(yaw.sigma_deg[-1])
@@ -156,53 +177,65 @@ def _yaw_tile(yaw: YawHistory | None) -> str:
     return tile("Yaw at the end, without an encoder", ends)
 
 
-def _last(error_deg: Floats) -> float:
-    """The last that is known."""
-    return float(error_deg[np.isfinite(error_deg)][-1])
-
-
 def _signed(angle_deg: float) -> str:
-    """With a true minus."""
     return degrees(angle_deg).replace("-", "−")
 
 
-def _samples_tile(seen: Seen) -> str:
-    one = seen.description
-    minutes = one.duration_s / 60.0
-    length = f"{significant(minutes, 3)} min" if minutes >= 1.0 else f"{significant(one.duration_s, 3)} s"
-    rate = UNKNOWN if one.rate_hz is None else f"{significant(one.rate_hz, 4)} Hz"
-    counts = [("samples", str(one.samples)), ("missing", str(one.gaps.missing))]
-    return tile("Recording", [("length", length), ("sample rate", rate), *counts])
+def _samples_tile(described: DescribedSession) -> str:
+    description = described.description
+    rate = UNKNOWN if description.rate_hz is None else f"{significant(description.rate_hz, 4)} Hz"
+    counts = [("samples", f"{description.samples:,}"), ("missing", f"{description.gaps.missing:,}")]
+    return tile("Recording", [("length", duration_text(description.duration_s)), ("sample rate", rate), *counts])
 
 
-def _rest_tile(seen: Seen) -> str:
-    one = seen.description
-    bias_dps, allan = bias_at_rest(one), one.allan
-    lengths_s = sum(stretch.end_s - stretch.start_s for stretch in one.stretches)
+def _rest_tile(described: DescribedSession) -> str:
+    """Bias and noise at rest, as far as they are known."""
+    description = described.description
+    bias_dps, allan = bias_at_rest(description), description.allan
+    lengths_s = sum(rest.end_s - rest.start_s for rest in description.stretches)
     walk = None if allan is None else allan.angle_random_walk_deg_rts
-    floor_dps = None if allan is None else allan.bias_instability_dps
-    rows = [
-        ("bias", UNKNOWN if bias_dps is None else f"{significant(bias_dps, 3)} deg/s".replace("-", "−")),
-        ("angle random walk", UNKNOWN if walk is None else f"{significant(walk, 3)} deg/√s"),
-        ("bias instability", UNKNOWN if floor_dps is None else f"{significant(floor_dps, 3)} deg/s"),
-        ("time at rest", f"{significant(lengths_s, 3)} s"),
-    ]
-    return tile(f"At rest, by the {one.still_by.value}", rows)
+    instability_dps = None if allan is None else allan.bias_instability_dps
+    rows = [("time at rest", f"{significant(lengths_s, 3)} s")]
+    if bias_dps is not None:
+        rows.insert(0, ("bias", f"{significant(bias_dps, 3)} deg/s".replace("-", "−")))
+    if walk is not None:
+        rows.append(("angle random walk", f"{significant(ROOT_SECONDS_PER_ROOT_HOUR * walk, 3)} °/√h"))
+    if instability_dps is not None:
+        rows.append(("bias instability", f"{significant(SECONDS_PER_HOUR * instability_dps, 3)} °/h"))
+    return tile(f"At rest, by the {description.still_by.value}", rows)
 
 
-def _figure(words: str, drawn: Sequence[Panel], name: str, *, can_switch: bool) -> str:
-    """Panels under one legend, whose names switch the curves; or each with a legend of its own."""
+def _error_figure(described: DescribedSession, name: str) -> str:
+    panel = error_panel(described)
+    if panel is None:
+        return ""
+    return figure(f"{ERROR_WORDS}<br/>{switches(panel.marks)}", full_width_svg(panel, name), "full")
+
+
+def _yaw_figure(described: DescribedSession, name: str) -> str:
+    """Yaw and bias under one legend whose entries switch the curves, and the histogram with its own legend."""
+    curves = yaw_panels(described)
+    if not curves:
+        return ""
+    histogram = histogram_panel(described)
+    marks = list(dict.fromkeys(mark for panel in curves for mark in panel.marks))
+    captions = [f"<b>{text(panel.name)}</b>" for panel in curves]
+    captions += [_with_legend(histogram)] if histogram else []
+    svgs = panel_svgs([*curves, *([histogram] if histogram else [])], name)
+    return figure(f"{YAW_WORDS}<br/>{switches(marks)}", panels(captions, svgs))
+
+
+def _recording_figure(described: DescribedSession, name: str) -> str:
+    drawn = list(recording_panels(described))
     if not drawn:
         return ""
-    svgs = panel_svgs(drawn, name)
-    if can_switch:
-        marks = list(dict.fromkeys(mark for panel in drawn for mark in panel.marks))
-        return figure(f"{words}<br/>{switches(marks)}", panels([f"<b>{text(one.name)}</b>" for one in drawn], svgs))
-    return figure(words, panels([_named(one) for one in drawn], svgs))
+    noise = f" {NOISE_WORDS}" * (described.description.allan is not None)
+    return figure(
+        f"{RECORDING_WORDS}{noise}", panels([_with_legend(panel) for panel in drawn], panel_svgs(drawn, name))
+    )
 
 
-def _named(panel: Panel) -> str:
-    """A panel's name, and below it what each of its marks is."""
+def _with_legend(panel: Panel) -> str:
     return "<br/>".join([f"<strong>{text(panel.name)}</strong>", *(legend([mark[1:]]) for mark in panel.marks)])
 
 

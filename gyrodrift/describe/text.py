@@ -1,10 +1,11 @@
-"""The description of a session as text: groups of lines, and a ! in front of what is worth a second look."""
+"""The description of a session as text: groups of lines, with a ! before values that deserve a second look."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from gyrodrift.describe.possible import impossible_values
-from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription
+from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription, Stretch
+from gyrodrift.noise import FLICKER_FLOOR, FLICKER_WORDS, hourly_rate_text, random_walk_text
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
@@ -13,19 +14,24 @@ STRETCHES_SHOWN = 6
 TEXT_SHOWN = 90
 
 JITTER_ODD = 0.1
-"""Scatter of the time steps, in periods, from which on it is worth a look."""
+"""Scatter of the time steps, in periods, that deserves a second look."""
 DRIFT_ODD_PPM = 1000.0
-"""Yaw is off by as much as the clock: a tenth of a percent."""
+"""Yaw is wrong by the same share as the clock: 0.1 %."""
 DRIFT_ROUGH_PPM = 5.0
-DRIFT_DOUBT_PPM = 100.0
-"""A standard error of that size says that the clocks are not related by a line: one of them stepped."""
+DRIFT_UNCERTAIN_PPM = 100.0
+"""A standard error above this means that no line relates the clocks: one of them stepped."""
 DELAY_ODD_S = 0.1
-LOUD_DPS = 2.0
-"""No gyro at rest scatters by that much: the encoder was off, or the table shook."""
+NOISY_DPS = 2.0
+"""No gyro at rest scatters by this much: the encoder was off, or the table shook."""
+
+REST_HEADINGS = {
+    RestSource.ENCODER: "at rest, by the encoder",
+    RestSource.RATE: "steady rate: probably at rest, but a constant spin looks the same",
+}
 
 
 class TableLine(NamedTuple):
-    """A line of the table; what is odd is marked."""
+    """A line of the table; odd values get a mark."""
 
     name: str
     value: str
@@ -40,7 +46,7 @@ class Group(NamedTuple):
 
 
 def lines_of(groups: Sequence[Group]) -> Iterator[str]:
-    """The lines of the table."""
+    """Lines of the whole text."""
     width = max(len(line.name) for group in groups for line in group.lines)
     for heading, lines in groups:
         yield from ("", heading)
@@ -54,20 +60,21 @@ def groups_of(
     raw: RawSize | None = None,
     findings: Sequence[SessionFinding] = (),
 ) -> list[Group]:
-    """All that is told of a session, with what was kept beside the samples at its end.
+    """Everything that `info` says about a session, the metadata of its file last.
 
-    `raw` is of its link's bytes, `findings` are those of the checks that contradict what it is taken for.
+    `raw` is the size of the recorded link bytes. `findings` come from the checks of the session.
     """
     checked = [TableLine(finding.id, str(finding), is_odd=True) for finding in findings]
     checks = [Group("checks", checked)] if checked else []
-    wrong = [TableLine(each.column, str(each), is_odd=True) for each in impossible_values(session)]
-    impossible = [Group("impossible values, left out below", wrong)] if wrong else []
-    return [*checks, *impossible, *_groups(description), Group("bytes of the link", [_raw(raw)]), *_kept(session)]
+    wrong = [TableLine(impossible.column, str(impossible), is_odd=True) for impossible in impossible_values(session)]
+    impossible_group = [Group("impossible values, left out below", wrong)] if wrong else []
+    groups = [*_groups(description), Group("bytes of the link", [_raw(raw)]), *_metadata(session)]
+    return [*checks, *impossible_group, *groups]
 
 
 def _raw(raw: RawSize | None) -> TableLine:
     if raw is None:
-        return TableLine("raw", "none kept; record --raw keeps them")
+        return TableLine("raw", "none recorded; record --raw keeps them")
     return TableLine("raw", f"{raw.reads} reads, {raw.total_bytes / 1000.0:.4g} kB; replay --raw plays them again")
 
 
@@ -75,11 +82,7 @@ def _groups(description: SessionDescription) -> Iterator[Group]:
     yield Group("samples", list(_samples(description)))
     yield Group("host clock", list(_host(description.host)))
     yield Group("values", list(_values(description)))
-    by = {
-        RestSource.ENCODER: "still, by the encoder",
-        RestSource.RATE: "steady: a guess by the rate alone, a constant spin looks the same",
-    }
-    yield Group(by[description.still_by], list(_stretches(description)))
+    yield Group(REST_HEADINGS[description.still_by], list(_stretches(description)))
     yield Group("noise", list(_noise(description.allan)))
 
 
@@ -97,13 +100,11 @@ def _samples(description: SessionDescription) -> Iterator[TableLine]:
     longest = f", the longest gap {gaps.longest_s:.3g} s" if gaps.count else ""
     yield TableLine("gaps", f"{gaps.count or 'none'}{missing}{longest}", bool(missing))
     if description.steps_not_forward:
-        yield TableLine(
-            "time", f"{description.steps_not_forward} steps do not go forward; the filter passes them by", is_odd=True
-        )
+        words = f"{description.steps_not_forward} steps do not go forward; the filter skips these samples"
+        yield TableLine("time", words, is_odd=True)
     if description.rates_not_finite:
-        yield TableLine(
-            "rates", f"{description.rates_not_finite} are no number; the filter passes them by", is_odd=True
-        )
+        words = f"{description.rates_not_finite} are not finite; the filter skips these samples"
+        yield TableLine("rates", words, is_odd=True)
 
 
 def _milliseconds(seconds: float) -> str:
@@ -115,20 +116,21 @@ def _host(host: HostClock | None) -> Iterator[TableLine]:
         yield TableLine("arrival", "not recorded")
         return
     if host.drift_ppm is None or host.drift_sd_ppm is None:
-        yield TableLine("drift", "unknown: too short to say")
+        yield TableLine("drift", "unknown: the session is too short")
     else:
-        is_odd = abs(host.drift_ppm) > DRIFT_ODD_PPM or host.drift_sd_ppm > DRIFT_DOUBT_PPM
+        is_odd = abs(host.drift_ppm) > DRIFT_ODD_PPM or host.drift_sd_ppm > DRIFT_UNCERTAIN_PPM
         digits = 0 if host.drift_sd_ppm > DRIFT_ROUGH_PPM else 2
         drift = f"{host.drift_ppm:.{digits}f} ± {host.drift_sd_ppm:.{digits}f}"
-        uneven = "; too uneven for a drift, so one of them may have been set" * (host.drift_sd_ppm > DRIFT_DOUBT_PPM)
+        uneven = "; too uneven for a drift: one of the clocks may have been set"
+        uneven *= host.drift_sd_ppm > DRIFT_UNCERTAIN_PPM
         yield TableLine("drift", f"{drift} ppm, clock of the device against the host's{uneven}", is_odd)
-    late = f"95 of 100 samples within {_milliseconds(host.delay_p95_s)} of the soonest possible"
+    late = f"95 % of the samples arrive within {_milliseconds(host.delay_p95_s)} of the earliest"
     yield TableLine("delay", late, host.delay_p95_s > DELAY_ODD_S)
 
 
 def _values(description: SessionDescription) -> Iterator[TableLine]:
     if description.rate is None:
-        yield TableLine("rate", "not one that is a number", is_odd=True)
+        yield TableLine("rate", "no finite value", is_odd=True)
     else:
         low, high, mean = description.rate.min_dps, description.rate.max_dps, description.rate.mean_dps
         stuck = ": never changes" if low == high and description.samples > 1 else ""
@@ -149,42 +151,45 @@ def _values(description: SessionDescription) -> Iterator[TableLine]:
 
 
 def _stretches(description: SessionDescription) -> Iterator[TableLine]:
-    """All in one line, then the longest in order of time."""
-    stretches = description.stretches
-    if not stretches:
-        yield TableLine("stretches", "none: the bias cannot be told", is_odd=True)
+    """A line for all rests, then the longest in order of time."""
+    rests = description.stretches
+    if not rests:
+        yield TableLine("stretches", "none: the bias is unknown", is_odd=True)
         return
-    lengths_s = [one.end_s - one.start_s for one in stretches]
-    yield TableLine("stretches", f"{len(stretches)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
-    shown = sorted(
-        sorted(stretches, key=lambda one: one.start_s - one.end_s)[:STRETCHES_SHOWN], key=lambda o: o.start_s
-    )
-    for one in shown:
-        bias = f"mean rate {one.mean_dps:+.4f} deg/s, standard deviation {one.std_dps:.4f} deg/s"
-        yield TableLine(f"{one.start_s:.1f} – {one.end_s:.1f} s", bias, one.std_dps > LOUD_DPS)
-    if len(shown) < len(stretches):
-        means = [one.mean_dps for one in stretches]
-        yield TableLine(
-            f"all {len(stretches)}", f"mean rate {min(means):+.4f} … {max(means):+.4f} deg/s; each is in --json"
-        )
+    lengths_s = [rest.end_s - rest.start_s for rest in rests]
+    yield TableLine("stretches", f"{len(rests)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
+    longest = sorted(rests, key=lambda rest: rest.start_s - rest.end_s)[:STRETCHES_SHOWN]
+    yield from (_stretch(rest) for rest in sorted(longest, key=lambda rest: rest.start_s))
+    if len(longest) < len(rests):
+        means = [rest.mean_dps for rest in rests]
+        words = f"mean rate {min(means):+.4f} … {max(means):+.4f} deg/s; --json has all of them"
+        yield TableLine(f"all {len(rests)}", words)
+
+
+def _stretch(rest: Stretch) -> TableLine:
+    bias = f"mean rate {rest.mean_dps:+.4f} deg/s, standard deviation {rest.std_dps:.4f} deg/s"
+    return TableLine(f"{rest.start_s:.1f} – {rest.end_s:.1f} s", bias, rest.std_dps > NOISY_DPS)
 
 
 def _noise(allan: Allan | None) -> Iterator[TableLine]:
     if allan is None:
-        yield TableLine("unknown", "there is no stretch of 30 s without motion to measure it over")
+        yield TableLine("unknown", "no rest of 30 s to measure it in")
         return
-    walk, floor, tau_s = allan.angle_random_walk_deg_rts, allan.bias_instability_dps, allan.bias_instability_tau_s
+    walk, instability_dps = allan.angle_random_walk_deg_rts, allan.bias_instability_dps
     yield TableLine("measured over", f"{allan.stretch.start_s:.1f} – {allan.stretch.end_s:.1f} s")
-    white = "no slope of −1/2 to read it from" if walk is None else f"{walk:.4g} deg/√s"
+    white = "unknown: the Allan deviation has no slope of −1/2" if walk is None else random_walk_text(walk)
     yield TableLine("angle random walk", white)
-    flicker = "none seen: the stretch is too short, or the noise is white"
-    yield TableLine(
-        "bias instability", flicker if floor is None or tau_s is None else f"{floor:.3g} deg/s at {tau_s:.3g} s"
-    )
+    if instability_dps is None or allan.bias_instability_tau_s is None:
+        yield TableLine("bias instability", "unknown: the rest is too short, or the noise is white")
+        return
+    averaging = f"at {allan.bias_instability_tau_s:.3g} s"
+    yield TableLine("bias instability", f"{hourly_rate_text(instability_dps)} {averaging}")
+    minimum = hourly_rate_text(FLICKER_FLOOR * instability_dps)
+    yield TableLine("Allan minimum", f"{minimum}; bias instability is {FLICKER_WORDS}")
 
 
-def _kept(session: Session) -> Iterator[Group]:
-    """What was kept beside the samples."""
+def _metadata(session: Session) -> Iterator[Group]:
+    """Metadata of the file."""
     for name, table in session.metadata.items():
         lines = [TableLine(_printable(key), _first_line(text)) for key, text in table.items()]
         yield Group(f"kept: {_printable(name)}", lines or [TableLine("empty", "")])

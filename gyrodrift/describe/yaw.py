@@ -1,11 +1,11 @@
-"""Yaw of a session: the plain integral of its rate, what a filter makes of it, and the angle that the encoder saw."""
+"""Yaw of a session: integrated raw rate, filtered yaw, and the angle of the encoder."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.evaluation.integration import euler
 from gyrodrift.evaluation.reference import accepted, beside_of
 from gyrodrift.filters.filter import Filter
@@ -15,20 +15,20 @@ from gyrodrift.session.session import Session
 
 @dataclass(frozen=True, slots=True, eq=False)
 class YawHistory:
-    """Yaw over the samples that the filter takes, every array of the shape (k,), k ≥ 2.
+    """Yaw at the k ≥ 2 samples that the filter accepts, each array of shape (k,).
 
     filter_name
-        That corrected.
+        Name of the filter that corrects.
     t_s
         Device time after the first of all samples, s.
     raw_deg, corrected_deg
-        Yaw of the plain integral and of the filter, 0 at the first sample, deg.
+        Yaw of plain integration and of the filter, deg, 0 at the first sample.
     sigma_deg
-        Standard deviation that the filter states for its yaw, deg; NaN where it states none.
+        Standard deviation that the filter states for its yaw, deg; NaN if it states none.
     bias_dps
-        Its estimate of the bias, deg/s.
+        Bias that the filter estimates, deg/s.
     reference_deg
-        Angle of the encoder from where it is known first, unwrapped, deg; NaN where there is none.
+        Angle of the encoder, unwrapped, 0 at its first value, deg; NaN where it is missing.
     """
 
     filter_name: str
@@ -41,17 +41,17 @@ class YawHistory:
 
     @property
     def has_reference(self) -> bool:
-        """Whether an encoder says what yaw should be."""
+        """Whether an encoder measured the angle."""
         return bool(np.isfinite(self.reference_deg).sum() > 1)
 
     @property
     def raw_error_deg(self) -> Floats:
-        """The plain integral less the encoder, deg; both from where the encoder begins."""
+        """Plain integration minus the encoder, deg; 0 at the first value of the encoder."""
         return self._error_deg(self.raw_deg)
 
     @property
     def corrected_error_deg(self) -> Floats:
-        """Corrected yaw less the encoder, deg."""
+        """Corrected yaw minus the encoder, deg; 0 at the first value of the encoder."""
         return self._error_deg(self.corrected_deg)
 
     def _error_deg(self, yaw_deg: Floats) -> Floats:
@@ -61,19 +61,24 @@ class YawHistory:
 
 
 def mean_absolute(error_deg: Floats) -> float:
-    """Mean absolute error over the samples that have one, deg."""
+    """Mean absolute error over the finite values, deg."""
     return float(np.nanmean(np.abs(error_deg)))
 
 
+def last_error(error_deg: Floats) -> float:
+    """The last finite error, deg."""
+    return float(error_deg[np.isfinite(error_deg)][-1])
+
+
 def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory | None:
-    """Run a filter over a session; None where it takes fewer than two samples."""
-    kept = accepted(session.t_device_s, session.rate_dps)
-    t_s, rate_dps = session.t_device_s[kept], session.rate_dps[kept]
+    """Run a filter over a session; None if it accepts fewer than two samples."""
+    is_accepted = accepted(session.t_device_s, session.rate_dps)
+    t_s, rate_dps = session.t_device_s[is_accepted], session.rate_dps[is_accepted]
     if len(t_s) < 2:
         return None
-    said = beside_of(session).filled(len(kept))
-    beside = (said.still[kept], said.temp_c[kept])
-    corrected_deg, sigma_deg, bias_dps = _filtered((t_s, rate_dps, *beside), chosen, params)
+    stated = beside_of(session).filled(len(is_accepted))
+    samples = (t_s, rate_dps, stated.still[is_accepted], stated.temp_c[is_accepted])
+    corrected_deg, sigma_deg, bias_dps = _filtered(samples, chosen, params)
     return YawHistory(
         filter_name=chosen.name,
         t_s=t_s - session.t_device_s[np.isfinite(session.t_device_s)][0],
@@ -81,26 +86,26 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
         corrected_deg=corrected_deg,
         sigma_deg=sigma_deg,
         bias_dps=bias_dps,
-        reference_deg=_reference_deg(session, kept),
+        reference_deg=_reference_deg(session, is_accepted),
     )
 
 
 def _filtered(samples: tuple[Floats, ...], chosen: Filter, params: Any) -> Floats:
-    """Yaw, its standard deviation and the bias, shape (3, k): the very steps that `serve` takes.
+    """Yaw, its standard deviation and the bias, shape (3, k), by the same steps as in `serve`.
 
-    Samples are times in s, rates in deg/s, and what is known beside them.
+    Samples are times in s, rates in deg/s, the still flag and the temperature in °C.
     """
     state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step_beside
-    found = np.empty((3, len(samples[0])))
-    for at, sample in enumerate(zip(*(each.tolist() for each in samples), strict=True)):
+    filtered = np.empty((3, len(samples[0])))
+    for index, sample in enumerate(zip(*(column.tolist() for column in samples), strict=True)):
         step(coefficients, state, *sample)
-        found[:, at] = state.yaw_deg, state.yaw_sigma_deg, state.bias_dps
-    return found
+        filtered[:, index] = state.yaw_deg, state.yaw_sigma_deg, state.bias_dps
+    return filtered
 
 
-def _reference_deg(session: Session, kept: Any) -> Floats:
+def _reference_deg(session: Session, is_accepted: Mask) -> Floats:
     if session.encoder_deg is None:
-        return np.full(int(kept.sum()), np.nan)
-    angle_deg = unwrapped(session.encoder_deg[kept])
-    known = np.flatnonzero(np.isfinite(angle_deg))
-    return angle_deg - (angle_deg[known[0]] if len(known) else 0.0)
+        return np.full(int(is_accepted.sum()), np.nan)
+    angle_deg = unwrapped(session.encoder_deg[is_accepted])
+    finite = np.flatnonzero(np.isfinite(angle_deg))
+    return angle_deg - (angle_deg[finite[0]] if len(finite) else 0.0)

@@ -127,6 +127,12 @@ def facts(rows: Sequence[tuple[str, str]]) -> str:
     return f'<dl class="facts">\n{inside}\n</dl>'
 
 
+def folded(heading: str, *parts: str) -> str:
+    """HTML that a click on its heading unfolds; on paper it is unfolded."""
+    inside = "\n".join(part for part in parts if part)
+    return f'<details class="folded">\n<summary>{text(heading)}</summary>\n{inside}\n</details>' if inside else ""
+
+
 def command_line(command: str) -> str:
     """A command to be copied; nothing where there is none."""
     return f"<pre><code>{text(command)}</code></pre>" if command else ""
@@ -169,7 +175,10 @@ def _kinds(cells: int, words: int) -> list[str]:
 
 
 def figure(caption: str, inside: str, kind: str = "") -> str:
-    """A figure with its caption, which are HTML; with a class of the style sheet: `compact` drawings fit any screen."""
+    """A figure with its caption, which are HTML; with a class of the style sheet.
+
+    `compact` drawings fit any screen, `full` ones are as wide as the page.
+    """
     opening = f'<figure class="{kind}">' if kind else "<figure>"
     return f"{opening}\n<figcaption>{caption}</figcaption>\n{inside}\n</figure>"
 

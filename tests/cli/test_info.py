@@ -1,7 +1,9 @@
 """`gyrodrift info`: the table, the JSON, the picture and the page of what sessions hold."""
 
 import json
+import os
 import re
+import subprocess
 import sys
 from itertools import chain
 from pathlib import Path
@@ -44,21 +46,22 @@ def written(folder: Path, name: str = "s.mcap") -> Path:
     return folder / name
 
 
-def told(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> list[str]:
+def described(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> list[str]:
+    """Lines on stdout; stderr only names the files that were written."""
     assert main(["info", *map(str, arguments)]) == 0
     shown = capsys.readouterr()
-    assert shown.err == ""
+    assert all(" written: " in line for line in shown.err.splitlines())
     return shown.out.splitlines()
 
 
 def line_of(lines: list[str], name: str) -> str:
-    (found,) = [line for line in lines if line[2:].startswith(f"{name} ")]
-    return found
+    (line,) = [line for line in lines if line[2:].startswith(f"{name} ")]
+    return line
 
 
 def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """With a mark at what is worth a look."""
-    lines = told(capsys, path := written(tmp_path))
+    lines = described(capsys, path := written(tmp_path))
     assert lines[0] == str(path)
     assert line_of(lines, "samples").split() == ["samples", "3988"]
     assert line_of(lines, "duration").endswith("  39.99 s")
@@ -69,14 +72,14 @@ def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.C
     assert line_of(lines, "encoder").endswith("  12.5 deg, never moves")
     assert line_of(lines, "temperature").endswith("20.00 … 23.00 °C, 20.00 → 23.00 °C from start to end")
     assert line_of(lines, "stretches").split()[1:3] == ["1:", "39.9"]
-    assert "still, by the encoder" in lines
-    assert line_of(lines, "angle random walk").endswith(" deg/√s")
+    assert "at rest, by the encoder" in lines
+    assert re.search(r"  0\.\d+ °/√h \(0\.00\d+ deg/√s\)$", line_of(lines, "angle random walk"))
     assert [line for line in lines if line.startswith("!")] == [line_of(lines, "gaps")]
 
 
 def test_values_stand_in_one_column(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Under their headings."""
-    lines = told(capsys, written(tmp_path))
+    lines = described(capsys, written(tmp_path))
     column = line_of(lines, "samples").index("3988")
     assert all(
         line[column - 2 : column] == "  " and line[column] != " "
@@ -87,7 +90,7 @@ def test_values_stand_in_one_column(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_what_was_kept_beside_the_samples_is_shown_in_brief(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The first line of a long text, and nothing that a terminal would obey."""
-    lines = told(capsys, written(tmp_path))
+    lines = described(capsys, written(tmp_path))
     assert {"kept: device", "kept: simulation", "kept: empty"} <= set(lines)
     assert line_of(lines, "id").endswith("  bench-7")
     assert line_of(lines, "note").endswith("  left on the table?[31m over night")
@@ -104,17 +107,17 @@ def test_the_bytes_of_the_link_are_mentioned(tmp_path: Path, capsys: pytest.Capt
         for content in (b"\x00" * 300, b"\x01" * 1200):
             writer.add_read(content, 5.0)
         writer.finish()
-    assert line_of(told(capsys, tmp_path / "raw.mcap"), "raw").endswith(
+    assert line_of(described(capsys, tmp_path / "raw.mcap"), "raw").endswith(
         "  2 reads, 1.5 kB; replay --raw plays them again"
     )
-    assert line_of(told(capsys, written(tmp_path)), "raw").endswith("  none kept; record --raw keeps them")
-    (line,) = told(capsys, "--json", tmp_path / "raw.mcap")
+    assert line_of(described(capsys, written(tmp_path)), "raw").endswith("  none recorded; record --raw keeps them")
+    (line,) = described(capsys, "--json", tmp_path / "raw.mcap")
     assert json.loads(line)["raw"] == {"reads": 2, "total_bytes": 1500}
 
 
 def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """None for the others, and all of the metadata."""
-    (line,) = told(capsys, "--json", path := written(tmp_path))
+    (line,) = described(capsys, "--json", path := written(tmp_path))
     about: dict[str, Any] = json.loads(line, parse_constant=pytest.fail)
     assert about["session"] == str(path)
     assert about["samples"] == 3988
@@ -126,37 +129,103 @@ def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixt
     assert len(about["allan"]["taus_s"]) == len(about["allan"]["deviations_dps"]) > 5
     assert about["metadata"] == ABOUT
     (tmp_path / "odd.csv").write_text("t_device_s,rate_dps\n-1e308,1\n1e308,nan\n1.1e308,1e308\n1.2e308,1e308\n")
-    (line,) = told(capsys, "--json", tmp_path / "odd.csv")
+    (line,) = described(capsys, "--json", tmp_path / "odd.csv")
     odd = json.loads(line, parse_constant=pytest.fail)
     assert odd["rates_not_finite"] == 3  # two that no gyro gives are among them
     assert [value["column"] for value in odd["impossible"]] == ["rate_dps", "t_device_s"]
 
 
-def test_several_sessions_come_one_after_another(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With an empty line between tables, and a line of JSON for each."""
+def test_several_sessions_are_a_table_with_a_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A line per session without the folder that they share; what deserves a second look is marked."""
+    written(tmp_path, "a.mcap")
+    written(tmp_path, "b.csv")
+    (tmp_path / "short.csv").write_text("t_device_s,rate_dps\n0,1\n0.01,2\n")
+    lines = described(capsys, tmp_path)
+    headings, *rows = lines[:4]
+    names = "session duration rate gaps rests noise °/√h °/h end error raw corrected second look at"
+    assert " ".join(headings.split()) == names
+    assert [row.split()[:2] for row in rows] == [["!", "a.mcap"], ["!", "b.csv"], ["!", "short.csv"]]
+    assert re.fullmatch(
+        r"! a.mcap +40 s +100 Hz +3: 12 missing +1: 39.9 s +0.\d+ .* +\+1\d.\d° +-?\+?0.\d+° +gaps", rows[0]
+    )
+    assert re.fullmatch(r"! short.csv +0.01 s +100 Hz +none +none +– +– +– +– +stretches", rows[2])
+    assert line_of(lines, "3 sessions").endswith("  80 s, 7,978 samples")
+    assert line_of(lines, "gaps").endswith("  6 in 2 sessions, 24 samples missing")
+    assert "°/√h" in line_of(lines, "angle random walk")
+    assert re.search(r"raw 1\d.\d°, restlevel 0.\d+°: .* 2 sessions with an encoder", line_of(lines, "end error"))
+    assert max(map(len, lines)) < 130
+
+
+def test_the_table_corrects_by_the_filter_of_a_config(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its end errors are those of that filter."""
+    config = tmp_path / "my.yaml"
+    config.write_text("filter: hdr\n")
+    paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.mcap")]
+    assert ", hdr " in line_of(described(capsys, *paths, "--config", config), "end error")
+
+
+def test_verbose_gives_the_full_text_of_each_session(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With an empty line between sessions; --json gives a line for each."""
     paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.csv")]
-    lines = told(capsys, *paths)
+    lines = described(capsys, "--verbose", *paths)
     assert lines[lines.index(str(paths[1])) - 1] == ""
     assert lines[0] == str(paths[0])
-    assert [json.loads(line)["session"] for line in told(capsys, "--json", *paths)] == [str(path) for path in paths]
+    assert [json.loads(line)["session"] for line in described(capsys, "--json", *paths)] == [
+        str(path) for path in paths
+    ]
+
+
+def test_an_unreadable_session_does_not_hide_the_others(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The table has the readable sessions; the status and a line on stderr tell of the other one."""
+    written(tmp_path, "a.mcap")
+    (tmp_path / "b.csv").write_text("t_device_s,rate_dps\n0,x\n")
+    assert main(["info", str(tmp_path)]) == 4
+    shown = capsys.readouterr()
+    assert "a.mcap" in shown.out
+    assert len(shown.err.splitlines()) == 1
+    assert "b.csv" in shown.err
+
+
+def test_files_are_written_before_anything_is_printed(tmp_path: Path) -> None:
+    """A reader that ends early, as `head` does, loses no page and no picture."""
+    paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.mcap")]
+    command = [
+        sys.executable,
+        "-m",
+        "gyrodrift",
+        "info",
+        "--verbose",
+        *map(str, paths),
+        "--out",
+        str(tmp_path / "page"),
+    ]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        errors = process.stderr.read().decode()
+    assert process.returncode == 0
+    assert re.fullmatch(r"gyrodrift: \S+/report.html written: 2 sessions, 7,976 samples, \d+ kB\n", errors)
+    assert (tmp_path / "page" / "report.html").stat().st_size > 100_000
 
 
 @pytest.mark.parametrize(
     ("rows", "odd"),
     [
         ("0,1\n", "unknown: device time never goes forward"),
-        ("1,1\n1,2\n1,3\n", "2 steps do not go forward; the filter passes them by"),
-        ("0,nan\n1,nan\n", "2 are no number; the filter passes them by"),
-        ("0,nan\n1,nan\n", "not one that is a number"),
+        ("1,1\n1,2\n1,3\n", "2 steps do not go forward; the filter skips these samples"),
+        ("0,nan\n1,nan\n", "2 are not finite; the filter skips these samples"),
+        ("0,nan\n1,nan\n", "no finite value"),
         ("0,3\n1,3\n2,3\n", "3 … 3 deg/s, mean 3 deg/s: never changes"),
         ("0,1\n1,2\n1.2,3\n2.2,1\n3.4,1\n", "ms, scatter of the time steps"),
-        ("0,1\n1,2\n", "none: the bias cannot be told"),
+        ("0,1\n1,2\n", "none: the bias is unknown"),
     ],
 )
 def test_what_is_odd_is_marked(rows: str, odd: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Sessions too small to say much are told all the same."""
     (tmp_path / "s.csv").write_text(f"t_device_s,rate_dps\n{rows}")
-    assert any(line.startswith("!") and line.endswith(odd) for line in told(capsys, tmp_path / "s.csv"))
+    assert any(line.startswith("!") and line.endswith(odd) for line in described(capsys, tmp_path / "s.csv"))
 
 
 def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -167,10 +236,10 @@ def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.
     rate_dps = np.gradient(angle_deg, 0.01) + np.random.default_rng(1).standard_normal(len(angle_deg))
     session = Session("s", np.arange(len(angle_deg)) / 100.0, rate_dps, encoder_deg=angle_deg)
     write_session(tmp_path / "s.csv", [session])
-    lines = told(capsys, tmp_path / "s.csv")
+    lines = described(capsys, tmp_path / "s.csv")
     starts_s = [float(line.split()[0]) for line in lines if " – " in line]
     assert starts_s == pytest.approx([5.0, 15.0, 21.0, 30.0, 37.0, 45.0], abs=0.6)
-    assert line_of(lines, "all 8").endswith(" deg/s; each is in --json")
+    assert line_of(lines, "all 8").endswith(" deg/s; --json has all of them")
 
 
 @pytest.fixture
@@ -185,7 +254,7 @@ def test_a_picture_is_drawn_beside_the_table(
 ) -> None:
     """In three formats."""
     picture = tmp_path / f"s.{ending}"
-    assert len(told(capsys, written(tmp_path), "--picture", picture)) > 20
+    assert len(described(capsys, written(tmp_path), "--picture", picture)) > 20
     assert picture.read_bytes().startswith(magic)
 
 
@@ -196,7 +265,7 @@ def test_the_page_shows_all_sessions_and_where_it_comes_from(
     paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.csv")]
     config = tmp_path / "my.yaml"
     config.write_text("filter: hdr\nhdr: {i_c_dps: 0.0045, tau_s: 0.001, theta_w_dps: 0.7, c1: 0, c2: 1}\n")
-    told(capsys, *paths, "--out", tmp_path / "page")
+    described(capsys, *paths, "--out", tmp_path / "page")
     html = (tmp_path / "page" / "report.html").read_text()
     said = words(html)
     assert said.strip().startswith("gyrodrift info · 2 sessions, 1.33 minutes a and b: mean yaw error ")
@@ -204,7 +273,7 @@ def test_the_page_shows_all_sessions_and_where_it_comes_from(
     assert row(html, "1. a")[1:4] == ["0.666", "100", "12"]
     assert "Worth a second look gaps: 3: 12 samples missing, the longest gap 0.11 s" in said
     assert f"Command gyrodrift info {paths[0]} {paths[1]} --out {tmp_path / 'page'}" in said
-    told(capsys, paths[0], "--out", tmp_path / "page", "--config", config)
+    described(capsys, paths[0], "--out", tmp_path / "page", "--config", config)
     said = words((tmp_path / "page" / "report.html").read_text())
     assert "corrected by hdr" in said
     assert f"Config hdr of {config}" in said
@@ -224,19 +293,19 @@ def test_the_page_shows_all_sessions_and_where_it_comes_from(
 def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """One sample, no numbers, a rate that never changes, columns that are empty; on the page too."""
     (tmp_path / "s.csv").write_text(table)
-    told(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png", "--out", tmp_path)
+    described(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png", "--out", tmp_path)
     assert (tmp_path / "s.png").stat().st_size > 5_000
     assert not re.search(r"\b(nan|None|inf)\b", words((tmp_path / "report.html").read_text()))
 
 
 def test_thinning_keeps_spikes() -> None:
     """Of a hundred thousand points one is high, and one low."""
-    panels = pytest.importorskip("gyrodrift.describe.panels", reason="pictures need the workstation extra")
+    drawing = pytest.importorskip("gyrodrift.describe.drawing", reason="pictures need the workstation extra")
     y = np.zeros(100_001)
     y[[12_345, 100_000]] = 7.0, -5.0
     y[50_000] = np.nan
-    x, low, mean, high = panels.in_parts(np.arange(100_001.0), y)
-    assert len(x) <= panels.PARTS
+    x, low, mean, high = drawing.line_parts(np.arange(100_001.0), y)
+    assert len(x) <= drawing.PARTS
     assert (np.max(high), np.min(low)) == (7.0, -5.0)
     assert abs(x[int(np.argmax(high))] - 12_345) <= 251
     assert np.isfinite(mean).all()
@@ -276,6 +345,6 @@ def test_real_recordings_are_told_and_drawn(
     name: str, recordings: Recordings, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All three have half a minute of rest, and noise."""
-    lines = told(capsys, recordings.path(name), "--picture", tmp_path / "s.png")
-    assert line_of(lines, "angle random walk").endswith(" deg/√s")
+    lines = described(capsys, recordings.path(name), "--picture", tmp_path / "s.png")
+    assert line_of(lines, "angle random walk").endswith(" deg/√s)")
     assert (tmp_path / "s.png").stat().st_size > 10_000

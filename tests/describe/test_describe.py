@@ -16,9 +16,10 @@ from support import near
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.arrays import Floats
-from gyrodrift.describe.allan import FLICKER_FLOOR, allan_deviation
+from gyrodrift.describe.allan import allan_deviation
 from gyrodrift.describe.describe import describe
 from gyrodrift.describe.values import RestSource, SessionDescription
+from gyrodrift.noise import FLICKER_FLOOR
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
@@ -366,7 +367,7 @@ def test_an_hour_at_a_kilohertz_takes_about_a_second() -> None:
     count, rng = 3_600_000, np.random.default_rng(1)
     t_s, still = np.arange(count) / 1000.0, np.zeros(count)
     session = session_of(t_s, rng.standard_normal(count), t_host_s=t_s, seq=np.arange(count), encoder_deg=still)
-    began_s = time.perf_counter()
+    began_s = time.process_time()
     description = describe(session)
-    assert time.perf_counter() - began_s < 8.0
+    assert time.process_time() - began_s < 8.0
     assert description.allan is not None

@@ -10,8 +10,11 @@ from gyrodrift.session.session import Session
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
 
-from gyrodrift.describe.panels import Panel, Seen, recording_panels, yaw_panels
+from gyrodrift.describe.drawing import DescribedSession, Panel
+from gyrodrift.describe.recording_panels import recording_panels
+from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 
 T_S = np.arange(4000) / 100.0
 NOISE_DPS = np.random.default_rng(1).normal(0.0, 0.01, len(T_S))
@@ -19,8 +22,10 @@ NOISE_DPS = np.random.default_rng(1).normal(0.0, 0.01, len(T_S))
 
 def panels_of(session: Session) -> dict[str, Panel]:
     chosen = FILTERS["restlevel"]
-    seen = Seen(session, describe(session), yaw_history_of(session, chosen, chosen.params()))
-    return {one.name: one for one in (*yaw_panels(seen), *recording_panels(seen))}
+    described = DescribedSession(session, describe(session), yaw_history_of(session, chosen, chosen.params()))
+    by_encoder = (error_panel(described), histogram_panel(described))
+    panels = [panel for panel in by_encoder if panel is not None]
+    return {panel.name: panel for panel in (*panels, *yaw_panels(described), *recording_panels(described))}
 
 
 def spans(panel: Panel) -> float:
@@ -31,19 +36,65 @@ def spans(panel: Panel) -> float:
     return float(high - low)
 
 
+def full_session(rate_dps: np.ndarray = NOISE_DPS) -> Session:
+    """Forty seconds at rest with every column, and with times that scatter."""
+    scatter_s = np.random.default_rng(2).uniform(0.0, 1e-4, len(T_S))
+    temp_c = np.linspace(20.0, 23.0, len(T_S))
+    return Session("s", T_S + scatter_s, rate_dps, 1e9 + T_S, None, np.zeros(len(T_S)), temp_c)
+
+
 def test_what_a_session_lacks_has_no_panel() -> None:
-    """A rate and nothing else, too short for its noise; a session without one good number has none at all."""
+    """A rate and nothing else, too short for its noise; a session without a finite number has no panel at all."""
     bare = panels_of(Session("s", T_S[:1000], NOISE_DPS[:1000]))
-    assert list(bare) == ["Yaw", "Bias", "Rate", "Time from sample to sample"]
+    assert list(bare) == ["Yaw", "Bias", "Rate"]
     nan = np.full(10, np.nan)
     assert panels_of(Session("s", nan, nan, nan, None, nan, nan)) == {}
 
 
-def test_all_that_was_recorded_has_a_panel() -> None:
+def test_times_that_never_change_have_no_panel() -> None:
+    """Equal steps and equal delays, as a simulation has them, would be straight lines."""
+    simulated = panels_of(Session("s", T_S, NOISE_DPS, 1e9 + T_S))
+    assert not {"Time from sample to sample", "Delay of arrival"} & set(simulated)
+
+
+def test_everything_recorded_has_a_panel() -> None:
     """With an encoder the error too."""
-    full = Session("s", T_S, NOISE_DPS, 1e9 + T_S, None, np.zeros(len(T_S)), np.full(len(T_S), 20.0))
-    names = ["Yaw", "Yaw error", "Bias", "Rate", "Temperature", "Time from sample to sample", "Delay of arrival"]
-    assert list(panels_of(full)) == [*names, "Noise at rest"]
+    names = ["Yaw error", "Histogram of errors", "Yaw", "Bias", "Rate", "Temperature", "Drift against temperature"]
+    assert list(panels_of(full_session())) == [
+        *names,
+        "Time from sample to sample",
+        "Delay of arrival",
+        "Noise at rest",
+    ]
+
+
+def test_drift_against_temperature_shows_its_slope() -> None:
+    """0.05 deg/s per °C, by the rests and, without any, by the encoder."""
+    t_s = np.arange(12_000) / 100.0
+    temp_c = 20.0 + t_s / 10.0
+    motion_dps = np.where(t_s % 20.0 < 10.0, 0.0, 90.0)
+    rate_dps = motion_dps + 0.05 * (temp_c - 20.0) + np.random.default_rng(1).normal(0.0, 0.02, len(t_s))
+    angle_deg = np.cumsum(motion_dps) / 100.0
+    for session in (
+        Session("rests", t_s, rate_dps, None, None, angle_deg, temp_c),
+        Session("turning", t_s, rate_dps - motion_dps + 30.0, None, None, 30.0 * t_s, temp_c),
+    ):
+        (_, slope) = panels_of(session)["Drift against temperature"].marks
+        assert slope[3] in {f"slope: 0.0{digits} deg/s per °C" for digits in ("49", "5", "51")}
+
+
+def test_a_temperature_that_hardly_changes_shows_no_drift() -> None:
+    """Less than a degree says nothing about the dependence."""
+    temp_c = np.full(len(T_S), 20.0)
+    assert "Drift against temperature" not in panels_of(Session("s", T_S, NOISE_DPS, None, None, None, temp_c))
+
+
+def test_the_histogram_has_all_samples() -> None:
+    """Its bars add up to 100 %."""
+    axes = Figure().add_subplot()
+    panels_of(full_session())["Histogram of errors"].draw(axes)
+    (bars,) = (patch for patch in axes.patches if isinstance(patch, StepPatch))
+    assert np.sum(bars.get_data().values) == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize(
@@ -59,9 +110,8 @@ def test_all_that_was_recorded_has_a_panel() -> None:
     ],
 )
 def test_no_scale_is_narrower_than_what_matters(name: str, least: float) -> None:
-    """Of a still device that hardly drifts: degrees, deg/s, °C and ms."""
-    still = Session("s", T_S, 1e-3 * NOISE_DPS, 1e9 + T_S, None, np.zeros(len(T_S)), np.full(len(T_S), 20.0))
-    assert spans(panels_of(still)[name]) >= 0.999 * least
+    """A still device that hardly drifts: degrees, deg/s, °C and ms."""
+    assert spans(panels_of(full_session(1e-3 * NOISE_DPS))[name]) >= 0.999 * least
 
 
 def test_wild_values_are_not_hidden_by_the_floor() -> None:

@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.describe.text import LOUD_DPS
+from gyrodrift.describe.text import NOISY_DPS
 from gyrodrift.describe.values import RestSource
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
@@ -56,7 +56,7 @@ def still(evidence: DeviceEvidence) -> DeviceFinding | None:
             "It did not stand still for three seconds: noise, bias and drift are not known.",
             "Leave it on a table and run this again.",
         )
-    if rest.std_dps > LOUD_DPS:
+    if rest.std_dps > NOISY_DPS:
         return warning(
             f"What passes for rest scatters by {rest.std_dps:.3g} deg/s, more than any gyro.",
             "Switch motors off, leave it on a table, and run this again.",
