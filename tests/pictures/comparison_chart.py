@@ -31,7 +31,7 @@ TITLES = {
 
 METHODS_IN_WORDS = ("plain integration", "start calibration", "x-io Fusion", "VQF", "gyrodrift")
 
-LEAST_DEG, LARGEST_DEG = 0.005, 30000.0
+LEAST_DEG, LARGEST_DEG = 0.003, 30000.0
 WIDTH, ROW, TOP, NAMES = 860, 21.0, 104.0, 200.0
 PANEL = 300.0
 """Width of a panel, px."""
