@@ -1,14 +1,19 @@
 """A tuning as values, for tests of what is made of one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.evaluation.dataset import SessionSummary, Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import axes_of
+from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
-from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.tune.result import Alternative, Pi, Run, SessionScore, Tuning
+from gyrodrift.tune.warnings import SCAN_POINTS
 
 AXES = axes_of(HDR)
 PARAMS = HdrParams(0.000457, 0.0384, 0.123, 1.85, 0.0)
@@ -61,3 +66,22 @@ def tuning(train: int = 2, test: int = 2) -> Tuning:
         sample_rate_hz=100.0,
         seconds=8.7,
     )
+
+
+def alternative(key: str, title: str, train_deg: float, test_deg: float, kind: Filter | None = None) -> Alternative:
+    """A filter, tuned if its title says so, that is always off by these angles."""
+    pi, is_tuned = Pi(train_deg**2, test_deg**2), title.endswith("tuned")
+    return Alternative(key, title, pi, Pi(train_deg, test_deg), kind, PARAMS if kind else None, is_tuned)
+
+
+def tuning_of_both() -> Tuning:
+    """HDR in the config, though the defaults of restlevel are better, and slices of equal rise."""
+    alternatives = (
+        alternative("euler", "plain integration", 56.0, 57.0),
+        alternative("start", "start calibration", 0.9, 1.0),
+        alternative("hdr", "HDR, defaults", 55.0, 56.0, HDR),
+        alternative("hdr", "HDR, tuned", 0.5, 0.7, HDR),
+        alternative("restlevel", "restlevel, defaults", 0.1, 0.2, RESTLEVEL),
+    )
+    slices = np.tile(np.geomspace(0.1, 10.0, SCAN_POINTS), (len(AXES), 1))
+    return replace(tuning(), alternatives=alternatives, slices=slices)

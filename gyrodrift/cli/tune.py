@@ -1,8 +1,11 @@
-"""Find the filter's parameters from recorded sessions with an encoder, and write the config that serve hot-loads.
+"""Find filter parameters from recorded sessions with an encoder, and write a config for serve.
 
-Some sessions are held out and show what the parameters are worth; of five or fewer none is, and each is tested with
-parameters tuned on the others. An iteration is one evaluation of the cost over all training sessions. Ctrl-C ends the
-search and writes the best so far; the same command with --resume goes on.
+Tunes HDR and restlevel, and writes the filter that is better on held-out sessions. If the defaults of a filter are
+better than all tuned parameters, the config has these defaults. --filter tunes and writes one filter.
+
+Some sessions are held out as a test. With five sessions or fewer, each session is tested with parameters tuned on the
+others. An iteration is one evaluation of the cost over all training sessions. Ctrl-C writes the best parameters so far;
+the same command with --resume continues.
 """
 
 import argparse
@@ -15,13 +18,12 @@ from typing import TYPE_CHECKING
 from gyrodrift.cli import INTERRUPTED, numbers, options
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable
-from gyrodrift.filters.registry import FILTERS, PUBLISHED
+from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
     from gyrodrift.progress import Progress
     from gyrodrift.tune.result import Tuning
-    from gyrodrift.tune.tuning import Plan
 
 EXAMPLES = """\
 gyrodrift tune sessions --out my.yaml --report report
@@ -35,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
     parser.add_argument(
-        "--filter", default=PUBLISHED.name, choices=tuple(FILTERS), help=f"which to tune (default {PUBLISHED.name})"
+        "--filter", choices=tuple(FILTERS), help="tune and write this filter (default: the better of hdr and restlevel)"
     )
     parser.add_argument(
         "--report", type=Path, metavar="DIR", help="folder for report.html and tune.json (default: none)"
@@ -53,9 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_iterations_option(parser, "evaluations of the cost")
     parser.add_argument(
         "--method",
-        default="race",
         choices=("race", "carla", "cma", "de", "random"),
-        help="race (default; automata and local searches), carla (as published), or others to compare with",
+        help="search method: race (automata, then local searches), carla (as published), cma, de or random "
+        "(default: carla for hdr and race for restlevel; race with --filter)",
     )
     parser.add_argument(
         "--range",
@@ -103,31 +105,21 @@ def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning
     check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
     options.check_damage([source.path for source in sources], allow_damage=arguments.allow_damage)
 
+    from gyrodrift.tune.choice import tune_filters
+    from gyrodrift.tune.plans import plans_of
     from gyrodrift.tune.search.journal import Journal
-    from gyrodrift.tune.tuning import TuningRun
     from gyrodrift.tune.tuning_set import TuningSet, identity
 
-    plan = _plan(arguments)
-    how = (arguments.seed, arguments.jobs, arguments.cluster)
-    with TuningSet(sources, *how, progress, plan.filter) as held:
-        journal = Journal(path, identity(plan, held), is_resumed=arguments.resume)
-        search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
-        tuning = search.run()
-    if search.was_interrupted:
+    seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
+    plans = plans_of(arguments.filter, arguments.iterations, seeds, arguments.method, arguments.range)
+    with TuningSet(sources, arguments.seed, arguments.jobs, arguments.cluster, progress.evaluated) as sessions:
+        journal = Journal(path, identity(plans, sessions), is_resumed=arguments.resume)
+        tuning, was_interrupted = tune_filters(plans, sessions, journal, progress.evaluated)
+    if was_interrupted:
         journal.save()
     else:
         journal.discard()
-    return tuning, search.was_interrupted
-
-
-def _plan(arguments: argparse.Namespace) -> "Plan":
-    from gyrodrift.evaluation.space import with_ranges
-    from gyrodrift.tune.tuning import Plan
-
-    chosen = FILTERS[arguments.filter]
-    seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
-    axes = with_ranges(arguments.range, chosen)
-    return Plan(arguments.iterations, seeds, arguments.method, axes, chosen)
+    return tuning, was_interrupted
 
 
 def _sources(arguments: argparse.Namespace) -> "list[Source]":
@@ -160,7 +152,7 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
-    for line in summary(tuning):
+    for line in [*summary(tuning), f"wrote {arguments.out}"]:
         print(visible(line))
 
 

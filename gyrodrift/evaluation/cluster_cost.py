@@ -10,6 +10,7 @@ of its threads is loading, and 250 MB for the program. Beyond 70 % of its limit 
 disk, which is slow and works. A task uses one thread: a worker keeps as many processors busy as it has threads.
 """
 
+import copy
 import socket
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -161,6 +162,12 @@ class ClusterCost:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def for_filter(self, chosen: Filter) -> Self:
+        """Cost of another filter over the same sessions; the cluster is left when this object is closed."""
+        view = copy.copy(self)
+        view._name, view.evaluations = chosen.name, 0  # noqa: SLF001 - of its own class
+        return view
 
     def close(self) -> None:
         """Leave the cluster; the workers drop the sessions."""

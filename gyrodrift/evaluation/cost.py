@@ -1,5 +1,6 @@
 """What parameters cost on recorded sessions: the yaw error of many candidates, on all processors."""
 
+import copy
 import mmap
 import os
 import tempfile
@@ -93,6 +94,12 @@ class Cost:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def for_filter(self, chosen: Filter) -> Self:
+        """Cost of another filter over the same references, with the same threads, which end with this object."""
+        view = copy.copy(self)
+        view._kernel, view.evaluations = kernel_of(chosen), 0  # noqa: SLF001 - of its own class
+        return view
 
     def close(self) -> None:
         """End the threads."""

@@ -10,7 +10,9 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.evaluation.integration import start_calibrated, trapezium
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
+from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -59,7 +61,9 @@ class SessionSummary:
     minutes, sample_rate_hz
         True duration by device time, and the rate by the median step.
     warnings : tuple of str
-        What is strange about it, a sentence each.
+        Sentences about doubtful data.
+    plain, start
+        Scores of plain integration and of a start calibration; None if they were not computed.
     """
 
     name: str
@@ -67,6 +71,8 @@ class SessionSummary:
     minutes: float
     sample_rate_hz: float
     warnings: tuple[str, ...] = ()
+    plain: Score | None = None
+    start: Score | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +109,15 @@ def load_with_reference(source: Source) -> LoadedSession:
     read = [f"{session.name}: {remark}" for remark in (*session.remarks, *checked.warnings)]
     warnings = (*read, *([] if source.is_still else _warnings(source, reference)))
     digest = digest_of(source.path)
-    described = SessionSummary(reference.name, digest, reference.minutes, reference.sample_rate_hz, warnings)
+    described = SessionSummary(
+        reference.name,
+        digest,
+        reference.minutes,
+        reference.sample_rate_hz,
+        warnings,
+        plain=score_of(reference, trapezium(reference.dt_s, reference.rate_dps)),
+        start=score_of(reference, start_calibrated(t_s, reference.rate_dps)),
+    )
     return LoadedSession(reference, described, t_s)
 
 

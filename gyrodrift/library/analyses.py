@@ -1,6 +1,5 @@
 """`tune`, `diagnose` and `compare` as functions over paths: what the commands of these names run, with its values."""
 
-import sys
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
@@ -14,7 +13,6 @@ if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
     from gyrodrift.evaluation.dataset import Source
-    from gyrodrift.filters.filter import Filter
     from gyrodrift.session.checks.stated import ReadingOptions
     from gyrodrift.tune.result import Tuning
     from gyrodrift.tune.tuning import Plan
@@ -26,58 +24,64 @@ Paths = str | PathLike[str] | Iterable[str | PathLike[str]]
 def tune(
     paths: Paths,
     *,
-    filter: str = "hdr",  # noqa: A002 - as the config and the command call it
+    filter: str | None = None,  # noqa: A002 - as the config and the command call it
     tests: Paths = (),
     stills: Paths = (),
     iterations: int = 3000,
     seeds: Iterable[int] = (0,),
-    method: str = "race",
+    method: str | None = None,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     jobs: int | None = None,
+    on_progress: OnProgress = untold,
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Tuning":
-    """Find the parameters of a filter from sessions with an encoder; `result.run.params` has them.
+    """Tune filters on sessions with an encoder; `result.filter` is the best filter, `result.params` its parameters.
 
     Parameters
     ----------
-    paths, tests, stills
-        Sessions; those of them, or more, that are held out, and that did not move at all.
+    paths
+        Sessions or folders of sessions.
+    filter
+        Name of the filter to tune; None tunes HDR and restlevel, and gives the better one on held-out sessions.
+    tests, stills
+        Sessions to hold out, and sessions in which the device did not move; both may be among `paths` or not.
     iterations, seeds, method
-        Evaluations of the cost in each search, the seed of each search, and how it searches.
+        Evaluations of the cost in each search, the seed of each search, and the search method as in `--method`.
     ranges
-        From the name of a parameter to where it is searched, least and most, in its own unit.
+        Search range of a parameter, (low, high) in its own unit, by name.
     jobs
-        Threads; None for as many as there are processors.
+        Threads; None for one per processor.
+    on_progress
+        Called with the name of the search, the evaluations so far, and their total.
     allow_damage
-        Whether what is whole of a damaged recording is used.
+        Use the undamaged part of a damaged recording.
     columns
-        What the columns of tables are, as in the option `--columns`; None where their headers say it.
+        Columns of tables, as in the option `--columns`; None to read them from the header.
 
     Raises
     ------
     UsageError
-        Where a package is missing, or there is no such filter, method or parameter.
+        If a package is missing, or a filter, method or parameter does not exist.
     DataError
-        Where a session cannot be used.
+        If a session cannot be used.
     """
-    chosen = _filter(filter)
+    _check_filter(filter)
     _need("tune", "cma", "numba")
     from gyrodrift.evaluation.dataset import Source, Split
-    from gyrodrift.evaluation.space import with_ranges
+    from gyrodrift.tune.plans import plans_of
     from gyrodrift.tune.search.methods import METHODS
-    from gyrodrift.tune.tuning import Plan
 
-    if method not in METHODS:
+    if method is not None and method not in METHODS:
         raise UsageError(f"method {method!r}: there is no such method; there are {', '.join(METHODS)}")
-    axes = with_ranges([f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()], chosen)
-    plan = Plan(_positive("iterations", iterations), _seeds(seeds), method, axes, chosen)
+    texts = [f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()]
+    plans = plans_of(filter, _positive("iterations", iterations), _seeds(seeds), method, texts)
     held, still = set(_sessions(tests)), set(_sessions(stills))
     every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
     _check_damage(every, allow_damage=allow_damage)
     named = _reading(columns)
     sources = [Source(path, path in still, Split.TEST if path in held else None, named) for path in every]
-    return _tuned(plan, sources, jobs)
+    return _tuned(plans, sources, jobs, on_progress)
 
 
 def diagnose(
@@ -198,21 +202,18 @@ def compare(
     return comparison.compare(asked)
 
 
-def _tuned(plan: "Plan", sources: "list[Source]", jobs: int | None) -> "Tuning":
-    from gyrodrift.progress import Progress
+def _tuned(plans: "tuple[Plan, ...]", sources: "list[Source]", jobs: int | None, on_progress: OnProgress) -> "Tuning":
+    from gyrodrift.tune.choice import tune_filters
     from gyrodrift.tune.search.journal import Journal
-    from gyrodrift.tune.tuning import TuningRun
     from gyrodrift.tune.tuning_set import TuningSet, identity
 
     with (
         TemporaryDirectory(prefix="gyrodrift-") as folder,
-        Progress(sys.stderr, is_quiet=True) as progress,
-        TuningSet(sources, plan.seeds[0], jobs, None, progress, plan.filter) as held,
+        TuningSet(sources, plans[0].seeds[0], jobs, None, on_progress) as sessions,
     ):
-        journal = Journal(Path(folder) / "progress.npz", identity(plan, held), is_resumed=False)
-        search = TuningRun(plan, held.costs, held.sessions, held.splits, held.loaded, journal, progress.evaluated)
-        tuning = search.run()
-    if search.was_interrupted:  # the command keeps the best so far; a program asked for all of it
+        journal = Journal(Path(folder) / "progress.npz", identity(plans, sessions), is_resumed=False)
+        tuning, was_interrupted = tune_filters(plans, sessions, journal, on_progress)
+    if was_interrupted:  # the command writes the best so far; a program wants the whole tuning or none
         raise KeyboardInterrupt
     return tuning
 
@@ -246,12 +247,11 @@ def _need(function: str, *packages: str) -> None:
     need_packages(function, *packages)
 
 
-def _filter(name: str) -> "Filter":
+def _check_filter(name: str | None) -> None:
     from gyrodrift.filters.registry import FILTERS
 
-    if name not in FILTERS:
+    if name is not None and name not in FILTERS:
         raise UsageError(f"filter {name!r}: there is no such filter; there are {', '.join(FILTERS)}")
-    return FILTERS[name]
 
 
 def _seeds(seeds: Iterable[int]) -> tuple[int, ...]:

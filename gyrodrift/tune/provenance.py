@@ -26,7 +26,9 @@ class TuningProvenance:
     filter
         Name of the filter that was tuned.
     command, seed, iterations
-        As they were given; empty and None where the file does not say.
+        As they were given; empty and None if the file does not say.
+    is_default
+        The parameters are the filter's defaults, which no tuned parameters beat on held-out sessions.
     """
 
     filter: str
@@ -34,10 +36,13 @@ class TuningProvenance:
     command: str = ""
     seed: int | None = None
     iterations: int | None = None
+    is_default: bool = False
 
     @property
     def training(self) -> tuple[TunedSession, ...]:
-        """The sessions that it was tuned on; those that were held out are not among them."""
+        """Sessions that the parameters depend on: the training sessions, or none for defaults."""
+        if self.is_default:
+            return ()
         return tuple(session for session in self.sessions if session.split is Split.TRAIN)
 
 
@@ -58,6 +63,7 @@ def read_provenance(path: Path) -> TuningProvenance | None:
         command=str(told.get("command", "")),
         seed=seed if isinstance(seed, int) else None,
         iterations=iterations if isinstance(iterations, int) else None,
+        is_default=told.get("parameters") == "defaults",
     )
 
 

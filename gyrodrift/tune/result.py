@@ -18,6 +18,8 @@ class SessionScore:
 
     curves
         Yaw by plain integration and by the tuned filter, in this order; None where the session is not plotted.
+    default
+        Score of the filter with its default parameters.
     """
 
     session: SessionSummary
@@ -26,14 +28,42 @@ class SessionScore:
     tuned: Score
     reduced: Score
     curves: YawCurves | None = None
+    default: Score | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Pi:
-    """PI in deg² on the training and the test sessions; None where none were held out."""
+    """A mean over the training and the test sessions, of PI in deg² if not said otherwise; None without test."""
 
     train: float
     test: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """A way to integrate yaw, tuned or not, with its errors on both splits.
+
+    filter
+        None for plain integration and for a start calibration.
+    params
+        Parameters of the filter.
+    pi, e_deg
+        PI, deg², and mean E, deg. In a cross-validation `test` of a tuned filter is that of the sessions held out in
+        turn, and `test` of anything else is over all sessions.
+    """
+
+    key: str
+    title: str
+    pi: Pi
+    e_deg: Pi
+    filter: Filter | None = None
+    params: FilterParams | None = None
+    is_tuned: bool = False
+
+    @property
+    def judged_pi(self) -> float:
+        """PI on held-out sessions if there are any, deg², else on the training sessions."""
+        return self.pi.train if self.pi.test is None else self.pi.test
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +95,13 @@ class Tuning:
     cross_validation
         Of each session, by name, under parameters tuned on all others; empty where sessions were held out.
     warnings : tuple of str
-        What should be known before believing it, a sentence each.
+        Sentences to read before the result is used.
+    slices
+        PI on the training sessions along each axis through the parameters found, deg², shape (axes, SCAN_POINTS).
+    alternatives
+        Plain integration, start calibration, and every filter at its defaults and tuned.
+    is_default_written
+        Whether the config has the filter's defaults, because they are better on held-out sessions.
     """
 
     filter: Filter
@@ -82,6 +118,22 @@ class Tuning:
     others: tuple[Run, ...] = ()
     cross_validation: dict[str, Score] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    slices: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    alternatives: tuple[Alternative, ...] = ()
+    is_default_written: bool = False
+
+    @property
+    def written(self) -> Alternative | None:
+        """The alternative whose parameters the config has; None if there are no alternatives."""
+        is_tuned = not self.is_default_written
+        same = (way for way in self.alternatives if way.filter is self.filter and way.is_tuned is is_tuned)
+        return next(same, None)
+
+    @property
+    def params(self) -> FilterParams:
+        """Parameters for the config."""
+        defaults: FilterParams = self.filter.params()
+        return defaults if self.is_default_written else self.run.params
 
     def scores_on(self, split: Split) -> list[SessionScore]:
         """The sessions of a split."""

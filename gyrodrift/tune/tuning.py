@@ -23,7 +23,13 @@ from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
-from gyrodrift.tune.warnings import bound_warnings, held_out_warnings, identifiability_warnings
+from gyrodrift.tune.warnings import (
+    SCAN_POINTS,
+    bound_warnings,
+    held_out_warnings,
+    identifiability_warnings,
+    slice_candidates,
+)
 
 REDUCED_EVALUATIONS = 600
 """A reduced model is found with fewer evaluations than the whole one."""
@@ -50,6 +56,10 @@ class Costs(Protocol):
         """Scores of candidates, shape (c, parameters), over some of the sessions."""
         ...
 
+    def for_filter(self, chosen: Filter) -> "Costs":
+        """Cost of another filter over the same sessions."""
+        ...
+
 
 @dataclass(slots=True)
 class TuningRun:
@@ -59,6 +69,8 @@ class TuningRun:
         The sessions in one order: their costs, what is known of them, what each is used for.
     loaded
         Reads one of them again, to draw it.
+    prefix
+        Begins the name of every search, in the journal and in the progress.
     """
 
     plan: Plan
@@ -68,6 +80,7 @@ class TuningRun:
     loaded: Callable[[int], LoadedSession]
     journal: Journal
     progress: OnProgress = untold
+    prefix: str = ""
     was_interrupted: bool = False
     _begun_s: float = field(default_factory=time.monotonic)
 
@@ -108,7 +121,7 @@ class TuningRun:
     def _search(self, name: str, seed: int, axes: tuple[Axis, ...], sessions: Sequence[int], evaluations: int) -> Run:
         """One search over some sessions."""
         method = METHODS[self.plan.method]()
-        chosen, searched = self.plan.filter, method.axes(axes)
+        chosen, searched, name = self.plan.filter, method.axes(axes), f"{self.prefix}{name}"
 
         def note(objective: Objective) -> None:
             self.journal.note(name, objective)
@@ -156,15 +169,17 @@ class TuningRun:
         return found
 
     def _judge(self, best: Run, others: tuple[Run, ...], reduced: Run, cross_validation: dict[str, Score]) -> Tuning:
-        baseline = row_of(self.plan.filter.baseline)
-        scores = self._scores(self.costs.cost(np.vstack([baseline, row_of(best.params), row_of(reduced.params)])))
+        baseline, default = row_of(self.plan.filter.baseline), row_of(self.plan.filter.params())
+        rows = [baseline, row_of(best.params), row_of(reduced.params), default]
+        scores = self._scores(self.costs.cost(np.vstack(rows)))
         euler_pi = self._pi_of(baseline)[0]
         if cross_validation:
             held_out_pi = float(np.mean([one.pi_deg2 for one in cross_validation.values()]))
             best = replace(best, pi=replace(best.pi, test=held_out_pi))
             euler_pi = replace(euler_pi, test=euler_pi.train)
         axes = METHODS[self.plan.method]().axes(self.plan.axes)
-        warnings = tuple(self._warnings(axes, best, euler_pi))
+        slices = self._slices(best.params)
+        warnings = tuple(self._warnings(axes, best, euler_pi, slices))
         return Tuning(
             filter=self.plan.filter,
             method=self.plan.method,
@@ -180,28 +195,33 @@ class TuningRun:
             others=others,
             cross_validation=cross_validation,
             warnings=warnings,
+            slices=slices,
         )
+
+    def _slices(self, params: FilterParams) -> Floats:
+        """PI on the training sessions along each axis through these parameters, deg², shape (axes, SCAN_POINTS)."""
+        rows = slice_candidates(self.plan.filter, self.plan.axes, params)
+        pi = self.costs.cost(rows, self._used_for(Split.TRAIN)).pi
+        return pi.reshape(len(self.plan.axes), SCAN_POINTS)
 
     def _scores(self, scores: Scores) -> list[SessionScore]:
         """By session, of candidates in the order of `SessionScore`."""
         found = []
         for at, (session, split) in enumerate(zip(self.sessions, self.splits, strict=True)):
-            euler_score, tuned, reduced = (scores.score(at, candidate, session.minutes) for candidate in range(3))
-            found.append(SessionScore(session, split, euler_score, tuned, reduced))
+            plain, tuned, reduced, default = (scores.score(at, row, session.minutes) for row in range(4))
+            found.append(SessionScore(session, split, plain, tuned, reduced, default=default))
         return found
 
-    def _warnings(self, axes: Sequence[Axis], best: Run, euler_pi: Pi) -> Iterator[str]:
-        """What to know before believing it, in sentences."""
-        train, chosen = self._used_for(Split.TRAIN), self.plan.filter
+    def _warnings(self, axes: Sequence[Axis], best: Run, euler_pi: Pi, slices: Floats) -> Iterator[str]:
+        """Sentences to read before the result is used."""
+        chosen = self.plan.filter
         yield from (warning for session in self.sessions for warning in session.warnings)
         if chosen.counts_samples:
             yield from check_rates(self.sessions, chosen.sample_counted)
         if self.was_interrupted:
             yield "it was interrupted: these are the best parameters so far; go on with --resume"
         yield from bound_warnings(chosen, axes, best.params)
-        yield from identifiability_warnings(
-            chosen, self.plan.axes, best.params, lambda params: self.costs.cost(params, train).pi
-        )
+        yield from identifiability_warnings(chosen, self.plan.axes, slices)
         yield from held_out_warnings(best.pi, euler_pi)
 
     def _with_curves(self, scores: Sequence[SessionScore], params: FilterParams) -> tuple[SessionScore, ...]:

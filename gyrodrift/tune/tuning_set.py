@@ -18,9 +18,7 @@ from gyrodrift.evaluation.dataset import (
     split_sources,
 )
 from gyrodrift.evaluation.reference import Reference
-from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.registry import PUBLISHED
-from gyrodrift.progress import Progress
+from gyrodrift.progress import OnProgress
 from gyrodrift.tune.tuning import Costs, Plan
 
 
@@ -41,8 +39,7 @@ class TuningSet:
         seed: int,
         threads: int | None,
         cluster: str | None,
-        progress: Progress,
-        chosen: Filter = PUBLISHED,
+        progress: OnProgress,
     ) -> None:
         self._sources = split_sources(sources, seed)
         self.splits = [source.split or Split.TRAIN for source in self._sources]
@@ -50,14 +47,14 @@ class TuningSet:
         self.costs: Costs
         self._close: Callable[[], None]
         if cluster is None:
-            local = Cost(self._references(progress), threads, chosen=chosen)
+            local = Cost(self._references(progress), threads)
             self.costs, self._close = local, local.close
         else:
             from gyrodrift.evaluation.cluster_cost import ClusterCost  # noqa: PLC0415 - an extra that few have
 
-            progress.evaluated("sessions read by the cluster", 0, 1)
+            progress("sessions read by the cluster", 0, 1)
             seen = [(source.path.resolve(), source.is_still) for source in self._sources]
-            shared = ClusterCost(cluster, seen, chosen, self._sources[0].reading)
+            shared = ClusterCost(cluster, seen, reading=self._sources[0].reading)
             self.costs, self._close, self.sessions = shared, shared.close, list(shared.descriptions)
         self.sessions = _with_folders(self.sessions, self._sources)
 
@@ -73,20 +70,21 @@ class TuningSet:
         """One of the sessions, read again."""
         return load_with_reference(self._sources[at])
 
-    def _references(self, progress: Progress) -> Iterator[Reference]:
+    def _references(self, progress: OnProgress) -> Iterator[Reference]:
         """One after the other, so that nothing but what is evaluated stays in memory."""
-        progress.evaluated("sessions read", 0, len(self._sources))
+        progress("sessions read", 0, len(self._sources))
         for done, source in enumerate(self._sources, 1):
             loaded = load_with_reference(source)
             self.sessions.append(loaded.description)
-            progress.evaluated("sessions read", done, len(self._sources))
+            progress("sessions read", done, len(self._sources))
             yield loaded.reference
 
 
-def identity(plan: Plan, tuning_set: TuningSet) -> str:
-    """What the searches of a tuning depend on, as a digest."""
-    content: list[object] = [plan.filter.name, plan.method, plan.evaluations]
-    content += [asdict(axis) for axis in plan.axes]
+def identity(plans: Sequence[Plan], tuning_set: TuningSet) -> str:
+    """Digest of everything that the searches of a tuning depend on."""
+    content: list[object] = []
+    for plan in plans:
+        content += [plan.filter.name, plan.method, plan.evaluations, *(asdict(axis) for axis in plan.axes)]
     content += [[one.digest, split.value] for one, split in zip(tuning_set.sessions, tuning_set.splits, strict=True)]
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 

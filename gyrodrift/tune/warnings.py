@@ -1,6 +1,6 @@
 """What to know before a tuning is believed: parameters at a bound or non-identifiable, and a test that goes badly."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import sqrt
 
 import numpy as np
@@ -44,31 +44,37 @@ def bound_warnings(chosen: Filter, axes: Sequence[Axis], params: FilterParams) -
             yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
 
 
-def identifiability_warnings(
-    chosen: Filter, axes: Sequence[Axis], params: FilterParams, pi: Callable[[Floats], Floats]
-) -> Iterator[str]:
-    """Parameters that the training sessions leave open, by a walk along each axis.
+def slice_candidates(chosen: Filter, axes: Sequence[Axis], params: FilterParams) -> Floats:
+    """Candidates along each axis through a point, shape (axes · SCAN_POINTS, parameters)."""
+    rows = np.repeat(row_of(params), len(axes) * SCAN_POINTS, axis=0)
+    for number, axis in enumerate(axes):
+        part = slice(number * SCAN_POINTS, (number + 1) * SCAN_POINTS)
+        rows[part, chosen.names.index(axis.name)] = slice_values(axis)
+    return rows
+
+
+def slice_values(axis: Axis) -> Floats:
+    """Values of a parameter in its slice, shape (SCAN_POINTS,)."""
+    return axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
+
+
+def identifiability_warnings(chosen: Filter, axes: Sequence[Axis], slices: Floats) -> Iterator[str]:
+    """Parameters that the training sessions do not determine.
 
     Parameters
     ----------
     axes
-        Of the parameters that were searched.
-    params
-        From where to walk.
-    pi
-        The cost of candidates, shape (c, parameters), on the training sessions.
+        Axes of the parameters that were searched.
+    slices
+        PI along each axis, deg², shape (axes, SCAN_POINTS).
     """
-    for axis in axes:
-        values = axis.values(np.linspace(0.0, 1.0, SCAN_POINTS))
-        rows = np.repeat(row_of(params), SCAN_POINTS, axis=0)
-        rows[:, chosen.names.index(axis.name)] = values
-        costs = pi(rows)
+    for axis, costs in zip(axes, slices, strict=True):
         is_same = costs <= (1.0 + SAME_COST) * costs.min()
         if is_same.mean() > SAME_SHARE:
-            low, high = values[is_same][[0, -1]]
+            low, high = slice_values(axis)[is_same][[0, -1]]
             yield (
-                f"{axis.name} is not decided by these sessions: from {low:.3g} to {high:.3g} the cost is within "
-                f"{SAME_COST:.0%} of its least; {chosen.parameter(axis.name).decided_by}"
+                f"{axis.name} is not determined by these sessions: from {low:.3g} to {high:.3g} the cost is within "
+                f"{SAME_COST:.0%} of its minimum; {chosen.parameter(axis.name).decided_by}"
             )
 
 

@@ -2,7 +2,7 @@
 
 import json
 import signal
-from dataclasses import replace
+from dataclasses import asdict, replace
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -42,7 +42,7 @@ def tuned(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-QUICK = ["--iterations", "300", "--seed", "3"]
+QUICK = ["--filter", "hdr", "--iterations", "300", "--seed", "3"]
 
 
 def numbers(folder: Path) -> dict[str, Any]:
@@ -139,7 +139,7 @@ def test_of_a_few_sessions_each_is_tested_with_parameters_of_the_others(
     told = numbers(tmp_path)
     assert set(told["left_out"]) == {"table-0", "table-1", "table-2"}
     assert told["pi_test"] is not None
-    assert "mean E of each under parameters tuned on the others: " in capsys.readouterr().out
+    assert "3 sessions, each held out in turn" in capsys.readouterr().out
 
 
 def test_sessions_are_kept_apart_by_hand(eight: Path, tmp_path: Path) -> None:
@@ -148,6 +148,77 @@ def test_sessions_are_kept_apart_by_hand(eight: Path, tmp_path: Path) -> None:
     arguments = ["--test", str(test), "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *QUICK]
     assert main(["tune", str(eight), *arguments]) == 0
     assert [one["name"] for one in numbers(tmp_path)["sessions"] if one["split"] == "test"] == ["table-7"]
+
+
+@pytest.fixture(scope="module")
+def both(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the files of a tuning without --filter."""
+    folder = tmp_path_factory.mktemp("both")
+    arguments = ["--out", str(folder / "c.yaml"), "--report", str(folder), "--iterations", "100"]
+    assert main(["tune", str(eight), *arguments]) == 0
+    return folder
+
+
+def test_without_a_filter_both_are_tuned_and_the_better_one_on_held_out_sessions_is_written(both: Path) -> None:
+    """HDR by CARLA; each with its result beside that of its defaults."""
+    told = numbers(both)
+    assert list(told["filters"]) == ["hdr", "restlevel"]
+    assert all(
+        {"pi_train", "pi_test", "pi_test_default", "parameters"} <= one.keys() for one in told["filters"].values()
+    )
+    reached = {
+        (name, kind): one[kind] for name, one in told["filters"].items() for kind in ("pi_test", "pi_test_default")
+    }
+    name, kind = min(reached, key=lambda way: reached[way])
+    config = load_config(both / "c.yaml")
+    assert (told["filter"], config.filter) == (name, name)
+    assert told["parameters_from"] == ("tuning" if kind == "pi_test" else "defaults")
+    assert asdict(config.params) == pytest.approx(told["parameters"])
+    page = (both / "report.html").read_text()
+    assert all(row in page for row in ("start calibration", "HDR, defaults", "HDR, tuned", "restlevel, defaults"))
+
+
+def test_the_config_of_a_tuning_is_not_worse_than_the_default_filter(eight: Path, both: Path, tmp_path: Path) -> None:
+    """On the same sessions, by compare."""
+    quiet = ["--jobs", "1", "--out", str(tmp_path)]
+    assert main(["compare", str(eight), *quiet]) == 0
+    default = {one["method"]: one["e_deg"] for one in json.loads((tmp_path / "compare.json").read_text())["methods"]}
+    assert main(["compare", str(eight), "--config", str(both / "c.yaml"), *quiet]) == 0
+    tuned = {one["method"]: one["e_deg"] for one in json.loads((tmp_path / "compare.json").read_text())["methods"]}
+    written = load_config(both / "c.yaml").filter
+    assert tuned[written] <= 1.02 * default["restlevel"]
+
+
+def test_a_default_that_is_better_than_the_named_filter_is_a_warning(
+    eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The named filter is written all the same."""
+    arguments = [
+        "--filter",
+        "hdr",
+        "--range",
+        "i_c_dps=1e-7:2e-7",
+        "--iterations",
+        "20",
+        "--out",
+        str(tmp_path / "c.yaml"),
+    ]
+    assert main(["tune", str(eight), *arguments]) == 0
+    assert "restlevel, defaults is better than HDR, tuned: " in capsys.readouterr().err
+    assert load_config(tmp_path / "c.yaml").filter == "hdr"
+
+
+def test_a_range_belongs_to_the_filter_that_has_the_parameter(
+    eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A parameter that no filter has is refused."""
+    arguments = ["--iterations", "20", "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path)]
+    assert main(["tune", str(eight), "--range", "tau_s=0.5:0.6", "--range", "quiet=2:3", *arguments]) == 0
+    filters = numbers(tmp_path)["filters"]
+    assert 0.5 <= filters["hdr"]["parameters"]["tau_s"] <= 0.6
+    assert 2.0 <= filters["restlevel"]["parameters"]["quiet"] <= 3.0
+    assert main(["tune", str(eight), "--range", "taus=1:2", *arguments]) == 2
+    assert "--range taus=1:2: unknown parameter taus" in capsys.readouterr().err
 
 
 def test_stills_have_zero_as_their_truth(tmp_path: Path) -> None:
@@ -166,7 +237,18 @@ def test_stills_have_zero_as_their_truth(tmp_path: Path) -> None:
 
 def test_the_best_of_several_seeds_is_kept_and_all_are_told(eight: Path, tmp_path: Path) -> None:
     """With their spread."""
-    arguments = ["--seeds", "3", "--iterations", "100", "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path)]
+    arguments = [
+        "--filter",
+        "hdr",
+        "--seeds",
+        "3",
+        "--iterations",
+        "100",
+        "--out",
+        str(tmp_path / "c.yaml"),
+        "--report",
+        str(tmp_path),
+    ]
     assert main(["tune", str(eight), *arguments]) == 0
     told = numbers(tmp_path)
     assert {one["seed"] for one in told["seeds"]} == {0, 1, 2}
@@ -176,7 +258,18 @@ def test_the_best_of_several_seeds_is_kept_and_all_are_told(eight: Path, tmp_pat
 @pytest.mark.parametrize("method", ["carla", "cma", "de", "random"])
 def test_other_methods_are_there_to_compare_with(eight: Path, tmp_path: Path, method: str) -> None:
     """Each writes the same files."""
-    arguments = ["--method", method, "--iterations", "60", "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path)]
+    arguments = [
+        "--filter",
+        "hdr",
+        "--method",
+        method,
+        "--iterations",
+        "60",
+        "--out",
+        str(tmp_path / "c.yaml"),
+        "--report",
+        str(tmp_path),
+    ]
     assert main(["tune", str(eight), *arguments]) == 0
     assert numbers(tmp_path)["method"] == method
 
@@ -200,6 +293,7 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
     """Status 130, and then the bytes of a run that was left alone."""
     out = tmp_path / "c.yaml"
     arguments = ["tune", str(eight), "--out", str(out), "--iterations", "1000", "--jobs", "1", "--method", "carla"]
+    arguments += ["--filter", "hdr"]
     with monkeypatch.context() as patched:
         interrupt_after_saving(patched, saves=3)
         assert main(arguments) == 130
@@ -211,6 +305,24 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
     assert main([*arguments, "--resume"]) == 0
     resumed = out.read_bytes()
     assert not (tmp_path / "c.progress.npz").exists()
+    out.unlink()
+    assert main(arguments) == 0
+    assert out.read_bytes() == resumed
+
+
+@pytest.mark.parametrize("saves", [2, 6])
+def test_a_tuning_of_both_filters_that_was_interrupted_resumes_to_the_same_bytes(
+    eight: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, saves: int
+) -> None:
+    """In the search of the first filter, and in that of the second."""
+    out = tmp_path / "c.yaml"
+    arguments = ["tune", str(eight), "--out", str(out), "--iterations", "64", "--jobs", "1", "--method", "random"]
+    with monkeypatch.context() as patched:
+        interrupt_after_saving(patched, saves)
+        assert main(arguments) == 130
+    assert load_config(out)
+    assert main([*arguments, "--resume"]) == 0
+    resumed = out.read_bytes()
     out.unlink()
     assert main(arguments) == 0
     assert out.read_bytes() == resumed
@@ -233,7 +345,7 @@ def test_a_running_service_takes_over_what_was_tuned_on_its_own_recordings(tmp_p
         device.until(lambda _: port.is_symlink(), "device")
         with Command("serve", "--port", port, "--config", config) as serve:
             serve.take_lines(20)
-            assert main(["tune", str(sessions), "--out", str(config), "--iterations", "100"]) == 0
+            assert main(["tune", str(sessions), "--out", str(config), "--filter", "hdr", "--iterations", "100"]) == 0
             serve.until_log("config_applied")
             after = serve.take_lines(20)
             assert serve.stop() == 0
@@ -337,7 +449,16 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     angles = odd.encoder_deg.copy()
     angles[100:400] = np.nan
     write_session(folder / "odd.csv", [replace(odd, encoder_deg=angles)])
-    arguments = ["--range", "i_c_dps=1e-7:1e-6", "--iterations", "400", "--out", str(tmp_path / "c.yaml")]
+    arguments = [
+        "--filter",
+        "hdr",
+        "--range",
+        "i_c_dps=1e-7:1e-6",
+        "--iterations",
+        "400",
+        "--out",
+        str(tmp_path / "c.yaml"),
+    ]
     assert main(["tune", str(folder), *arguments]) == 0
     said = capsys.readouterr().err
     assert "odd: 2% of its encoder values are no numbers; they do not count" in said
@@ -346,4 +467,4 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     params = load_config(tmp_path / "c.yaml").params
     assert isinstance(params, HdrParams)
     assert params.i_c_dps <= 1e-6
-    assert "is not decided by these sessions" in said
+    assert "is not determined by these sessions" in said

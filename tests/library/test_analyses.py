@@ -29,12 +29,39 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_tune_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:
     test = min(sessions.iterdir())
-    found = tune(sessions, tests=test, iterations=40, ranges={"tau_s": (0.01, 2.0)})
-    options = ["--test", str(test), "--iterations", "40", "--range", "tau_s=0.01:2", "--report", str(tmp_path)]
+    told: list[str] = []
+    found = tune(
+        sessions,
+        filter="hdr",
+        tests=test,
+        iterations=40,
+        ranges={"tau_s": (0.01, 2.0)},
+        on_progress=lambda what, _done, _total: told.append(what),
+    )
+    assert {"sessions read", "seed 0"} <= set(told)
+    options = [
+        "--filter",
+        "hdr",
+        "--test",
+        str(test),
+        "--iterations",
+        "40",
+        "--range",
+        "tau_s=0.01:2",
+        "--report",
+        str(tmp_path),
+    ]
     assert main(["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), *options]) == 0
     params = found.run.params
     assert isinstance(params, HdrParams)
     assert json.loads((tmp_path / "tune.json").read_text())["parameters"]["tau_s"] == params.tau_s
+
+
+def test_tune_without_a_filter_gives_the_better_one(sessions: Path) -> None:
+    """With its parameters, and every alternative."""
+    found = tune(sessions, tests=min(sessions.iterdir()), iterations=32)
+    best = min((way for way in found.alternatives if way.filter), key=lambda way: way.judged_pi)
+    assert (found.filter, found.params) == (best.filter, best.params)
 
 
 def test_compare_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:

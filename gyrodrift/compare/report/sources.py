@@ -27,6 +27,8 @@ def _by_config(comparison: Comparison, entry: Entry) -> str:
     ran = f"{entry.method.title} ran with the parameters of {name}"
     if tuning is None or tuning.filter != entry.method.key:
         return f"{ran}, which does not say where they come from."
+    if tuning.is_default:
+        return f"{ran}, which are its defaults: tune found none that are better on held-out sessions."
     effort = [f"{tuning.iterations} evaluations"] if tuning.iterations is not None else []
     effort += [f"seed {tuning.seed}"] if tuning.seed is not None else []
     said = f" ({', '.join(effort)})" if effort else ""

@@ -30,9 +30,16 @@ from gyrodrift.html.svg import (
     thinned,
 )
 from gyrodrift.tune.result import Run, Tuning
+from gyrodrift.tune.warnings import slice_values
 
 DOTS = 4000
 """A search has no more dots than this: some 100 bytes each."""
+
+SLICE_DOTS = 500
+"""Most dots in the figure of a slice."""
+
+LARGEST_RISE = float(np.log(1000.0))
+"""A cost that is 1000 times the least counts like any larger one: chosen."""
 
 BARS = 40
 """Of a histogram, over the whole range of a parameter."""
@@ -70,11 +77,11 @@ def _draw_costs(axes: Axes, tuning: Tuning) -> None:
     axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
 
 
-def dots(run: Run) -> tuple[Floats, Floats]:
-    """Iterations, from 1, and costs that can be drawn, at most `DOTS`, evenly chosen."""
+def dots(run: Run, most: int = DOTS) -> tuple[Floats, Floats]:
+    """Iterations, from 1, and costs that can be drawn, evenly chosen, at most `most`."""
     costs = _drawable(run.history)
     known = np.flatnonzero(np.isfinite(costs))
-    shown = known[:: max(1, -(-len(known) // DOTS))]
+    shown = known[:: max(1, -(-len(known) // most))]
     return shown.astype(np.float64) + 1.0, costs[shown]
 
 
@@ -138,6 +145,44 @@ def _scale_values(axes: Axes, axis: Axis) -> None:
     else:
         axes.xaxis.set_major_locator(MaxNLocator(4, steps=STEPS))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: factor_label(value)))
+
+
+def importances(slices: Floats) -> Floats:
+    """Share of each parameter in how much the cost rises along the slices, shape (axes,), sum 1.
+
+    The rise is the mean of ln(PI / least PI) over a slice, each value limited to ln 1000.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rises = np.log(slices / slices.min(axis=1, keepdims=True))
+    rises = np.minimum(np.nan_to_num(rises, nan=0.0, posinf=LARGEST_RISE), LARGEST_RISE).mean(axis=1)
+    return rises / rises.sum() if rises.sum() > 0.0 else np.zeros(len(rises))
+
+
+def slice_svgs(tuning: Tuning) -> list[str]:
+    """The cost against each parameter: every evaluation, and the slice through the parameters found."""
+    if not tuning.slices.size:
+        return []
+    with styled():
+        return [_slice_svg(tuning, number, axis) for number, axis in enumerate(tuning.axes)]
+
+
+def _slice_svg(tuning: Tuning, number: int, axis: Axis) -> str:
+    figure = canvas(3.1, 2.0, left=0.16, bottom=0.17, top=0.97, right=0.95)
+    axes = figure.add_subplot()
+    axes.set_yscale("log")
+    evaluations, costs = dots(tuning.run, SLICE_DOTS)
+    indices = evaluations.astype(int) - 1
+    values = axis.values(tuning.run.cube[indices, number])
+    late = indices >= len(tuning.run.history) // 2
+    for is_part, opacity in ((~late, 0.3), (late, 0.75)):
+        axes.plot(values[is_part], costs[is_part], ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=opacity)
+    axes.plot(slice_values(axis), _drawable(tuning.slices[number]), color=TUNED, linewidth=1.4)
+    axes.axvline(float(getattr(tuning.run.params, axis.name)), color=INK, linewidth=1.0)
+    axes.set_xlim(axis.low, axis.high)
+    _limit_costs(axes, tuning)
+    _scale_values(axes, axis)
+    axes.set_ylabel("PI, deg²")
+    return as_svg(figure, f"slice-{axis.name}", f"Cost against {axis.name}")
 
 
 def preference(run: Run, number: int, axis: Axis) -> tuple[Floats, Floats]:

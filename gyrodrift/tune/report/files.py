@@ -12,7 +12,8 @@ from gyrodrift import __version__
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.files import write_whole
 from gyrodrift.filters.filter import Filter
-from gyrodrift.tune.result import Run, SessionScore, Tuning
+from gyrodrift.html.numbers import significant
+from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
 
 HEAD = "# Found by gyrodrift tune. serve --config follows this file while it runs."
 
@@ -28,7 +29,7 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
     content = {
         "filter": tuning.filter.name,
         "sample_rate_hz": float(f"{tuning.sample_rate_hz:.6g}"),
-        tuning.filter.name: asdict(tuning.run.params),
+        tuning.filter.name: asdict(tuning.params),
         "provenance": _provenance(tuning, command),
     }
     lines = yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).splitlines()
@@ -38,12 +39,13 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
 
 def config_text(tuning: Tuning) -> str:
     """What `serve` takes of the config, without where it comes from."""
-    content = {"filter": tuning.filter.name, tuning.filter.name: asdict(tuning.run.params)}
+    content = {"filter": tuning.filter.name, tuning.filter.name: asdict(tuning.params)}
     return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).strip()
 
 
 def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
-    """Where the parameters come from, and what they were worth; `serve` passes it by."""
+    """Where the parameters come from, and what they are worth; `serve` ignores it."""
+    after = tuning.run.pi if tuning.written is None else tuning.written.pi
     return {
         "command": command,
         "version": __version__,
@@ -51,11 +53,12 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
         "method": tuning.method,
         "seed": tuning.run.seed,
         "iterations": len(tuning.run.history),
+        "parameters": "defaults" if tuning.is_default_written else "tuned",
         "pi_deg2": {
             "train_before": _number(tuning.euler.train),
-            "train_after": _number(tuning.run.pi.train),
+            "train_after": _number(after.train),
             "test_before": _number(tuning.euler.test),
-            "test_after": _number(tuning.run.pi.test),
+            "test_after": _number(after.test),
         },
         "test": "each session by parameters tuned on the others" if tuning.cross_validation else "sessions kept apart",
         "sessions": [
@@ -87,7 +90,10 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "euler_pi_test": _number(tuning.euler.test),
         "reduced_pi_train": _number(tuning.reduced.train),
         "reduced_pi_test": _number(tuning.reduced.test),
-        "parameters": asdict(tuning.run.params),
+        "parameters": asdict(tuning.params),
+        "parameters_from": "defaults" if tuning.is_default_written else "tuning",
+        "filters": _filters(tuning),
+        "alternatives": [_alternative(way) for way in tuning.alternatives],
         "reduced_parameters": asdict(tuning.reduced_params),
         "filter": tuning.filter.name,
         "method": tuning.method,
@@ -101,6 +107,34 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "history": [_number(cost) for cost in tuning.run.history.tolist()],
     }
     write_whole(path, [json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False), "\n"])
+
+
+def _filters(tuning: Tuning) -> dict[str, Any]:
+    """Results of each filter that was tuned."""
+    defaults = {way.key: way.pi for way in tuning.alternatives if not way.is_tuned}
+    return {
+        way.key: {
+            "pi_train": _number(way.pi.train),
+            "pi_test": _number(way.pi.test),
+            "pi_train_default": _number(defaults[way.key].train),
+            "pi_test_default": _number(defaults[way.key].test),
+            "parameters": None if way.params is None else asdict(way.params),
+        }
+        for way in tuning.alternatives
+        if way.is_tuned
+    }
+
+
+def _alternative(way: Alternative) -> dict[str, Any]:
+    return {
+        "name": way.title,
+        "filter": None if way.filter is None else way.filter.name,
+        "tuned": way.is_tuned,
+        "pi_train": _number(way.pi.train),
+        "pi_test": _number(way.pi.test),
+        "e_train_deg": _number(way.e_deg.train),
+        "e_test_deg": _number(way.e_deg.test),
+    }
 
 
 def _session(score: SessionScore) -> dict[str, Any]:
@@ -118,20 +152,44 @@ def _session(score: SessionScore) -> dict[str, Any]:
 
 
 def summary(tuning: Tuning) -> list[str]:
-    """What a person wants to know at the end, a line each."""
-    lines = []
-    for split, name in ((Split.TRAIN, "tuned on"), (Split.TEST, "held out")):
-        euler_deg, tuned_deg = tuning.mean_e_deg(split)
-        if isfinite(euler_deg):
-            count = len(tuning.scores_on(split))
-            lines.append(
-                f"mean E of {count} sessions {name}: {tuned_deg:.4g} deg, plain integration {euler_deg:.4g} deg"
-            )
+    """The result as lines for a terminal: every alternative, the best one, and its parameters."""
+    lines = [f"mean yaw error E in deg, {_held_out_words(tuning)}"]
+    lines += _aligned([["", "training", "held out"], *(_summary_row(tuning, way) for way in tuning.alternatives)])
+    lines.append(f"* {verdict_words(tuning)}")
+    return lines + [f"{name} = {value:.6g}" for name, value in asdict(tuning.params).items()]
+
+
+def _held_out_words(tuning: Tuning) -> str:
     if tuning.cross_validation:
-        held_out_deg = sum(one.e_deg for one in tuning.cross_validation.values()) / len(tuning.cross_validation)
-        lines.append(f"mean E of each under parameters tuned on the others: {held_out_deg:.4g} deg")
-    lines += [f"{name} = {value:.6g}" for name, value in asdict(tuning.run.params).items()]
-    return lines
+        return f"{len(tuning.scores)} sessions, each held out in turn"
+    train, test = (len(tuning.scores_on(split)) for split in Split)
+    return f"{train} training session{'s' * (train != 1)}, {test} held out"
+
+
+def _summary_row(tuning: Tuning, way: Alternative) -> list[str]:
+    mark = "* " if way is tuning.written else "  "
+    values = (way.e_deg.train, way.e_deg.test)
+    return [mark + way.title, *("–" if value is None else significant(value, 3) for value in values)]
+
+
+def verdict_words(tuning: Tuning) -> str:
+    """Which filter the config has, and why, in a sentence."""
+    written = tuning.written
+    tuned = [way for way in tuning.alternatives if way.is_tuned]
+    if written is None or (len(tuned) < 2 and written.is_tuned):
+        return f"in the config: {tuning.filter.title or tuning.filter.name}, tuned"
+    where = "training sessions" if written.pi.test is None else "held-out sessions"
+    return f"in the config: {written.title}, the best filter on {where}"
+
+
+def _aligned(rows: list[list[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+        )
+        for row in rows
+    ]
 
 
 def _seed(run: Run) -> dict[str, Any]:

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from gyrodrift.evaluation.dataset import Split
-from gyrodrift.html.html import header, page, paragraph, tile, tiles, warnings
+from gyrodrift.html.html import header, page, paragraph, text, tile, tiles, warnings
 from gyrodrift.html.numbers import degrees, mean, significant
 from gyrodrift.html.provenance import Provenance, UsedFile, provenance
-from gyrodrift.tune.report.files import config_text
+from gyrodrift.tune.report.alternatives import alternatives
+from gyrodrift.tune.report.files import config_text, verdict_words
 from gyrodrift.tune.report.method import how_it_was_done
 from gyrodrift.tune.report.parameters import parameter, parameters
 from gyrodrift.tune.report.search import search
@@ -23,6 +24,7 @@ def report_html(tuning: Tuning, made: Provenance) -> str:
     """The page of a tuning, and where it comes from; the same for the same of both."""
     body = [
         _verdict(tuning, made.set_name),
+        alternatives(tuning),
         parameters(tuning),
         search(tuning),
         over_time(tuning),
@@ -47,7 +49,7 @@ def _verdict(tuning: Tuning, set_name: str) -> str:
     return header(
         f"gyrodrift tune · {tuning.filter.title or tuning.filter.name} on {set_name}, "
         f"{count} session{'s' * (count > 1)}",
-        _headline(plain_deg, tuned_deg, where),
+        _default_headline(tuning) if tuning.is_default_written else _headline(plain_deg, tuned_deg, where),
         warnings("Before believing it", tuning.warnings),
         paragraph(_in_words(tuning)),
         tiles([part for part in (_held_out_tile(tuning), _training_tile(tuning)) if part]),
@@ -73,6 +75,15 @@ def _headline(plain_deg: float, tuned_deg: float, where: str) -> str:
     return f"No gain {where}: yaw error {degrees(tuned_deg)} tuned, {degrees(plain_deg)} by plain integration"
 
 
+def _default_headline(tuning: Tuning) -> str:
+    """Headline if no tuned filter is better than the defaults of a filter."""
+    best = tuning.written
+    if best is None:
+        return "Defaults are best"
+    e_deg = best.e_deg.train if best.e_deg.test is None else best.e_deg.test
+    return f"No tuned filter beats {best.title}: yaw error {degrees(e_deg)} on held-out sessions"
+
+
 def _in_words(tuning: Tuning) -> str:
     """The verdict as sentences."""
     said = ["Yaw error is how far the angle is off the reference, on average over a session (E)."]
@@ -88,6 +99,8 @@ def _in_words(tuning: Tuning) -> str:
         said += [
             f"With each session held out of the tuning in turn {_fall(plain_deg, held_out_deg)}: believe this one."
         ]
+    if tuning.alternatives:
+        said += [f"<b>{text(verdict_words(tuning)[:1].upper() + verdict_words(tuning)[1:])}.</b>"]
     return " ".join(said)
 
 
@@ -149,6 +162,8 @@ def _counted(count: int) -> str:
 def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
     values = ", ".join(f"<code>{axis.name} {parameter(tuning, axis)}</code>" for axis in tuning.axes)
     found = f"Found: {values}."
+    if tuning.is_default_written:
+        return f"{found} The YAML file has the defaults of the filter instead: they are better on held-out sessions."
     if not is_better:
         return f"{found} As it stands this is no gain: keep the config you have, and record longer or other sessions."
     return (

@@ -3,6 +3,7 @@
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import headings, paragraph, section, span, table, text
 from gyrodrift.html.numbers import Numbers, significant
+from gyrodrift.tune.report.figures import importances
 from gyrodrift.tune.report.numbering import table_name
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import bound_of
@@ -21,9 +22,17 @@ def parameter(tuning: Tuning, axis: Axis) -> str:
 def parameters(tuning: Tuning) -> str:
     """The section of Table 1."""
     spread = [f"over {1 + len(tuning.others)} seeds"] if tuning.others else []
-    head = headings(["parameter", "found", *spread, "searched", "where in its range", "what it does"], words=2)
-    rows = [_row(tuning, axis) for axis in tuning.axes]
+    importance = ["importance"] if tuning.slices.size else []
+    columns = ["parameter", "found", *spread, "searched", "where in its range", *importance, "what it does"]
+    head = headings(columns, words=2)
+    shares = importances(tuning.slices) if tuning.slices.size else None
+    rows = [_row(tuning, axis, None if shares is None else float(shares[n])) for n, axis in enumerate(tuning.axes)]
     caption = f"{table_name(1, published=1)} The parameters found."
+    if tuning.slices.size:
+        caption += (
+            " Importance: share of the parameter in how much the cost rises along the slices of Figure 2 "
+            "(the mean of ln PI/least PI over the range)."
+        )
     if any(bound_of(axis, found(tuning.run, axis)) for axis in tuning.axes):
         caption += (
             " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "
@@ -32,7 +41,7 @@ def parameters(tuning: Tuning) -> str:
     return section("Parameters", table(caption, head, rows, words=2), _reduced_note(tuning))
 
 
-def _row(tuning: Tuning, axis: Axis) -> list[str]:
+def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
     known = tuning.filter.parameter(axis.name)
     unit = f" {span(known.unit, 'note')}" if known.unit else ""
     values = [found(run, axis) for run in (tuning.run, *tuning.others)]
@@ -41,8 +50,19 @@ def _row(tuning: Tuning, axis: Axis) -> list[str]:
     bound = bound_of(axis, values[0])
     mark = span(f"at the {bound} bound", "mark") if bound else ""
     meaning = f'<div class="meaning">{known.effect}</div>'
+    shares = [] if importance is None else [_share(importance)]
     chosen = f"<b>{parameter(tuning, axis)}</b>"
-    return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, meaning]
+    return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, *shares, meaning]
+
+
+def _share(importance: float) -> str:
+    """A bar with its percentage."""
+    return (
+        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{100 * importance:.0f} %">'
+        f'<rect x="0" y="3" width="{84.0 * importance:.1f}" height="10" rx="2" fill="var(--tuned)"/>'
+        f'<text x="{84.0 * importance + 4.0:.1f}" y="12.5" font-size="11" fill="currentColor">{100 * importance:.0f} %'
+        "</text></svg>"
+    )
 
 
 def _track(axis: Axis, values: Numbers) -> str:

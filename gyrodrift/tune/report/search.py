@@ -1,11 +1,13 @@
 """The search in the report of a tuning: Figure 1, what it cost; Figure 2, where it looked."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import figure, headings, legend, panels, section, span, table, text
 from gyrodrift.html.numbers import significant
-from gyrodrift.tune.report.figures import DOTS, density_svgs, highest_drawn, search_svg
+from gyrodrift.tune.report.figures import DOTS, density_svgs, highest_drawn, search_svg, slice_svgs
 from gyrodrift.tune.report.numbering import figure_name, table_name
 from gyrodrift.tune.report.parameters import parameter
 from gyrodrift.tune.result import Pi, Tuning
@@ -16,7 +18,20 @@ def search(tuning: Tuning) -> str:
     cost = figure(f"{figure_name(1, published=6)} {_search_words(tuning)}", search_svg(tuning), "compact")
     names = [_density_name(tuning, axis) for axis in tuning.axes]
     where = figure(f"{figure_name(2, published=7)} {_density_words(tuning)}", panels(names, density_svgs(tuning)))
-    return section("The search", cost, _pi_table(tuning), where)
+    return section("The search", cost, _pi_table(tuning), _slices(tuning, names), where)
+
+
+def _slices(tuning: Tuning, names: Sequence[str]) -> str:
+    """The figure of the slices; empty without slices."""
+    svgs = slice_svgs(tuning)
+    if not svgs:
+        return ""
+    marks = [("note", "dot", "an evaluation, light in the first half of the search"), ("tuned", "key", "slice")]
+    caption = (
+        "<b>Cost against each parameter.</b> The slice varies one parameter; all others have the values found. A flat "
+        f"slice is a parameter that these sessions do not determine.<br/>{legend(marks)}"
+    )
+    return figure(caption, panels(names, svgs))
 
 
 def _search_words(tuning: Tuning) -> str:

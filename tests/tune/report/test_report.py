@@ -7,7 +7,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 from page_support import parsed, row, words
-from tuning_support import curve, curve_of, of_e, run, score, tuning
+from tuning_support import curve, curve_of, of_e, run, score, tuning, tuning_of_both
 
 from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.evaluation.dataset import Split
@@ -18,6 +18,7 @@ from gyrodrift.html.provenance import Provenance
 from gyrodrift.tune.result import Pi, Tuning
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+from gyrodrift.tune.report.figures import importances
 from gyrodrift.tune.report.page import judged, report_html
 
 AXES = axes_of(HDR)
@@ -149,7 +150,7 @@ def test_any_name_is_only_text(name: str) -> None:
     html = report_html(odd, replace(MADE, command=name, set_name=name))
     html.encode()
     assert re.sub("[\x00\x1b\udc80\ufffe]", "\ufffd", name) in "".join(parsed(html).itertext())
-    assert html.count("<script") == 1, "the page's own"
+    assert html.count("<script") == 2, "the page's own"
 
 
 def numbers_of(svg: str) -> str:
@@ -202,8 +203,9 @@ def test_whatever_a_search_ends_as_there_is_a_whole_page(case: str) -> None:
 def test_it_asks_for_nothing_and_runs_its_own_script_alone() -> None:
     """No address is in an attribute but those that name what SVG is, and every reference stays in the page."""
     html = report_html(tuning(), MADE)
-    (script,) = parsed(html).iter("script")
-    assert not script.attrib
+    scripts = list(parsed(html).iter("script"))
+    assert scripts
+    assert not any(script.attrib for script in scripts)
     names: list[str] = []
     references: list[str] = []
     for element in parsed(html).iter():
@@ -217,6 +219,31 @@ def test_it_asks_for_nothing_and_runs_its_own_script_alone() -> None:
     assert set(references) <= set(names)
     assert "@import" not in html
     assert set(re.findall(r"https?://[^\"]*", html)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+
+
+def test_every_filter_is_a_row_with_its_defaults_and_its_error_on_held_out_sessions() -> None:
+    """The best one is marked, and so is the one in the config."""
+    html = report_html(tuning_of_both(), MADE)
+    assert row(html, "plain integration")[1:5] == ["56", "57", "3140", "3250"]
+    assert row(html, "start calibration")[1:3] == ["0.9", "1"]
+    assert row(html, "HDR, tuned in the config")[1:3] == ["0.5", "0.7"]
+    assert row(html, "restlevel, defaults best")[1:3] == ["0.1", "0.2"]
+
+
+def test_defaults_that_are_better_are_the_headline() -> None:
+    """And the page says that the config has them."""
+    html = report_html(replace(tuning_of_both(), is_default_written=True), MADE)
+    assert "No tuned filter beats HDR, defaults: yaw error 56.0° on held-out sessions" in words(html)
+    assert "The YAML file has the defaults of the filter instead" in words(html)
+
+
+def test_every_parameter_has_an_importance_and_a_slice() -> None:
+    """The importance is its share of the rise of the cost along all slices."""
+    shares = importances(np.array([[1.0, np.e**2, np.e**4], [2.0, 2.0, 2.0], [3.0, 3.0 * np.e**6, 3.0]]))
+    assert shares == pytest.approx([0.5, 0.0, 0.5])
+    html = report_html(tuning_of_both(), MADE)
+    assert row(html, "tau_s s")[4] == "20 %"
+    assert len(re.findall('aria-label="Cost against', html)) == len(AXES)
 
 
 def test_figures_take_their_colours_from_the_page() -> None:

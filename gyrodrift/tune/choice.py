@@ -1,0 +1,139 @@
+"""Tune one filter or several, and choose the filter and the parameters that are best on held-out sessions."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+
+from gyrodrift.evaluation.dataset import Split
+from gyrodrift.evaluation.score import Score
+from gyrodrift.evaluation.space import row_of
+from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.registry import SHIPPED
+from gyrodrift.progress import OnProgress, untold
+from gyrodrift.tune.result import Alternative, Pi, Tuning
+from gyrodrift.tune.search.journal import Journal
+from gyrodrift.tune.tuning import Plan, TuningRun
+from gyrodrift.tune.tuning_set import TuningSet
+
+
+def tune_filters(
+    plans: Sequence[Plan], sessions: TuningSet, journal: Journal, progress: OnProgress = untold
+) -> tuple[Tuning, bool]:
+    """Result of the best filter, and whether the tuning was interrupted.
+
+    After an interrupt the best of the filters tuned so far is returned.
+
+    Raises
+    ------
+    DataError
+        If every parameter vector that was tried has an infinite cost.
+    """
+    tunings: list[Tuning] = []
+    for plan in plans:
+        try:
+            run = _run_of(plan, sessions, journal, progress, is_alone=len(plans) == 1)
+            tunings.append(run.run())
+        except KeyboardInterrupt:
+            if not tunings:
+                raise
+            return chosen(tunings, sessions, is_alone=len(plans) == 1), True
+        if run.was_interrupted:
+            return chosen(tunings, sessions, is_alone=len(plans) == 1), True
+    return chosen(tunings, sessions, is_alone=len(plans) == 1), False
+
+
+def _run_of(plan: Plan, sessions: TuningSet, journal: Journal, progress: OnProgress, *, is_alone: bool) -> TuningRun:
+    costs, prefix = sessions.costs.for_filter(plan.filter), "" if is_alone else f"{plan.filter.name}, "
+    return TuningRun(plan, costs, sessions.sessions, sessions.splits, sessions.loaded, journal, progress, prefix=prefix)
+
+
+def chosen(tunings: Sequence[Tuning], sessions: TuningSet, *, is_alone: bool) -> Tuning:
+    """The best tuning with all alternatives.
+
+    A filter that was named is written tuned, whatever its defaults reach.
+    """
+    by_name = {tuning.filter.name: tuning for tuning in tunings}
+    untuned = list(_untuned(tunings, sessions))
+    every = tuple(way for default in untuned for way in (default, *_tuned_of(default, by_name)))
+    candidates = [way for way in every if way.key in by_name and (way.is_tuned or not is_alone)]
+    best = min(candidates, key=_rank)
+    result = by_name[best.key]
+    warnings = (*result.warnings, *default_warnings(best, every))
+    return replace(result, alternatives=every, is_default_written=not best.is_tuned, warnings=warnings)
+
+
+def _tuned_of(default: Alternative, tunings: Mapping[str, Tuning]) -> Iterator[Alternative]:
+    if default.key in tunings:
+        yield tuned_alternative(tunings[default.key])
+
+
+def _rank(alternative: Alternative) -> tuple[float, bool]:
+    """Least PI first; of equal ones the tuned one."""
+    return (alternative.judged_pi, not alternative.is_tuned)
+
+
+def default_warnings(written: Alternative, alternatives: Sequence[Alternative]) -> Iterator[str]:
+    """A warning if the config has defaults, and one for each alternative without tuning that is better.
+
+    Plain integration is left out: `held_out_warnings` has it.
+    """
+    if not written.is_tuned:
+        yield (
+            f"no tuned filter is better on held-out sessions than {written.title}: "
+            "the config has these defaults; record more sessions to tune on"
+        )
+    for better in alternatives:
+        if not better.is_tuned and better.key != "euler" and better.judged_pi < written.judged_pi:
+            advice = f"; use filter: {better.key} without parameters" if better.filter else ""
+            yield (
+                f"{better.title} is better than {written.title}: {sqrt(better.judged_pi):.3g} against "
+                f"{sqrt(written.judged_pi):.3g} deg RMS{advice}"
+            )
+
+
+def tuned_alternative(tuning: Tuning) -> Alternative:
+    """The tuned filter as an alternative."""
+    e_deg = _split_mean(tuning, [score.tuned.e_deg for score in tuning.scores])
+    if tuning.cross_validation:
+        e_deg = replace(e_deg, test=float(np.mean([score.e_deg for score in tuning.cross_validation.values()])))
+    title, name = tuning.filter.title or tuning.filter.name, tuning.filter.name
+    return Alternative(name, f"{title}, tuned", tuning.run.pi, e_deg, tuning.filter, tuning.run.params, is_tuned=True)
+
+
+def _untuned(tunings: Sequence[Tuning], sessions: TuningSet) -> Iterator[Alternative]:
+    """Plain integration, start calibration, and the filters at their defaults."""
+    first = tunings[0]
+    plain, start = ([getattr(one, name) for one in sessions.sessions] for name in ("plain", "start"))
+    yield _alternative(first, "euler", "plain integration", plain)
+    yield _alternative(first, "start", "start calibration", start)
+    for kind in dict.fromkeys([*SHIPPED, *(tuning.filter for tuning in tunings)]):
+        yield _alternative(
+            first, kind.name, f"{kind.title or kind.name}, defaults", _default_scores(kind, sessions), kind
+        )
+
+
+def _default_scores(kind: Filter, sessions: TuningSet) -> list[Score]:
+    scores = sessions.costs.for_filter(kind).cost(row_of(kind.params()))
+    return [scores.score(at, 0, one.minutes) for at, one in enumerate(sessions.sessions)]
+
+
+def _alternative(
+    tuning: Tuning, key: str, title: str, scores: Sequence[Score], kind: Filter | None = None
+) -> Alternative:
+    pi = _split_mean(tuning, [score.pi_deg2 for score in scores])
+    e_deg = _split_mean(tuning, [score.e_deg for score in scores])
+    return Alternative(key, title, pi, e_deg, kind, None if kind is None else kind.params())
+
+
+def _split_mean(tuning: Tuning, values: Sequence[float]) -> Pi:
+    """Means over the training and over the test sessions; in a cross-validation both over all."""
+    by_split = {
+        split: [value for value, score in zip(values, tuning.scores, strict=True) if score.split is split]
+        for split in Split
+    }
+    train = float(np.mean(by_split[Split.TRAIN]))
+    if tuning.cross_validation:
+        return Pi(train, train)
+    return Pi(train, float(np.mean(by_split[Split.TEST])) if by_split[Split.TEST] else None)
