@@ -25,7 +25,7 @@ def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_p
     """To the digit; the sessions of the dead worker are read again elsewhere."""
     sessions = tmp_path / "sessions"
     write_turntables(sessions, 8)
-    arguments = ["tune", str(sessions), "--iterations", "600", "--seed", "1"]
+    arguments = ["tune", str(sessions), "--filter", "hdr", "--iterations", "600", "--seed", "1"]
     with cluster(tmp_path, 2) as running:
         shared = tmp_path / "shared.yaml"
         with (

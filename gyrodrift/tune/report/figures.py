@@ -54,7 +54,7 @@ WORTH_A_ZOOM = 0.5
 def search_svg(tuning: Tuning) -> str:
     """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
     with styled():
-        figure = canvas(5.4, 3.0, left=0.11, bottom=0.135, top=0.98)
+        figure = canvas(5.4, 3.0, left=0.11, bottom=0.135, top=0.98, right=0.97)
         axes = figure.add_subplot()
         axes.set_yscale("log")
         _draw_costs(axes, tuning)

@@ -81,7 +81,7 @@ def _default_headline(tuning: Tuning) -> str:
     if best is None:
         return "Defaults are best"
     e_deg = best.e_deg.train if best.e_deg.test is None else best.e_deg.test
-    return f"No tuned filter beats {best.title}: yaw error {degrees(e_deg)} on held-out sessions"
+    return f"No tuned filter is better than {best.title}: yaw error {degrees(e_deg)} on held-out sessions"
 
 
 def _in_words(tuning: Tuning) -> str:

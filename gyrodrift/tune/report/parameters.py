@@ -23,14 +23,14 @@ def parameters(tuning: Tuning) -> str:
     """The section of Table 1."""
     spread = [f"over {1 + len(tuning.others)} seeds"] if tuning.others else []
     importance = ["importance"] if tuning.slices.size else []
-    columns = ["parameter", "found", *spread, "searched", "where in its range", *importance, "what it does"]
+    columns = ["parameter", "found", *spread, "searched", *importance, "what it does"]
     head = headings(columns, words=2)
     shares = importances(tuning.slices) if tuning.slices.size else None
     rows = [_row(tuning, axis, None if shares is None else float(shares[n])) for n, axis in enumerate(tuning.axes)]
     caption = f"{table_name(1, published=1)} The parameters found."
     if tuning.slices.size:
         caption += (
-            " Importance: share of the parameter in how much the cost rises along the slices of Figure 2 "
+            " Importance: share of the parameter in how much the cost rises along the slices below "
             "(the mean of ln PI/least PI over the range)."
         )
     if any(bound_of(axis, found(tuning.run, axis)) for axis in tuning.axes):
@@ -52,7 +52,14 @@ def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
     meaning = f'<div class="meaning">{known.effect}</div>'
     shares = [] if importance is None else [_share(importance)]
     chosen = f"<b>{parameter(tuning, axis)}</b>"
-    return [f"{text(axis.name)}{unit}", chosen, *spread, searched, _track(axis, values) + mark, *shares, meaning]
+    return [
+        f"{text(axis.name)}{unit}",
+        chosen,
+        *spread,
+        f"{searched}<br/>{_track(axis, values)} {mark}",
+        *shares,
+        meaning,
+    ]
 
 
 def _share(importance: float) -> str:
