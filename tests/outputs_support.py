@@ -111,6 +111,10 @@ class HubThread:
         named = [{"name": each.name, "options": revealed(each.options)} for each in wanted]
         self._service.send(wire.pack_json(wire.OUTPUTS, named))
 
+    def access(self, path: str, token: str) -> None:
+        """Name the control socket and the token of pages; before the outputs are wanted."""
+        self._service.send(wire.pack_json(wire.ACCESS, {"path": path, "token": token}))
+
     def samples(self, samples: Sequence[Corrected]) -> None:
         """Hand samples over."""
         for batch in wire.batches(samples):

@@ -30,7 +30,7 @@ ROOMS = {
     "doctor": f"{BASE} columns describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",
     "calibrate": f"{BASE} describe link",
-    "service": f"{BASE} config filters link outputs recording",
+    "service": f"{BASE} calibrate config filters link outputs recording",
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",

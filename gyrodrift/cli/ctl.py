@@ -1,8 +1,17 @@
 """Control a running service through the socket that its --control names.
 
-zero makes yaw 0; heading DEG gives the compass heading, clockwise from north; rest 1 says that the device stands still,
-rest 0 that it moves, and rest auto takes that back; rate HZ thins the lines on stdout (0: every sample); status tells
-everything; reload reads the config again; stop ends the service. The answer is one JSON object on stdout.
+  zero             set yaw and its sigma to 0
+  heading DEG      set the compass heading, clockwise from north
+  rest 1|0|auto    say that the device stands still or moves; auto ends it
+  rate HZ          at most HZ lines a second on stdout; 0 for every sample
+  record start     begin a recording in the folder of serve --record (default: sessions); record stop ends it
+  calibrate start  begin a calibration; then mark at each stop at the mark, undo, finish, cancel; state shows it
+  page             print the address of the live page with the token for its buttons
+  status           print the state of the service
+  reload           read the config again
+  stop             end the service
+
+The answer is one JSON object on stdout.
 """
 
 import argparse
@@ -12,7 +21,7 @@ from pathlib import Path
 
 from gyrodrift.errors import UsageError
 
-COMMANDS = ("zero", "heading", "rest", "rate", "status", "reload", "stop")
+COMMANDS = ("zero", "heading", "rest", "rate", "record", "calibrate", "page", "status", "reload", "stop")
 PATIENCE_S, RELOAD_PATIENCE_S = 5.0, 45.0
 """A reload takes as long as two readings of a config at most: the one under way, and its own."""
 
@@ -27,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("socket", type=Path, metavar="PATH", help="the socket of serve --control PATH")
     parser.add_argument("command", choices=COMMANDS, help="what to do")
-    parser.add_argument("value", nargs="?", help="for heading, rest and rate")
+    parser.add_argument("value", nargs="?", help="argument of heading, rest, rate, record and calibrate")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,11 +1,13 @@
-"""Read a gyro on a serial port, correct its drift, and emit yaw as JSON lines on stdout until SIGINT or SIGTERM.
+"""Read a gyro on a serial port, correct its drift, and print yaw until SIGINT or SIGTERM.
 
-Each line has seq, t_s (device clock, s), rate_dps (as measured), corrected_dps, yaw_deg, bias_dps, with the filter
-restlevel yaw_sigma_deg and confidence, and encoder_deg and temp_c where the device sends them. The log goes to stderr.
+On a terminal one line shows yaw, bias, rest and link. In a pipe, or with --json, stdout gets a JSON line per sample:
+seq, t_s (device clock, s), rate_dps (as measured), corrected_dps, yaw_deg, bias_dps. The filter restlevel adds
+yaw_sigma_deg and confidence; encoder_deg and temp_c are there when the device sends them. The log goes to stderr.
 """
 
 import argparse
 import os
+import secrets
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -16,26 +18,31 @@ from gyrodrift.cli import numbers, options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
+    from gyrodrift.config.watch import ConfigWatch
     from gyrodrift.filters.filter import Filter, FilterState
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.logger import FilteringBoundLogger
     from gyrodrift.outputs.options import OutputSpec
-    from gyrodrift.service.commands import ServiceCommands
+    from gyrodrift.recording.resilient import ResilientRecorder
     from gyrodrift.service.control import Control
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.memory_keeper import MemoryKeeper
+    from gyrodrift.service.recording_switch import RecordingSwitch
     from gyrodrift.service.reporting import Reporting
+    from gyrodrift.service.rest_word import RestWord
+    from gyrodrift.service.signals import StopSignal
+    from gyrodrift.service.stdout import JsonLines
 
 
 class ListOutputs(argparse.Action):
-    """Tells every output and every option, as `--help` tells the rest."""
+    """Print every output with its options, and end."""
 
     def __init__(self, option_strings: Sequence[str], dest: str, **words: Any) -> None:
         super().__init__(option_strings, dest, nargs=0, **words)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        """Print and end."""
+        """Print the list."""
         from gyrodrift.config.outputs import options_help
         from gyrodrift.installation import extra_command
         from gyrodrift.outputs.registry import OUTPUTS
@@ -47,6 +54,9 @@ class ListOutputs(argparse.Action):
                 print(f"  {option}={default}: {meaning}")
         parser.exit()
 
+
+DEFAULT_FOLDER = Path("sessions")
+"""Folder of `ctl record start` without --record, in the working directory of the service."""
 
 EXAMPLES = """\
 gyrodrift serve --port auto
@@ -68,50 +78,44 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rate", type=numbers.number(1e6), metavar="HZ", help="at most HZ lines a second of device time (default: all)"
     )
     parser.add_argument(
-        "--record", type=Path, metavar="DIR", help="write what the device sends into this folder too (default: none)"
+        "--record", type=Path, metavar="DIR", help="record the device into this folder too (default: none)"
     )
     parser.add_argument(
         "--output",
         action="append",
         default=[],
         metavar="NAME[:KEY=VALUE,...]",
-        help="send samples there too; repeatable. --list-outputs tells names and keys (default: none)",
+        help="send samples to this output too; repeatable; --list-outputs prints names and keys (default: none)",
     )
     parser.add_argument("--list-outputs", action=ListOutputs, help="print the outputs with their options, and end")
     parser.add_argument(
         "--control",
         type=Path,
         metavar="PATH",
-        help="let this user control the service through a unix socket: gyrodrift ctl (default: none)",
+        help="unix socket through which this user controls the service: gyrodrift ctl, top, and the buttons of the "
+        "live page (default: none)",
     )
     parser.add_argument(
         "--memory",
         type=Path,
         metavar="FILE",
-        help="keep what the filter knows of the device in this file across restarts; a recording (.mcap) is read only: "
-        "the filter begins as it began there (default: none)",
+        help="keep what the filter learned about the device in this file across restarts; from a recording (.mcap) the "
+        "filter takes its initial state, and the file stays as it is (default: none)",
     )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run until a signal comes; 0 then."""
-    rate_hz = arguments.rate
+    """Run until a signal comes; exit status 0."""
     numbers.rotation(arguments.rotate)
     baud = numbers.baud(arguments.baud)
-    asked = _outputs(arguments.output)
-    watch = None
-    if arguments.config is not None:
-        from gyrodrift.config.watch import ConfigWatch
-
-        watch = ConfigWatch(arguments.config)
+    specs = _outputs(arguments.output)
+    watch = _watch(arguments.config)
 
     from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.log import open_log, unwaiting_stderr
-    from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.service.filtering import Filtering
     from gyrodrift.service.live_line import ServiceLine
     from gyrodrift.service.loop import Service
@@ -120,63 +124,99 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.stdout import STDOUT, JsonLines
 
-    is_shown = _has_reader(arguments)
-    above = (
-        AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format))) if is_shown and sys.stderr.isatty() else None
-    )
-    log = open_log(options.log_level(arguments), arguments.log_format, above)
+    has_person = _has_person(arguments)
+    log = _log(arguments, has_person=has_person)
     events = LinkEvents(log)
-    given = (watch.config.columns, watch.config.send) if watch else ()
-    target, port = options.link_target(arguments, baud, events, *given)
+    from_config = (watch.config.columns, watch.config.send) if watch else ()
+    target, port = options.link_target(arguments, baud, events, *from_config)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
-        stdout = None if is_shown else JsonLines(STDOUT, rate_hz)
-        filtering = Filtering(
-            link, [stdout or ServiceLine(link, STDOUT)], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name]
-        )
-        recording = [] if arguments.record is None else [_recording(arguments, filtering, events, log)]
-        listeners: list[SampleListener] = [*recording, filtering]
-        if options.reads_columns_of_config(arguments):
-            filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
-        if not arguments.send:
-            filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
-        keeper = _remembered(arguments.memory, filtering, listeners)
+        stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
+        sink = stdout or ServiceLine(link, STDOUT)
+        filtering = Filtering(link, [sink], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
+        recording = _recording(arguments, filtering, events, log)
+        listeners: list[SampleListener] = [recording, filtering]
+        _follow_config(arguments, filtering)
+        keeper = _memory(arguments.memory, filtering, listeners)
         word, control = RestWord(), None
-        if asked or watch is not None or arguments.control is not None:
-            from gyrodrift.service.commands import ServiceCommands
-
-            reporting = _reporting(arguments, asked, filtering, listeners, events)
-            reporting.memory = keeper
+        if specs or watch is not None or arguments.control is not None:
+            reporting = _reporting(arguments, specs, filtering, listeners, events)
+            reporting.memory, reporting.recording = keeper, recording
             if arguments.control is not None:
-                control = _control(arguments.control, ServiceCommands(filtering, stdout, reporting, stop, word), log)
+                control = _control(arguments.control, listeners, reporting, stdout, stop, word)
                 closing.callback(control.close)
-            reporting.feed.want([*asked, *(watch.config.outputs if watch else ())])
+            reporting.feed.want([*specs, *(watch.config.outputs if watch else ())])
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word, is_watched=is_shown).run()
+        Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word, is_watched=has_person).run()
     return 0
 
 
-def _has_reader(arguments: argparse.Namespace) -> bool:
+def _watch(path: Path | None) -> "ConfigWatch | None":
+    """The config of `--config`, followed from now on."""
+    if path is None:
+        return None
+    from gyrodrift.config.watch import ConfigWatch
+
+    return ConfigWatch(path)
+
+
+def _has_person(arguments: argparse.Namespace) -> bool:
     """Whether a person reads stdout, and not a program."""
     return sys.stdout.isatty() and not arguments.json and os.environ.get("TERM") != "dumb"
 
 
-def _control(path: Path, commands: "ServiceCommands", log: "FilteringBoundLogger") -> "Control":
-    """The socket of `--control`."""
-    from gyrodrift.service.control import Control
+def _log(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
+    """Logger on stderr; its lines stand above the line on stdout where both are the terminal."""
+    from gyrodrift.log import open_log, unwaiting_stderr
+    from gyrodrift.recording.live_line import AboveLine
 
-    return Control(path, commands.all(), log)
+    above = None
+    if has_person and sys.stderr.isatty():
+        above = AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format)))
+    return open_log(options.log_level(arguments), arguments.log_format, above)
+
+
+def _follow_config(arguments: argparse.Namespace, filtering: "Filtering") -> None:
+    """Let a new config change the link where no option fixes it."""
+    link = filtering.link
+    if options.reads_columns_of_config(arguments):
+        filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
+    if not arguments.send:
+        filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
+
+
+def _control(
+    path: Path,
+    listeners: "list[SampleListener]",
+    reporting: "Reporting",
+    stdout: "JsonLines | None",
+    stop: "StopSignal",
+    word: "RestWord",
+) -> "Control":
+    """The socket of `--control`; the live page reaches it with a token."""
+    from gyrodrift.outputs.output import ControlAccess
+    from gyrodrift.service.commands import ServiceCommands
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.guided import GuidedCalibration
+
+    filtering, recording = reporting.filtering, reporting.recording
+    assert recording is not None  # noqa: S101 - `run` has set it
+    calibration = GuidedCalibration(filtering)
+    listeners.append(calibration)
+    access = reporting.feed.access = ControlAccess(str(path.absolute()), secrets.token_urlsafe(32))
+    commands = ServiceCommands(filtering, stdout, reporting, stop, word, recording, calibration, access)
+    return Control(path, commands.all(), filtering.log)
 
 
 def _reporting(
     arguments: argparse.Namespace,
-    asked: "list[OutputSpec]",
+    specs: "list[OutputSpec]",
     filtering: "Filtering",
     listeners: "list[SampleListener]",
     events: "LinkEvents",
 ) -> "Reporting":
-    """What tells of the service, and the way to the outputs: both hear the samples and what happens."""
+    """State of the service and the feed of the outputs; both hear samples and events."""
     from gyrodrift.service.link_meter import LinkMeter
     from gyrodrift.service.output_feed import OutputFeed
     from gyrodrift.service.reporting import Reporting
@@ -186,7 +226,7 @@ def _reporting(
     reporting = Reporting(meter, filtering, feed)
     filtering.sinks.append(feed)
     filtering.event_listeners.append(feed.hear)
-    filtering.config_listeners.append(lambda new: feed.want([*asked, *new.outputs]))
+    filtering.config_listeners.append(lambda new: feed.want([*specs, *new.outputs]))
     feed.state = reporting.status
     events.listeners.append(feed.hear)
     listeners.insert(0, meter)
@@ -195,19 +235,31 @@ def _reporting(
 
 def _recording(
     arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
-) -> "SampleListener":
-    """The recorder of `--record`, which hears what happens to link, filter and config too."""
-    from gyrodrift.filters.beginning import table_of
-    from gyrodrift.recording.recorder import RecordOptions
-    from gyrodrift.recording.resilient import ResilientRecorder, repair_interrupted
+) -> "RecordingSwitch":
+    """The recorder of `--record`, on from the start; without that option `ctl record start` begins one."""
+    from gyrodrift.service.recording_switch import RecordingSwitch
 
     rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
-    what = (arguments.record, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-    config = None if filtering.watch is None else filtering.watch.config
-    about, mode = ({}, 0o666) if config is None else (options.config_tables(arguments.config, config), config.mode)
-    asked = RecordOptions(*what, about, lambda: table_of(filtering.filter, filtering.state), mode)
-    recording = ResilientRecorder(asked, filtering.link, log)
-    repair_interrupted(arguments.record, log)
+    folder = DEFAULT_FOLDER if arguments.record is None else arguments.record
+    words = (folder, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+
+    def make() -> "ResilientRecorder":
+        from gyrodrift.filters.beginning import table_of
+        from gyrodrift.recording.recorder import RecordOptions
+        from gyrodrift.recording.resilient import ResilientRecorder
+
+        config = None if filtering.watch is None else filtering.watch.config
+        about, mode = ({}, 0o666) if config is None else (options.config_tables(arguments.config, config), config.mode)
+        return ResilientRecorder(
+            RecordOptions(*words, about, lambda: table_of(filtering.filter, filtering.state), mode), filtering.link, log
+        )
+
+    recording = RecordingSwitch(make)
+    if arguments.record is not None:
+        from gyrodrift.recording.resilient import repair_interrupted
+
+        recording.start()
+        repair_interrupted(folder, log)
     events.listeners.append(recording.on_event)
     filtering.event_listeners.append(recording.on_event)
     filtering.config_listeners.append(
@@ -216,8 +268,8 @@ def _recording(
     return recording
 
 
-def _remembered(path: Path | None, filtering: "Filtering", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
-    """What is remembered is there before the first sample, for the filter and for the recording."""
+def _memory(path: Path | None, filtering: "Filtering", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
+    """The keeper of `--memory`. It acts before the first sample reaches filter and recording."""
     if path is None:
         return None
     if path.suffix == ".mcap":
@@ -231,20 +283,20 @@ def _remembered(path: Path | None, filtering: "Filtering", listeners: "list[Samp
 
 
 def _recorded_beginning(path: Path, kind: "Filter") -> "FilterState":
-    """The state that this filter began with in a recording."""
+    """Initial state of this filter in a recording."""
     from gyrodrift.filters.beginning import beginning_of
     from gyrodrift.session.files import load_session
 
     state = beginning_of(kind, load_session(path).metadata, str(path))
     if state is None:
-        raise UsageError(f"--memory {path}: does not say what a filter {kind.name} began with: it began anew")
+        raise UsageError(f"--memory {path}: holds no initial state of the filter {kind.name}")
     return state
 
 
-def _outputs(asked: list[str]) -> "list[OutputSpec]":
-    """Of `--output`; what checks them is loaded where there are any."""
-    if not asked:
+def _outputs(texts: list[str]) -> "list[OutputSpec]":
+    """Outputs of `--output`; their checker is loaded only if there are any."""
+    if not texts:
         return []
     from gyrodrift.config.outputs import output_of
 
-    return [output_of(each) for each in asked]
+    return [output_of(text) for text in texts]

@@ -18,7 +18,7 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.options import OutputSpec, options_from
-from gyrodrift.outputs.output import Output
+from gyrodrift.outputs.output import ControlAccess, Output
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.running import RunningOutput
 from gyrodrift.outputs.status import ServiceStatus
@@ -39,6 +39,7 @@ class Hub:
         self._service = service
         self._log = log
         self._status = ServiceStatus()
+        self._access: ControlAccess | None = None
         self._running: dict[OutputSpec, RunningOutput] = {}
         self._samples: list[Corrected] = []
         self._wanted: list[OutputSpec] = []
@@ -96,6 +97,8 @@ class Hub:
                     running.note(self._status)
             case wire.OUTPUTS:
                 self._want([_spec_of(each) for each in content])
+            case wire.ACCESS:
+                self._access = ControlAccess(**content)
             case wire.DROPPED:
                 self._each(lambda output: output.hear("samples_dropped", {"count": content}))
 
@@ -114,7 +117,9 @@ class Hub:
             running.is_wanted = spec in self._wanted
         for spec in self._wanted:
             if spec not in self._running:
-                running = self._running[spec] = RunningOutput(spec, self._log, self._status, self._is_blocked)
+                running = self._running[spec] = RunningOutput(
+                    spec, self._log, self._status, self._is_blocked, self._access
+                )
                 running.task.add_done_callback(partial(self._ended, spec))
         for running in self._running.values():
             running.poke()

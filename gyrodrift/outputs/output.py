@@ -20,18 +20,29 @@ class OutputError(Exception):
     """An output cannot be opened, or cannot go on; it is tried again after a while. The text says why, to a person."""
 
 
+@dataclass(frozen=True, slots=True)
+class ControlAccess:
+    """Path of the control socket, and the token that a local page needs for it."""
+
+    path: str
+    token: str = field(repr=False)
+
+
 @dataclass(slots=True)
 class OutputHost:
-    """What an output is told of where it runs.
+    """Surroundings of an output.
 
     log
         Its logger; every line names the output.
     status
-        The service's state as of the last second.
+        State of the service as of the last second.
+    access
+        Way to the control socket; None where the service has none.
     """
 
     log: FilteringBoundLogger
     status: ServiceStatus = field(default_factory=ServiceStatus)
+    access: ControlAccess | None = None
 
 
 class Output(Generic[O]):

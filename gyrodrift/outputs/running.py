@@ -11,7 +11,7 @@ from typing import Any
 
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.options import OutputSpec
-from gyrodrift.outputs.output import Output, OutputError, OutputHost
+from gyrodrift.outputs.output import ControlAccess, Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.status import MOST_CLIENTS, OutputStatus, ServiceStatus
 
@@ -45,13 +45,14 @@ class RunningOutput:
         log: FilteringBoundLogger,
         status: ServiceStatus,
         is_blocked: "Callable[[RunningOutput], bool]",
+        access: ControlAccess | None = None,
     ) -> None:
         self.spec = spec
         self.is_wanted = True
         self.claims = OUTPUTS[spec.name].output.claims(spec.options)
         self.problem = "is being opened"
         self._log = log.bind(output=spec.name)
-        self._host = OutputHost(self._log, status)
+        self._host = OutputHost(self._log, status, access)
         self._is_blocked = is_blocked
         self._open: Output[Any] | None = None
         self._has_failed = False

@@ -172,6 +172,8 @@ class ServiceStatus:
         Samples that the outputs' process was too slow for.
     memory
         Of what the filter remembers: `file`, `state` (none, new, used or refused), `reason`, `device`; None without.
+    recording
+        File that is being written; None while nothing is recorded.
     """
 
     version: str = ""
@@ -186,6 +188,7 @@ class ServiceStatus:
     config: ConfigStatus = field(default_factory=ConfigStatus)
     outputs: tuple[OutputStatus, ...] = ()
     memory: dict[str, str] | None = None
+    recording: str | None = None
 
     def to_json(self) -> str:
         """One line."""

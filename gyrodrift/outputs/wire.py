@@ -15,6 +15,7 @@ EVENT = b"E"
 STATUS = b"T"
 OUTPUTS = b"O"
 DROPPED = b"D"
+ACCESS = b"A"
 
 RECORD = Struct("<q16d")
 MOST_RECORDS = 256

@@ -1,13 +1,17 @@
-"""What `gyrodrift ctl` can ask of a running service."""
+"""Commands of `gyrodrift ctl`, carried out by the running service."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import nan
 from typing import Any
 
-from gyrodrift.errors import ConfigError
+from gyrodrift.errors import CalibrationError, ConfigError, UsageError
+from gyrodrift.outputs.output import ControlAccess
+from gyrodrift.outputs.web.address import AddressError, page_url
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
 from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.guided import GuidedCalibration
+from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
@@ -15,34 +19,47 @@ from gyrodrift.service.stdout import JsonLines
 
 FASTEST_HZ = 1e6
 
-UNSAID = "auto"
-"""What takes back a word of rest: the device's own counts again, if it says any."""
+NO_REST_WORD = "auto"
+"""Argument of `rest` that ends `rest 0` and `rest 1`: the device's own statements count again."""
 
 
 @dataclass(slots=True)
 class ServiceCommands:
-    """Who carries them out."""
+    """Parts of the service that carry out the commands.
+
+    stdout
+        JSON lines on stdout; None where a terminal shows one line.
+    access
+        Token of the live page.
+    """
 
     filtering: Filtering
     stdout: JsonLines | None
     reporting: Reporting
     stop: StopSignal
     word: RestWord
+    recording: RecordingSwitch
+    calibration: GuidedCalibration
+    access: ControlAccess
 
     def all(self) -> dict[str, ControlCommand]:
-        """By name."""
-        return {
-            "zero": ControlCommand("zero", self._zero),
-            "heading": ControlCommand("heading DEG", self._heading),
-            "rest": ControlCommand("rest 0|1", self._rest),
-            "rate": ControlCommand("rate HZ", self._rate),
-            "status": ControlCommand("status", self._status),
-            "reload": ControlCommand("reload", self._reload),
-            "stop": ControlCommand("stop", self._stop),
-        }
+        """Commands by name."""
+        commands = (
+            ControlCommand("zero", self._zero),
+            ControlCommand("heading DEG", self._heading),
+            ControlCommand("rest 0|1|auto", self._rest),
+            ControlCommand("rate HZ", self._rate),
+            ControlCommand("record start|stop", self._record),
+            ControlCommand("calibrate start|mark|undo|finish|cancel|state", self._calibrate),
+            ControlCommand("page", self._page),
+            ControlCommand("status", self._status),
+            ControlCommand("reload", self._reload),
+            ControlCommand("stop", self._stop),
+        )
+        return {command.usage.split()[0]: command for command in commands}
 
     def _zero(self, words: list[str]) -> Mapping[str, Any]:
-        _none(words, "zero")
+        _check_empty(words, "zero")
         self.filtering.zero()
         self.reporting.feed.hear("yaw_zeroed", {})
         return {"yaw_deg": self.filtering.yaw_deg}
@@ -54,15 +71,15 @@ class ServiceCommands:
         return {"heading_deg": heading_deg}
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
-        if words not in (["0"], ["1"], [UNSAID]):
-            raise CommandError(f"expected rest 0 or rest 1, or rest {UNSAID} to take it back")
+        if words not in (["0"], ["1"], [NO_REST_WORD]):
+            raise CommandError(f"expected rest 0 or rest 1, or rest {NO_REST_WORD} to end it")
         witness = self.filtering.witness
         if witness is None:
             raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
-        said = None if words == [UNSAID] else float(words[0])
-        is_new = self.word.still != said
-        self.word.still = nan if said is None else said
-        return {"still": said, "is_believed": witness.is_believed or is_new}
+        still = None if words == [NO_REST_WORD] else float(words[0])
+        is_new = self.word.still != still
+        self.word.still = nan if still is None else still
+        return {"still": still, "is_believed": witness.is_believed or is_new}
 
     def _rate(self, words: list[str]) -> Mapping[str, Any]:
         rate_hz = number(words, "rate HZ, or rate 0 for every sample")
@@ -73,31 +90,65 @@ class ServiceCommands:
         self.stdout.set_rate(rate_hz or None)
         return {"rate_hz": rate_hz or None}
 
+    def _record(self, words: list[str]) -> Mapping[str, Any]:
+        if words not in (["start"], ["stop"]):
+            raise CommandError("expected record start or record stop")
+        if words == ["stop"]:
+            files = [str(path) for path in self.recording.stop()]
+            self.reporting.feed.hear("recording_stopped", {"files": files})
+            return {"files": files}
+        try:
+            self.recording.start()
+        except UsageError as error:
+            raise CommandError(str(error)) from error
+        self.reporting.feed.hear("recording_started", {"file": self.recording.file})
+        return {"file": self.recording.file}
+
+    def _calibrate(self, words: list[str]) -> Mapping[str, Any] | Later:
+        match words:
+            case ["start"]:
+                return self.calibration.start()
+            case ["state"]:
+                return self.calibration.state()
+            case ["mark" | "undo" | "finish" | "cancel" as word]:
+                try:
+                    return self.calibration.press(word)
+                except CalibrationError as error:
+                    raise CommandError(str(error)) from error
+        raise CommandError("expected calibrate start, mark, undo, finish, cancel or state")
+
+    def _page(self, words: list[str]) -> Mapping[str, Any]:
+        _check_empty(words, "page")
+        try:
+            return {"url": page_url(self.reporting.feed.statuses(), self.access.token)}
+        except AddressError as error:
+            raise CommandError(str(error)) from error
+
     def _status(self, words: list[str]) -> Mapping[str, Any]:
-        _none(words, "status")
+        _check_empty(words, "status")
         return asdict(self.reporting.status())
 
     def _reload(self, words: list[str]) -> Later:
-        _none(words, "reload")
+        _check_empty(words, "reload")
         if self.filtering.watch is None:
             raise CommandError("the service runs without --config")
-        changes = self.filtering.reload(self.filtering.watch)
+        pending_changes = self.filtering.reload(self.filtering.watch)
 
         def answer() -> Mapping[str, Any] | None:
             try:
-                found = changes()
+                changes = pending_changes()
             except ConfigError as error:
                 raise CommandError(str(error)) from error
-            return None if found is None else {"changes": found}
+            return None if changes is None else {"changes": changes}
 
         return answer
 
     def _stop(self, words: list[str]) -> Mapping[str, Any]:
-        _none(words, "stop")
+        _check_empty(words, "stop")
         self.stop.is_set = True
         return {}
 
 
-def _none(words: list[str], usage: str) -> None:
+def _check_empty(words: list[str], usage: str) -> None:
     if words:
         raise CommandError(f"expected {usage} alone")

@@ -23,6 +23,7 @@ from typing import Any
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.options import OutputSpec, revealed
+from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
 from gyrodrift.sample import Corrected
 
@@ -45,6 +46,9 @@ KILLED_S = 0.2
 
 NOTHING: Mapping[int, int] = {}
 
+KEPT_KINDS = (wire.OUTPUTS, wire.ACCESS)
+"""Messages that are never dropped."""
+
 State = Callable[[], ServiceStatus]
 """Gives the state of the service now."""
 
@@ -66,6 +70,7 @@ class OutputFeed:
         monotonic: Callable[[], float] = time.monotonic,
     ) -> None:
         self.state: State | None = None
+        self.access: ControlAccess | None = None
         self.dropped = 0
         self.specs: tuple[OutputSpec, ...] = ()
         self._log = log
@@ -190,6 +195,8 @@ class OutputFeed:
         ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
         self._socket, self._started_s, self._kill_s, self._statuses = ours, now_s, inf, ()
         self._wakes = {ours.fileno(): select.POLLOUT}
+        if self.access is not None:
+            self._send(wire.pack_json(wire.ACCESS, {"path": self.access.path, "token": self.access.token}))
         self._tell_wanted()
 
     def _not_started(self, error: OSError, now_s: float) -> None:
@@ -277,7 +284,7 @@ class OutputFeed:
         """Let the older half go; what is wanted stays."""
         target, kept, dropped = LONGEST_QUEUE_BYTES // 2, deque[bytes](), 0
         for message in self._queue:
-            if self._queue_bytes > target and message[:1] != wire.OUTPUTS:
+            if self._queue_bytes > target and message[:1] not in KEPT_KINDS:
                 self._queue_bytes -= len(message)
                 if message[:1] == wire.SAMPLES:
                     dropped += (len(message) - 1) // wire.RECORD.size

@@ -16,6 +16,7 @@ from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 
 if TYPE_CHECKING:  # a service that remembers nothing does without
     from gyrodrift.service.memory_keeper import MemoryKeeper
+    from gyrodrift.service.recording_switch import RecordingSwitch
 
 
 @dataclass(slots=True)
@@ -26,6 +27,7 @@ class Reporting:
     filtering: Filtering
     feed: OutputFeed
     memory: "MemoryKeeper | None" = None
+    recording: "RecordingSwitch | None" = None
     _started_s: float = field(default_factory=time.time)
     _since_s: float = field(default_factory=time.monotonic)
 
@@ -44,6 +46,7 @@ class Reporting:
             config=_config_status(self.filtering),
             outputs=self.feed.statuses(),
             memory=None if self.memory is None else self.memory.status(),
+            recording=None if self.recording is None else self.recording.file,
         )
 
 

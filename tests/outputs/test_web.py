@@ -1,11 +1,16 @@
 """The output `web` as a browser speaks to it: its files, who may have them, and the stream."""
 
 import json
+import socket
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from math import isnan, nan
+from pathlib import Path
+from threading import Thread
 from typing import Any
 from urllib.error import HTTPError
+from urllib.parse import urlsplit
 from urllib.request import Request, urlopen
 
 import pytest
@@ -14,7 +19,8 @@ from support import PATIENCE_S
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from gyrodrift.outputs.status import LinkStatus, ServiceStatus
+from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
+from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
 from gyrodrift.outputs.web.points import COLUMNS, LAYOUT, PointHistory, point_of
 
 Web = tuple[HubThread, str]
@@ -158,3 +164,109 @@ def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:
     assert len(spikes) == 1
     assert 0.0 <= spikes[0] - spike / 30.0 < 2.1
     assert len(rows) * LAYOUT.size < 1 << 20, "more than waits for a client"
+
+
+@dataclass
+class FakeService:
+    """A control socket that answers each command with the words it got."""
+
+    path: str
+    commands: list[str]
+
+
+@pytest.fixture
+def controlled(tmp_path: Path) -> Iterator[tuple[str, FakeService]]:
+    """A page with a control socket behind it, and where it is."""
+    listening = socket.socket(socket.AF_UNIX)
+    service = FakeService(str(tmp_path / "control"), [])
+    listening.bind(service.path)
+    listening.listen()
+
+    def answer() -> None:
+        while True:
+            try:
+                connection, _ = listening.accept()
+            except OSError:
+                return
+            with connection:
+                service.commands.append(connection.makefile().readline().strip())
+                connection.sendall(b'{"ok": true, "yaw_deg": 0.0}\n')
+
+    answering = Thread(target=answer)
+    answering.start()
+    with hub() as outputs:
+        outputs.access(service.path, TOKEN)
+        outputs.want("web:port=0,reached_as=gyro.example")
+        yield outputs.opened()[0].address, service
+    listening.shutdown(socket.SHUT_RDWR)
+    listening.close()
+    answering.join()
+
+
+TOKEN = "0123456789abcdef"
+
+
+def test_a_local_page_with_the_token_gives_commands(controlled: tuple[str, FakeService]) -> None:
+    """They reach the control socket, and the answer comes back."""
+    address, service = controlled
+    with looking(address, origin=address) as client:
+        assert told(client, "hello")["has_buttons"] is True
+        client.send(json.dumps({"token": TOKEN, "command": "zero"}))
+        assert told(client, "answer") == {"kind": "answer", "command": "zero", "answer": {"ok": True, "yaw_deg": 0.0}}
+    assert service.commands == ["zero"]
+
+
+@pytest.mark.parametrize(
+    ("token", "command", "reason"),
+    [
+        ("0123456789abcdee", "zero", "the token is wrong"),
+        ("", "zero", "the token is wrong"),
+        (None, "zero", "the token is wrong"),
+        (TOKEN, "stop", "there is no such button"),
+        (TOKEN, "zero\nstop", "there is no such button"),
+        (TOKEN, "zero ", "there is no such button"),
+        (TOKEN, 7, "expected a token and a command"),
+    ],
+)
+def test_a_wrong_token_or_button_closes_the_page(
+    controlled: tuple[str, FakeService], token: str | None, command: Any, reason: str
+) -> None:
+    """Nothing reaches the service."""
+    address, service = controlled
+    with looking(address, origin=address) as client:
+        client.send(json.dumps({"token": token, "command": command}))
+        with pytest.raises(ConnectionClosed, match=reason):
+            told(client, "nothing")
+    assert service.commands == []
+
+
+@pytest.mark.parametrize(
+    ("host", "origin"),
+    [("gyro.example", "http://gyro.example"), ("192.0.2.1", "http://192.0.2.1"), ("127.0.0.1:80", None)],
+)
+def test_a_page_that_was_not_opened_through_loopback_has_no_buttons(
+    controlled: tuple[str, FakeService], host: str, origin: Any
+) -> None:
+    """By another name of this machine, or by a program without an origin, even with the token."""
+    address, service = controlled
+    here = urlsplit(address)
+    connection = socket.create_connection((here.hostname or "", here.port or 0))
+    with connect(f"ws://{host}/stream", sock=connection, compression=None, origin=origin) as client:
+        assert told(client, "hello")["has_buttons"] is False
+        client.send(json.dumps({"token": TOKEN, "command": "zero"}))
+        with pytest.raises(ConnectionClosed, match="takes no messages"):
+            told(client, "nothing")
+    assert service.commands == []
+
+
+def test_only_loopback_addresses_count_as_this_machine() -> None:
+    """As a peer address, and as the host of the address that is printed."""
+    assert [is_loopback(host) for host in ("127.0.0.1", "::1", "::ffff:127.0.0.1", "localhost")] == [True] * 4
+    assert [is_loopback(host) for host in ("192.0.2.1", "::ffff:192.0.2.1", "gyro", "0.0.0.0", "")] == [False] * 5
+    opened = [OutputStatus("tcp", "127.0.0.1:1"), OutputStatus("web:host=0.0.0.0", "http://0.0.0.0:8117")]
+    assert page_url(opened, "t") == "http://127.0.0.1:8117/#token=t"
+    assert page_url([OutputStatus("web", "http://[::1]:8117")], "t") == "http://[::1]:8117/#token=t"
+    with pytest.raises(AddressError, match=r"its buttons need host=127\.0\.0\.1"):
+        page_url([OutputStatus("web", "http://192.0.2.1:8117")], "t")
+    with pytest.raises(AddressError, match="no live page is open"):
+        page_url(opened[:1], "t")

@@ -1,5 +1,6 @@
 """The page in a real browser: what a person sees of a stream, of its end and of its return."""
 
+import json
 import socket
 from collections.abc import Iterator
 from math import nan
@@ -8,7 +9,7 @@ from pathlib import Path
 import pytest
 from browser_support import Tab, browsing
 from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving
-from support import never
+from support import Command, never
 
 from gyrodrift.outputs.status import (
     ClientStatus,
@@ -18,6 +19,7 @@ from gyrodrift.outputs.status import (
     OutputStatus,
     ServiceStatus,
 )
+from gyrodrift.session.files import load_session
 
 pytestmark = pytest.mark.xdist_group("browser")
 
@@ -136,6 +138,61 @@ def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None
         page.until(f"document.querySelector('canvas').toDataURL() !== {light[1]!r}")
         assert page.run("getComputedStyle(document.body).backgroundColor") != light[0]
         page.open("about:blank")
+
+
+def test_a_local_person_zeroes_sets_a_heading_and_records(page: Tab, port: Path, tmp_path: Path) -> None:
+    """With the address that `ctl page` prints; the same page without its token only shows."""
+    control, folder = tmp_path / "control", tmp_path / "kept"
+    words = ("--control", control, "--output", "web:port=0", "--record", folder, "--filter", "hdr")
+    with serving(port, *words) as (serve, device):
+        address = path_of(serve, "web")
+        device.send_all(csv_at_100_hz(200), never)
+        page.open(address)
+        page.until("document.querySelector('#read-only').innerText.includes('gyrodrift ctl PATH page')")
+        assert page.run("document.querySelector('#controls').hidden") is True
+        with Command("ctl", control, "page") as ctl:
+            assert ctl.end() == 0
+        url = json.loads(ctl.out)["url"]
+        assert url.startswith(f"{address}/#token=")
+        page.open("about:blank")
+        page.open(url)
+        page.until("document.querySelector('#record').innerText === 'Stop recording'")
+        assert page.run("location.href") == f"{address}/"
+        page.run("document.querySelector('#zero').click()")
+        page.until("document.querySelector('#events').innerText.includes('Yaw was set to 0.')")
+        page.run(
+            "document.querySelector('#heading').value = '270'; document.querySelector('#heading-form button').click()"
+        )
+        page.until("document.querySelector('#events').innerText.includes('The heading was set to 270.00°.')")
+        device.send_all(csv_at_100_hz(100, rate_dps=0.0, first=200), never)
+        page.until("document.querySelector('#main-name').innerText === 'Heading'")
+        page.run("document.querySelector('#record').click()")
+        page.until("document.querySelector('#record').innerText === 'Record'")
+        page.run("document.querySelector('#calibrate').click()")
+        page.until("document.querySelector('#guide-says').innerText.includes('Put the device on a firm table')")
+        page.run("document.querySelector('#calibrate-cancel').click()")
+        page.until("document.querySelector('#guide-says').innerText.includes('Cancelled; nothing is written.')")
+        assert page.text("#control-error") == ""
+    (recorded,) = folder.glob("*.mcap")
+    assert len(load_session(recorded).t_device_s) == 300
+
+
+def test_yaw_stays_in_view_on_a_telephone(page: Tab) -> None:
+    """At 400 px, wherever the page is scrolled to."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        address = outputs.opened()[0].address
+        page.size(400, 800, is_phone=True)
+        page.open(address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(200)])
+        page.until("document.querySelector('#main-value').innerText === '10.00°'")
+        page.run("window.scrollTo(0, document.body.scrollHeight)")
+        page.until("window.scrollY > 300")
+        top = page.run("document.querySelector('#main-value').getBoundingClientRect().top")
+        assert 0.0 <= top < 200.0
+        assert page.run("document.documentElement.scrollWidth") == 400
+        assert page.text("#error-value") == "+0.00°"
 
 
 def test_it_outlives_the_service(page: Tab, port: Path) -> None:

@@ -17,6 +17,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
+from gyrodrift.outputs.web.buttons import Buttons, is_local
 from gyrodrift.outputs.web.points import COLUMNS, POINTS_HZ, PointHistory, in_messages, point_of
 from gyrodrift.sample import Corrected
 
@@ -95,30 +96,44 @@ class WebOutput(Output[WebOptions]):
             client.send(message)
 
     def _session(self, client: WebSocketClient) -> "WebSession":
-        client.send(_json("hello", version=__version__, columns=COLUMNS, now_s=time.time()))
+        access = self.host.access if is_local(client.connection) else None
+        hello = {"version": __version__, "columns": COLUMNS, "now_s": time.time(), "has_buttons": access is not None}
+        client.send(_json("hello", **hello))
         for message in in_messages(self._history.rows()):
             client.send(message)
         for told in self._events[0] + self._events[1]:
             client.send(told)
         if self.host.status.pid:  # it has been told already
             client.send(_state(self.host.status))
-        return WebSession()
+        return WebSession(client, None if access is None else Buttons(access))
 
 
 class WebSession:
-    """One page."""
+    """One page.
+
+    Parameters
+    ----------
+    buttons
+        None for a page that only shows.
+    """
+
+    def __init__(self, client: WebSocketClient, buttons: Buttons | None) -> None:
+        self._client, self._buttons = client, buttons
 
     def message(self, content: str | bytes) -> None:
-        """Pages only look."""
-        del content
-        raise ValueError("this stream takes no messages")
+        """Carry out a button of a local page; any other message closes the stream."""
+        if self._buttons is None:
+            raise ValueError("this stream takes no messages")
+        self._buttons.press(content, self._client.send)
 
     def dropped(self, messages: int) -> str:
         """For a page that was too slow."""
         return _json("dropped", messages=messages)
 
     def closed(self) -> None:
-        """Nothing is kept."""
+        """Wait for no answer any more."""
+        if self._buttons is not None:
+            self._buttons.close()
 
 
 def _state(status: ServiceStatus) -> str:

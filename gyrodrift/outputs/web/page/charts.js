@@ -46,13 +46,13 @@ const CHARTS = [
     lines: [
       { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", 1) },
       { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "yaw_deg", "yaw_sigma_deg", -1) },
-      { name: "raw", color: "raw", of: (view) => view.span("raw_yaw_deg") },
+      { name: "raw", color: "raw", dash: [8, 3], of: (view) => view.span("raw_yaw_deg") },
       { name: "corrected", color: "yaw", width: 2, of: (view) => view.span("yaw_deg") },
       { name: "encoder", color: "encoder", of: (view) => view.span("encoder_deg"), needs: "encoder_deg", dash: [4, 6] },
     ],
   },
   {
-    title: "Yaw less encoder", unit: "deg", height: 110, digits: 3, range: atLeast(0.2), needs: "encoder_deg",
+    title: "Yaw error against encoder", unit: "deg", height: 110, digits: 3, range: atLeast(0.2), needs: "encoder_deg",
     lines: [
       { name: "+2σ", color: "yaw", band: true, of: (view) => doubled(view, "error_deg_hi", "yaw_sigma_deg", 1) },
       { name: "−2σ", color: "yaw", bound: true, of: (view) => doubled(view, "error_deg_lo", "yaw_sigma_deg", -1) },

@@ -2,10 +2,12 @@
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
+const POLICY_VIOLATION = 1008; // RFC 6455, section 7.4.1
 const SILENT_MS = 6000; // the service says how it is once a second
 
 export class Connection {
-  // on.message(content) with an object or an ArrayBuffer; on.change("open" | "lost") when that changes.
+  // on.message(content) with an object or an ArrayBuffer; on.change("open" | "lost") when that changes; on.refused() when
+  // the service closed the stream for what this page sent.
   constructor(url, on) {
     this.url = url;
     this.on = on;
@@ -25,7 +27,14 @@ export class Connection {
       this.waitMs = FIRST_WAIT_MS;
       this.on.message(typeof event.data === "string" ? JSON.parse(event.data) : event.data);
     };
-    this.socket.onclose = () => this.lost();
+    this.socket.onclose = (event) => {
+      if (event.code === POLICY_VIOLATION) this.on.refused();
+      this.lost();
+    };
+  }
+
+  send(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
   // Not for ever: a network that is gone closes nothing.

@@ -2,6 +2,7 @@
 
 import { Charts } from "./charts.js";
 import { Connection } from "./connection.js";
+import { Controls } from "./controls.js";
 import { Dial } from "./dial.js";
 import { History } from "./history.js";
 import { showEvent, showNumbers, showState } from "./panels.js";
@@ -66,6 +67,7 @@ function begin(hello) {
     charts = new Charts(byId("charts"), history, changes, windowS, drawSoon);
   }
   history.startsAt(hello.now_s);
+  controls.greet(hello.has_buttons);
 }
 
 function hear(told) {
@@ -76,7 +78,11 @@ function hear(told) {
 const TAKES = {
   hello: begin,
   event: hear,
-  state: showState,
+  state: (told) => {
+    showState(told);
+    controls.showState(told.status);
+  },
+  answer: (told) => controls.answer(told),
   dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
 };
 
@@ -110,7 +116,9 @@ byId("live").addEventListener("click", () => charts?.lookAt(Infinity));
 byId("back").addEventListener("input", (event) => charts?.lookAt(Number(event.target.value)));
 document.addEventListener("visibilitychange", drawSoon);
 
-new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/stream`, {
+const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/stream`, {
   message: take,
   change: sayConnection,
+  refused: () => controls.forget(),
 });
+const controls = new Controls((message) => connection.send(message));

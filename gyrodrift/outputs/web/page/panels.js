@@ -28,12 +28,18 @@ function showFacts(place, facts) {
 
 const finite = (value, text) => (Number.isFinite(value) ? text : "");
 
+let scaleSigmaDeg = NaN; // share of the yaw sigma from the scale factor, once a second
+
 export function showNumbers(history) {
   const last = (name) => history.last(name);
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
   byId("main-value").textContent = words.angle(hasNorth ? last("heading_deg") : last("yaw_deg"));
-  byId("main-sigma").textContent = words.margin(last("yaw_sigma_deg"), 2, "° (1σ)");
+  const scale = Number.isFinite(scaleSigmaDeg) ? `, scale ${words.number(scaleSigmaDeg, 2)}°` : "";
+  byId("main-sigma").textContent = words.margin(last("yaw_sigma_deg"), 2, `° (1σ${scale})`);
+  const errorDeg = last("yaw_deg") - last("encoder_deg");
+  byId("error").hidden = !Number.isFinite(errorDeg);
+  byId("error-value").textContent = `${words.signed(errorDeg, 2)}°`;
   const bias = `${words.signed(last("bias_dps"), 4)}${words.margin(last("bias_sigma_dps"), 4)} deg/s`;
   showFacts(byId("values"), [
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
@@ -49,6 +55,7 @@ export function showNumbers(history) {
 
 export function showState({ status, health }) {
   const { link, device, config } = status;
+  scaleSigmaDeg = status.filter.scale_sigma_deg ?? NaN;
   byId("device").textContent = [device.device_id, link.port].filter(Boolean).join(" on ");
   byId("health").replaceChildren(...health.map((each) => made("li", each.says, each.level)));
   showFacts(byId("link"), [
@@ -61,7 +68,7 @@ export function showState({ status, health }) {
     ["Line used", link.busy ? words.percent(link.busy) : ""],
     ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
   ]);
-  const taken = config.applied ? `, ${words.counted(config.applied, "change")} taken over, the last at ${words.clock(config.applied_s)}` : "";
+  const taken = config.applied ? `, ${words.counted(config.applied, "change")} applied, the last at ${words.clock(config.applied_s)}` : "";
   byId("config-file").textContent = config.file ? `${config.file}${taken}` : `Without a file: ${config.filter} at its defaults.`;
   showFacts(byId("config"), [["filter", config.filter], ...Object.entries(config.params).map(([name, value]) => [name, String(value)])]);
   showClients(status.outputs);

@@ -1,0 +1,58 @@
+"""Address of the live page with the token that lets its buttons work, for the local user alone."""
+
+from collections.abc import Iterable
+from ipaddress import ip_address
+from urllib.parse import urlsplit
+
+from gyrodrift.outputs.status import OutputStatus
+
+WEB = "web"
+
+
+class AddressError(Exception):
+    """No page can be controlled from this machine; the text says why."""
+
+
+def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
+    """URL of the first open page on loopback; browsers do not send what follows the `#`.
+
+    Raises
+    ------
+    AddressError
+        Where there is none.
+    """
+    pages = [urlsplit(status.address) for status in outputs if status.output.partition(":")[0] == WEB]
+    open_pages = [page for page in pages if page.hostname and page.port]
+    if not open_pages:
+        raise AddressError("no live page is open; start serve with --output web")
+    for page in open_pages:
+        host = loopback_of(page.hostname or "")
+        if host:
+            return f"{page.scheme}://{host}:{page.port}/#token={token}"
+    raise AddressError(f"the page listens on {open_pages[0].hostname} alone; its buttons need host=127.0.0.1")
+
+
+def loopback_of(host: str) -> str:
+    """Loopback name under which a server that listens on this host is reached; empty where it is not."""
+    if host == "localhost":
+        return host
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return ""
+    if address.is_unspecified:
+        return "127.0.0.1" if address.version == 4 else "[::1]"
+    name = f"[{host}]" if address.version == 6 else host
+    return name if address.is_loopback else ""
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a peer address or the name in a URL stands for this machine alone."""
+    if host == "localhost":
+        return True
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return False
+    mapped = getattr(address, "ipv4_mapped", None)
+    return (mapped or address).is_loopback

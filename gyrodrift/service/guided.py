@@ -1,0 +1,141 @@
+"""A calibration of the running service, guided step by step through the control socket: `ctl calibrate`."""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib import import_module
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+
+from gyrodrift.calibration import Calibration, device_identity
+from gyrodrift.errors import CalibrationError, UsageError
+from gyrodrift.files import write_whole
+from gyrodrift.sample import Sample
+from gyrodrift.service.filtering import Filtering
+
+if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody calibrates
+    from gyrodrift.calibrate.guide import Guide
+
+GUIDE = "gyrodrift.calibrate.guide"
+SILENT_S = 10.0
+"""A link without samples for this long ends a calibration, as in `gyrodrift calibrate`, s."""
+
+KEPT_SENTENCES = 8
+
+Answer = Mapping[str, Any]
+
+
+@dataclass(slots=True)
+class GuidedCalibration:
+    """Hears the samples as measured, and writes the result into the config of the service.
+
+    Without a config the result is applied until the service ends.
+    """
+
+    filtering: Filtering
+    _guide: "Guide | None" = None
+    _says: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_SENTENCES))
+    _clipped: int = 0
+
+    def start(self) -> Callable[[], Answer | None]:
+        """Begin with the rest; the answer waits until the packages are loaded."""
+        loading = Thread(target=import_module, args=(GUIDE,), daemon=True)
+        loading.start()
+
+        def answer() -> Answer | None:
+            if loading.is_alive():
+                return None
+            from gyrodrift.calibrate.guide import CalibrationPlan, Guide  # noqa: PLC0415 - loaded by the thread
+
+            self._says.clear()
+            self._guide = Guide(CalibrationPlan(), self._says.append)
+            self._guide.begin()
+            return self.state()
+
+        return answer
+
+    def press(self, word: str) -> Answer:
+        """`mark` at a stop at the mark, `undo` the last turn, `finish` with the turns so far, `cancel` all.
+
+        Raises
+        ------
+        CalibrationError
+            Where no calibration runs.
+        """
+        guide = self._guide
+        if guide is None:
+            raise CalibrationError("no calibration runs; begin with calibrate start")
+        if word == "cancel":
+            self._end("Cancelled; nothing is written.")
+        else:
+            from gyrodrift.calibrate.guide import Key  # noqa: PLC0415 - loaded already
+
+            guide.press({"mark": Key.ENTER, "undo": Key.UNDO, "finish": Key.ENOUGH}[word])
+            self._finish_when_done(guide)
+        return self.state()
+
+    def state(self) -> Answer:
+        """Step of the guide (`idle` without one), the line about now, and the newest sentences."""
+        guide = self._guide
+        step, line = ("idle", "") if guide is None else (guide.step.value, guide.line)
+        return {"step": step, "line": line, "says": list(self._says)}
+
+    def take(self, samples: list[Sample]) -> None:
+        """Hand samples to the guide."""
+        guide, decoder = self._guide, self.filtering.link.decoder
+        if guide is None or not samples:
+            return
+        clipped = decoder.counters.clipped if decoder else 0
+        guide.take(samples, clipped - self._clipped)
+        self._clipped = clipped
+        self._finish_when_done(guide)
+
+    def tick(self, now_s: float) -> None:
+        """End a calibration whose device fell silent."""
+        del now_s
+        if self._guide is not None and self.filtering.link.silent_s() > SILENT_S:
+            self._end("The device fell silent; nothing is written.")
+
+    def stats(self) -> dict[str, Any]:
+        """No counters."""
+        return {}
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _end(self, sentence: str) -> None:
+        self._guide = None
+        self._says.append(sentence)
+
+    def _finish_when_done(self, guide: "Guide") -> None:
+        from gyrodrift.calibrate.guide import GuideStep  # noqa: PLC0415 - loaded already
+
+        if guide.step is not GuideStep.DONE:
+            return
+        link, watch = self.filtering.link, self.filtering.watch
+        try:
+            device_id = device_identity(link.device.device_id, link.name)
+            found = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
+            if watch is not None:
+                _write(watch.path, found)
+        except (CalibrationError, UsageError, OSError) as error:
+            self._end(f"Nothing is written: {error}")
+            return
+        if watch is None:
+            self.filtering.calibrating.follow(found, self.filtering.state.bias_dps)
+            self._end("Applied until the service ends; start serve with --config FILE to keep it.")
+        else:
+            self._end(f"Written to {watch.path}; it is applied at once.")
+
+
+def _write(path: Path, calibration: Calibration) -> None:
+    """Put the calibration into a config; all other lines stay."""
+    from gyrodrift.config.calibration import block_text, with_block  # noqa: PLC0415 - there is a config, so it is loaded
+
+    block = block_text(calibration)
+    try:
+        write_whole(path, [with_block(path.read_text(encoding="utf-8-sig"), block)])
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
