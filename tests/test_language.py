@@ -22,7 +22,6 @@ LATER = (
     "gyrodrift/diagnose/",
     "gyrodrift/filters/restlevel/",
     # not rewritten yet
-    "docs/diagnosis.md",
     "firmware_sim/",
     "gyrodrift/",
 )
