@@ -1,4 +1,4 @@
-"""A ROS 2 node in one file: a cheap gyro on a serial port as `sensor_msgs/Imu`, with the drift taken out.
+"""A ROS 2 node in one file: a cheap gyro on a serial port as `sensor_msgs/Imu`, with corrected drift.
 
 Run it where ROS 2 is sourced and gyrodrift is installed:
 
@@ -20,11 +20,11 @@ UNKNOWN = 1e6
 """Variance of an angle or rate that is not measured, rad²."""
 
 NOT_MEASURED = -1.0
-"""First element of a covariance whose quantity the message does not hold."""
+"""First element of the covariance of a quantity that is not in the message."""
 
 
 class ImuFields(NamedTuple):
-    """What goes into the message: quaternion z and w, rate about z in rad/s, covariances of 3 x 3, row by row."""
+    """Values of the message: quaternion z and w, rate about z in rad/s, covariances of 3 x 3, row by row."""
 
     z: float
     w: float
@@ -40,15 +40,12 @@ def diagonal(x: float, y: float, z: float) -> tuple[float, ...]:
 
 
 def variance(sigma_deg: float) -> float:
-    """Of a standard deviation in deg or deg/s, in rad² or (rad/s)²; `UNKNOWN` where the filter does not say."""
+    """Variance in rad² or (rad/s)² of a standard deviation in deg or deg/s; `UNKNOWN` for NaN."""
     return radians(sigma_deg) ** 2 if isfinite(sigma_deg) else UNKNOWN
 
 
 def fields_of(estimate: Estimate, rate_dps: float) -> ImuFields:
-    """A sample with what the filter made of it.
-
-    The variance of the rate is that of its bias: what a filter of one gyro knows.
-    """
+    """Values of a sample. The variance of the rate is the variance of its bias: the filter knows no other."""
     half_rad = radians(estimate.yaw_deg) / 2.0
     return ImuFields(
         z=sin(half_rad),
@@ -73,7 +70,7 @@ def fill(message: Any, fields: ImuFields) -> Any:
 def main() -> None:
     """Publish until the node is shut down."""
     try:
-        import rclpy  # noqa: PLC0415 - only where ROS 2 is there
+        import rclpy  # noqa: PLC0415 - comes with ROS 2
         from rclpy.qos import qos_profile_sensor_data  # noqa: PLC0415
         from rclpy.time import Time  # noqa: PLC0415
         from sensor_msgs.msg import Imu  # noqa: PLC0415

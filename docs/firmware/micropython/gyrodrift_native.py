@@ -64,15 +64,15 @@ class FrameWriter:
         frame, table = self._frame, CRC_TABLE
         crc_at = len(view) - 3
         crc = 0xFFFF
-        for at in range(PAYLOAD_AT, crc_at):
-            crc = (crc << 8 & 0xFFFF) ^ table[crc >> 8 ^ frame[at]]
+        for index in range(PAYLOAD_AT, crc_at):
+            crc = (crc << 8 & 0xFFFF) ^ table[crc >> 8 ^ frame[index]]
         frame[crc_at] = crc & 0xFF
         frame[crc_at + 1] = crc >> 8
-        run = 0  # where the distance to the next zero goes
-        for at in range(PAYLOAD_AT, crc_at + 2):
-            if frame[at] == 0:
-                frame[run] = at - run
-                run = at
+        run = 0  # index of the byte for the distance to the next zero
+        for index in range(PAYLOAD_AT, crc_at + 2):
+            if frame[index] == 0:
+                frame[run] = index - run
+                run = index
         frame[run] = crc_at + 2 - run
         frame[crc_at + 2] = 0
         return view

@@ -47,7 +47,7 @@ class Gyro:
         self._find_sensor()
 
     def step(self) -> None:
-        """What there is to do, until the next interrupt."""
+        """Send HELLO and samples that are due, then sleep until the next interrupt."""
         now_ms = time.ticks_ms()
         if time.ticks_diff(now_ms, self._hello_ms) >= HELLO_MS:
             self._hello_ms = time.ticks_add(self._hello_ms, HELLO_MS)
@@ -72,7 +72,7 @@ class Gyro:
             self._i2c.readfrom_mem_into(self._address, self._sensor.burst_reg, self._burst)
         except OSError:
             return
-        if self._ready_seq != seq:  # the next measurement came meanwhile: whose rate or time this is, is not known
+        if self._ready_seq != seq:  # the next measurement came meanwhile: rate and time may belong to different samples
             return
         if self._quiet_starts > 2:
             self._quiet_starts = 0
@@ -94,19 +94,19 @@ class Gyro:
         self._out.write(self._writer.sample(flags, self._seq, self._t_us, rate, centi_c))
 
     def _let_time_pass(self, ready_us: int) -> None:
-        """The clock of the board ends at 30 bits, that of the protocol at 32."""
+        """Extend the 30-bit clock of the board to the 32 bits of the protocol."""
         low = self._t_us[0] + time.ticks_diff(ready_us, self._last_us)
         self._last_us = ready_us
         self._t_us[0] = low & 0xFFFF
         self._t_us[1] = self._t_us[1] + (low >> 16) & 0xFFFF
 
-    def _value_at(self, at: int) -> int:
-        first, second = self._burst[at], self._burst[at + 1]
+    def _value_at(self, index: int) -> int:
+        first, second = self._burst[index], self._burst[index + 1]
         value = first << 8 | second if self._sensor.is_big_endian else second << 8 | first
         return value - 0x10000 if value & 0x8000 else value
 
     def _name(self) -> str:
-        """Who reads the log of gyrodrift learns from it what is wrong with the wires."""
+        """Name of the sensor, or a fault of the wiring for the log of gyrodrift."""
         if self._sensor is None:
             return "no gyro on I2C"
         return "INT pin is quiet" if self._quiet_starts > 2 else self._sensor.id
