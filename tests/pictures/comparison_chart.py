@@ -164,7 +164,7 @@ def _note() -> str:
     return (
         f'<rect x="{x:g}" y="{y - 12:g}" width="16" height="16" class="tint"/>\n'
         + label(x + 24, y, "another method is better than gyrodrift", "small")
-        + label(x, y + 24, "Left is better. Each step of the scale is a factor of ten.", "small muted")
+        + label(x, y + 24, "Left is better. Each grid line is a factor of ten.", "small muted")
         + label(x, y + 44, "A real row is one recording. A hard case is", "small muted")
         + label(x, y + 60, "ten simulated sessions of ten minutes.", "small muted")
     )
