@@ -1,8 +1,8 @@
 """Convert a recorded session to .mcap, .csv, .json, .jsonl or .parquet, by the ending of OUT; every digit is kept.
 
-An .mcap IN may be anybody's: samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with
-t_device_s and rate_dps, chunked, compressed or cut off. What OUT cannot hold is named before it is left out: raw bytes,
-link events and other channels always, metadata in .csv, encoder angle, temperature and counter with --as imu.
+An .mcap IN may hold samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with t_device_s
+and rate_dps. It may be chunked, compressed or cut off. A line on stderr names everything that OUT cannot hold: raw
+bytes, link events and other channels; in .csv also metadata; with --as imu also encoder angle, temperature and counter.
 """
 
 import argparse
@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import options
-from gyrodrift.errors import UsageError
+from gyrodrift.cli.written import samples_text, tell_written
+from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_kept
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from gyrodrift.session.session import Session
 
 PIECE = 50_000
-"""Samples that are written at once."""
+"""Samples per write."""
 
 BAGS = (".bag", ".db3")
 FORMS = ("sample", "imu", "json")
@@ -34,20 +35,20 @@ gyrodrift convert session.mcap for-ros.mcap --as imu
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("source", type=Path, metavar="IN", help="recorded session (.mcap) or a table (.csv and others)")
+    parser.add_argument("source", type=Path, metavar="IN", help="recorded session (.mcap) or table (.csv and others)")
     parser.add_argument(
-        "target", type=Path, metavar="OUT", help="where to write it (.mcap, .csv, .json, .jsonl or .parquet)"
+        "target", type=Path, metavar="OUT", help="file to write (.mcap, .csv, .json, .jsonl or .parquet)"
     )
     parser.add_argument(
         "--topic",
         metavar="NAME",
-        help="channel of an .mcap IN, or topic of a bag, with the samples (default: /gyro, or the only one that can)",
+        help="channel of an .mcap IN, or topic of a bag, with the samples (default: /gyro, or the only suitable one)",
     )
     parser.add_argument(
         "--as",
         dest="form",
         choices=FORMS,
-        help="messages in an .mcap OUT: sample (default; this program's own), imu (sensor_msgs/msg/Imu, rad/s), json",
+        help="message type of an .mcap OUT: sample (default; the own type), imu (sensor_msgs/msg/Imu, rad/s), json",
     )
     options.add_force_option(parser)
     options.add_damage_option(parser)
@@ -56,12 +57,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Convert; 0 when it is written."""
+    """Convert; 0 when OUT is written."""
     source, target, topic, form = arguments.source, arguments.target, arguments.topic, arguments.form
     if form is not None and target.suffix != ".mcap":
-        raise UsageError(f"--as {form}: is about the messages of an .mcap file, and {target} is to be none")
+        raise UsageError(f"--as {form}: needs an .mcap file as OUT, {target} is none")
     if topic is not None and source.suffix not in (".mcap", *BAGS) and not source.is_dir():
-        raise UsageError(f"--topic {topic}: is about the channels of an .mcap file or a bag, and {source} is none")
+        raise UsageError(f"--topic {topic}: needs an .mcap file or a bag as IN, {source} is none")
     from gyrodrift.session.tables.write import written_ending
 
     check_kept([target], [source], force=arguments.force)
@@ -71,15 +72,16 @@ def run(arguments: argparse.Namespace) -> int:
         session = _loaded(source, topic, arguments)
         _tell_left_out(arguments, session)
         _write(target, form, session, in_pieces(session, progress.evaluated))
+    tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0
 
 
 def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]":
-    """The session in consecutive pieces, told as they pass."""
+    """The session in consecutive pieces, each counted in the progress."""
     from gyrodrift.progress import counted
 
     samples = len(session.t_device_s)
-    pieces = (session.part(at, at + PIECE) for at in range(0, samples, PIECE))
+    pieces = (session.part(first, first + PIECE) for first in range(0, samples, PIECE))
     return counted("samples written", pieces, samples, progress, lambda piece: len(piece.t_device_s))
 
 
@@ -97,15 +99,15 @@ def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "
 
 
 def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
-    """Before anything is written."""
+    """Name everything that OUT will not hold."""
     from gyrodrift.session.left_out import left_out, listed
 
     form = arguments.form or "sample" if arguments.target.suffix.lower() == ".mcap" else "csv"
     without = left_out(arguments.source, session, arguments.topic, form)
-    said = ["has its rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
-    said += [f"is written without {listed(without)}"] if without else []
-    if said:
-        print(f"gyrodrift: {arguments.target}: {'; '.join(said)}", file=sys.stderr)
+    notes = ["rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
+    notes += [f"left out: {listed(without)}"] if without else []
+    if notes:
+        print(visible(f"gyrodrift: {arguments.target}: {'; '.join(notes)}"), file=sys.stderr)
 
 
 def _write(target: Path, form: str | None, session: "Session", pieces: "Iterator[Session]") -> None:

@@ -1,8 +1,8 @@
-"""Run the same filter that serve runs over a recorded session, and write every column of its recursion as CSV.
+"""Run the filter of serve over a recorded session, and write its input and its state for each sample as CSV.
 
-Samples whose time does not advance or whose rate is not finite are left out and counted. A calibration is applied
-first: that of --config, or else the one the session was recorded under. Columns are t_device_s and rate_dps (as the
-filter takes it), so that it can be read as a session, and then
+Samples are skipped and counted if their time does not advance or their rate is not finite. The calibration of --config
+is applied first, or else the calibration in the session. The result is a session too: the first columns are t_device_s
+and rate_dps, the input of the filter. The columns after them:
 """
 
 import argparse
@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.cli import options
-from gyrodrift.errors import DataError
+from gyrodrift.cli.written import samples_text, tell_written
+from gyrodrift.errors import DataError, visible
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
@@ -28,13 +29,13 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 gyrodrift filter session.mcap --out yaw.csv
 gyrodrift filter session.mcap --config my.yaml | head
-gyrodrift info yaw.csv                                 what was written is a session too
+gyrodrift info yaw.csv                                 the result is a session too
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    columns = [f"  with {name}: {', '.join(known.columns)}" for name, known in FILTERS.items()]
+    columns = [f"  with {name}: {', '.join(described.columns)}" for name, described in FILTERS.items()]
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     options.add_filter_options(parser, "YAML with a filter and its parameters")
@@ -42,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="where to write: .csv, .json, .jsonl, .parquet or .mcap (default: csv to stdout)",
+        help="file to write: .csv, .json, .jsonl, .parquet or .mcap (default: CSV on stdout)",
     )
     options.add_force_option(parser)
     options.add_damage_option(parser)
@@ -51,8 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Filter the session; 0 when it is written."""
-    arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a pager is not to be drawn over
+    """Filter the session; 0 when the result is written."""
+    arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a progress bar would disturb a pager
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
@@ -72,14 +73,18 @@ def run(arguments: argparse.Namespace) -> int:
         params = config.params if sigma is None else chosen.with_scale_sigma(config.params, sigma)
         begun = beginning_of(chosen, session.metadata, session.name)
         state: FilterState = begun or chosen.state()
+        samples_before = state.samples
         try:
             _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.evaluated)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None:
                 raise
-            raise DataError(f"{session.name}: no filter can go on from what its filter began with: {error}") from error
+            raise DataError(f"{session.name}: the filter state in its metadata cannot be continued: {error}") from error
     if state.rejected:
-        print(f"gyrodrift: {session.name}: {state.rejected} samples passed by (time or rate)", file=sys.stderr)
+        skipped = f"{samples_text(state.rejected)} skipped (time or rate)"
+        print(visible(f"gyrodrift: {session.name}: {skipped}"), file=sys.stderr)
+    if arguments.out is not None:
+        tell_written(arguments.out, samples_text(state.samples - samples_before), is_quiet=arguments.quiet)
     return 0
 
 
@@ -91,14 +96,14 @@ def _write(
     from gyrodrift.session.tables.write import write_rows, written_ending
 
     names = ["t_device_s", "rate_dps", *chosen.columns]
-    told = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
+    counted_rows = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
     if out is None:
-        sys.stdout.writelines(csv_lines(names, told))
+        sys.stdout.writelines(csv_lines(names, counted_rows))
         sys.stdout.flush()
     elif written_ending(out, "--out") == ".csv":
-        write_whole(out, csv_lines(names, told))
+        write_whole(out, csv_lines(names, counted_rows))
     else:
-        write_rows(out, names, told)
+        write_rows(out, names, counted_rows)
 
 
 def _is_file(stream: TextIO) -> bool:
@@ -109,29 +114,35 @@ def _is_file(stream: TextIO) -> bool:
 
 
 def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
-    """The header and a line for each row, every float with all its digits."""
+    """The header and a line per row; floats have all their digits."""
     yield f"{','.join(names)}\n"
     for row in rows:
         yield f"{','.join(map(repr, row))}\n"
 
 
 def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> "Iterator[Row]":
-    """A row for each accepted sample."""
-    taken = 0
+    """A row per accepted sample.
+
+    Raises
+    ------
+    DataError
+        At the end, if more samples were skipped than accepted.
+    """
+    accepted = 0
     columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
     for t_s, rate_dps, still, temp_c in zip(*_inputs(session), strict=True):
         if step(c, state, t_s, rate_dps, still, temp_c):
-            taken += 1
+            accepted += 1
             yield (t_s, rate_dps, *columns(state))
-    if state.rejected > taken:
+    if state.rejected > accepted:
         raise DataError(
-            f"{session.name}: {state.rejected} of {state.rejected + taken} samples have no rate, or a time that is not "
-            "later than the one before; there is no yaw from so few"
+            f"{session.name}: {state.rejected} of {state.rejected + accepted} samples have no rate, or a time that is "
+            "not later than the previous time; the rest is too little for a yaw"
         )
 
 
 def _inputs(session: "Session") -> Iterator[list[float]]:
-    """Times, rates, and what is known beside them."""
-    unsaid = [nan] * len(session.t_device_s)
+    """Times in s, rates in deg/s, still flags and temperatures in °C; NaN for a missing column."""
+    missing = [nan] * len(session.t_device_s)
     for column in (session.t_device_s, session.rate_dps, session.still, session.temp_c):
-        yield unsaid if column is None else column.tolist()
+        yield missing if column is None else column.tolist()

@@ -39,7 +39,6 @@ EXAMPLES = """\
 gyrodrift info session.mcap
 gyrodrift info sessions
 gyrodrift info sessions --out report
-gyrodrift info sessions --json
 """
 
 

@@ -1,17 +1,22 @@
-"""Close session files (.mcap) whose recording was cut off, so that every program can open them, and mend damaged ones.
+"""Close session files (.mcap) that an interrupted recording left open, and repair damaged ones.
 
-Recording into a folder closes the files in it, too. Samples are never touched; bytes at the end that are no whole
-record are cut off, and kept in a file ending in .tail where they are more than one torn record; text that mentions a
-password is covered with stars there. Of a damaged file a whole one is written of all that can be recovered, and the
-samples and seconds that cannot are told; the damaged one is kept beside it with the ending .damaged.
+After that every MCAP reader opens them. `record` into a folder closes the files in it, too. Samples never change. An
+incomplete record at the end is removed; more than one incomplete record is saved in a .tail file, with passwords
+replaced by stars. From a damaged file everything that can be recovered is written to a new file. A line names the
+samples and seconds that are lost, and the damaged file stays with the ending .damaged.
 """
 
 import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from gyrodrift.cli.written import samples_text, size_text
 from gyrodrift.errors import DataError, visible
+
+if TYPE_CHECKING:
+    from gyrodrift.session.mcap.repair import Repaired
 
 EXAMPLES = """\
 gyrodrift repair sessions
@@ -21,30 +26,34 @@ gyrodrift repair session.mcap
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session file, or folder of them")
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session file, or folder of session files")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Repair; 0 when every file is closed."""
+    """Repair; 0 if every file is whole at the end."""
     from gyrodrift.session.mcap.repair import repair
 
     status = 0
     for path in _files(arguments.paths):
         try:
             repaired = repair(path)
-        except DataError as error:  # the others are repaired all the same
+        except DataError as error:  # the remaining files are still repaired
             print(f"gyrodrift: {error}", file=sys.stderr)
             status = DataError.exit_status
             continue
         if repaired is None:
             print(visible(f"{path}: is whole"))
-        elif repaired.damage is not None:
-            print(visible(f"{path}: mended; {repaired.damage}; as it was it is kept in {repaired.kept}"))
         else:
-            saved = f", kept in {repaired.tail}" if repaired.tail else ""
-            cut = f"{repaired.cut_bytes} torn bytes cut off{saved}"
-            print(visible(f"{path}: closed, {repaired.samples} samples; {cut}"))
+            print(visible(f"{path}: {_repaired_words(repaired)}"))
     return status
+
+
+def _repaired_words(repaired: "Repaired") -> str:
+    size = f"{samples_text(repaired.samples)}, {size_text(repaired.path.stat().st_size)}"
+    if repaired.damage is not None:
+        return f"repaired, {size}; {repaired.damage}; the damaged file is {repaired.kept}"
+    saved = f", saved in {repaired.tail}" if repaired.tail else ""
+    return f"closed, {size}; {repaired.cut_bytes} bytes of an incomplete record removed{saved}"
 
 
 def _files(paths: list[Path]) -> Iterator[Path]:

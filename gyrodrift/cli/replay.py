@@ -1,11 +1,11 @@
-"""Play a recorded session through a pty that looks like the device, so that a recording takes the whole serial path.
+"""Play a recorded session through a pty that looks like the device.
 
---raw plays the very bytes of the link, where the recording kept them, damage and all. Otherwise the samples are
-encoded: the csv protocol carries every digit of a recording and is the default; native rounds the rate to --lsb,
-witmotion to the steps of a WT901, without a clock.
+--raw plays the original bytes of the link, damage included, if the recording has them. Without it the samples are
+encoded again: csv (default) carries every digit of the recording, native rounds the rate to --lsb, witmotion rounds it
+to the steps of a WT901 and has no clock.
 
-Playing starts when a reader has opened the port. At --speed max the reader sets the pace and nothing is lost; at any
-other speed what finds no reader is lost, as from a real device.
+Playing starts when a reader opens the port. At --speed max the reader sets the pace and no sample is lost. At other
+speeds samples are lost while nobody reads, as from a real device.
 """
 
 import argparse
@@ -32,11 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from firmware_sim.wire.registry import ENCODERS
 
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
-    parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="name that the pty is linked at")
-    parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="what the device speaks")
-    parser.add_argument("--raw", action="store_true", help="the bytes as they came, from a recording made with --raw")
+    parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="path of the link to the pty")
+    parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="protocol of the device")
+    parser.add_argument("--raw", action="store_true", help="play the original bytes of a recording made with --raw")
     parser.add_argument("--speed", type=_speed, default="1", metavar="X", help="times real time, or max (default 1)")
-    parser.add_argument("--loop", action="store_true", help="start again when it is over; device time goes on")
+    parser.add_argument("--loop", action="store_true", help="start again at the end; device time goes on")
     parser.add_argument(
         "--lsb",
         type=numbers.number(10.0, "deg/s per count, above 0 and up to 10"),
@@ -68,20 +68,20 @@ def run(arguments: argparse.Namespace) -> int:
             was_stopped = is_over()
     finally:
         device.close()
-    what = "reads" if arguments.raw else "samples"
-    print(f"gyrodrift: {sent} {what} sent, {lost} without a reader", file=sys.stderr)
+    unit = "reads" if arguments.raw else "samples"
+    print(f"gyrodrift: {sent} {unit} sent, {lost} without a reader", file=sys.stderr)
     return INTERRUPTED if was_stopped else 0
 
 
 def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
-    """The bytes as they came; what is wrong with the file is found before anybody waits for it."""
+    """The original bytes; mistakes in the file show before a reader is waited for."""
     from itertools import chain
 
     from gyrodrift.session.mcap.raw import read_raw
     from gyrodrift.simulation.replay import raw_frames
 
     if arguments.loop:
-        raise UsageError("--raw --loop: raw bytes are played once; their clock cannot go on")
+        raise UsageError("--raw --loop: raw bytes can be played only once, because their clock cannot go on")
     options.check_damage([arguments.session], allow_damage=arguments.allow_damage)
     reads = read_raw(arguments.session, allow_damage=arguments.allow_damage)
     first = next(reads, None)
@@ -89,7 +89,7 @@ def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
 
 
 def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
-    """The frames of the session in the protocol asked for, and what greets a reader."""
+    """Frames of the session in the chosen protocol, and the frame that greets a reader."""
     from firmware_sim.wire.registry import ENCODERS
     from gyrodrift.simulation.replay import PlayedSession, base_of
 

@@ -1,8 +1,8 @@
 """Write sessions of the simulated rig, as fast as they can be computed.
 
-A rig, a profile and a seed give the same samples here and from `python -m firmware_sim`. --twin makes, of a table of
-published sessions, simulated ones of the same lengths that drift as far. --hard-cases writes the standard set of what
-drift reducers fail at: 13 cases, each still at first and moving at first, a folder of ten sessions each.
+The same rig, profile and seed give the same samples here and from the simulated device. --twin reads a table of
+published sessions, and simulates sessions of the same lengths with the same drift. --hard-cases writes the standard set
+of difficult sessions: 13 cases, each once still at the start and once moving, a folder of ten sessions for each.
 """
 
 import argparse
@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import UsageError
+from gyrodrift.cli.written import samples_text, written_words
+from gyrodrift.errors import UsageError, visible
 
 if TYPE_CHECKING:
     from firmware_sim.motion.profile import Profile
@@ -39,49 +40,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="motion: a shipped profile or a file (default: turntable)",
     )
     parser.add_argument(
-        "--sessions", type=numbers.whole(10**6), metavar="N", help="how many (default 1; 10 of each hard case)"
+        "--sessions", type=numbers.whole(10**6), metavar="N", help="number of sessions (default 1; 10 per hard case)"
     )
     parser.add_argument(
-        "--minutes", type=numbers.number(1e6), default=10.0, metavar="M", help="length of each (default 10)"
+        "--minutes", type=numbers.number(1e6), default=10.0, metavar="M", help="length of a session, min (default 10)"
     )
-    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="of everything random (default 0)")
+    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="seed of all randomness (default 0)")
     parser.add_argument(
         "--effect",
         type=options.effect,
         action="append",
         default=[],
         metavar="NAME[:param=value,...]",
-        help="an effect more than the rig has (default: none), typical where nothing is said; may be given again",
+        help="add an effect to the rig (default: none); a missing parameter has its typical value; repeatable",
     )
-    parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="of the sessions (default mcap)")
+    parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="file format (default mcap)")
     parser.add_argument(
-        "--twin", type=Path, metavar="TABLE.csv", help="a table of published sessions to be matched (default: none)"
+        "--twin", type=Path, metavar="TABLE.csv", help="table of published sessions to imitate (default: none)"
     )
-    parser.add_argument("--hard-cases", action="store_true", help="the standard set; rigs and motions are its own")
+    parser.add_argument("--hard-cases", action="store_true", help="write the standard set of difficult sessions")
     options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate; 0 when everything is written."""
+    """Simulate; 0 when all sessions are written."""
     if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
-        raise UsageError(
-            "--hard-cases has rigs and motions of its own: leave out --rig, --profile, --effect and --twin"
-        )
+        raise UsageError("--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect and --twin")
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
-        rig, profile = _asked(arguments)
+        rig, profile = _rig_and_profile(arguments)
         _check_kept(arguments, rig)
         try:
             for text in _written(arguments, rig, profile, progress.evaluated):
                 if not arguments.quiet:
-                    print(text, file=sys.stderr)
+                    print(visible(f"gyrodrift: {text}"), file=sys.stderr)
         except OSError as error:
             raise UsageError(f"{arguments.out}: cannot be written: {error.strerror}") from error
     return 0
 
 
-def _asked(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
+def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
     from firmware_sim.motion.profile import load_profile
     from firmware_sim.rig import load_rig, with_effects
     from firmware_sim.yaml_file import FileError
@@ -94,7 +93,7 @@ def _asked(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
 
 
 def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
-    """Neither rig, profile and table that are read nor the sessions and the rig of another simulation are lost."""
+    """Protect the files that are read, and the sessions and the rig of another simulation."""
     from gyrodrift.files import check_inputs_kept, check_kept
     from gyrodrift.simulation.sessions import RIG, rig_yaml
 
@@ -106,11 +105,11 @@ def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
     check_inputs_kept(rigs, inputs)
     check_kept(paths, inputs, force=arguments.force)
     if not is_set and not arguments.force and rigs[0].is_file() and rigs[0].read_bytes() != rig_yaml(rig).encode():
-        raise UsageError(f"{rigs[0]}: is another rig than the one to be simulated; --force replaces it")
+        raise UsageError(f"{rigs[0]}: differs from the rig to simulate; --force replaces it")
 
 
 def _paths(arguments: argparse.Namespace) -> list[Path]:
-    """What will be written, but for the rigs beside it."""
+    """Files that will be written, without the rigs."""
     from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_paths
     from gyrodrift.simulation.published_set import read_rows, twin_paths
     from gyrodrift.simulation.sessions import simulated_paths
@@ -123,34 +122,41 @@ def _paths(arguments: argparse.Namespace) -> list[Path]:
 
 
 def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Profile", progress: "OnProgress") -> Iterator[str]:
-    """What there is to tell of each session when it is there."""
+    """A line per session, as soon as it is written."""
     if arguments.twin is not None:
         return _twins(arguments, rig, progress)
     if arguments.hard_cases:
         return _hard_cases(arguments, progress)
-    from gyrodrift.simulation.sessions import write_sessions
+    from gyrodrift.simulation.sessions import sample_count, write_sessions
 
     numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
-    return map(str, write_sessions(rig, profile, arguments.out, *numbers, arguments.format, progress))
+    contents = samples_text(sample_count(rig, arguments.minutes))
+    paths = write_sessions(rig, profile, arguments.out, *numbers, arguments.format, progress)
+    return (written_words(path, contents) for path in paths)
 
 
 def _twins(arguments: argparse.Namespace, rig: "Rig", progress: "OnProgress") -> Iterator[str]:
     from gyrodrift.simulation.published_set import read_rows, write_twins
+    from gyrodrift.simulation.sessions import sample_count
 
     rows = read_rows(arguments.twin)
     progress(SESSIONS, 0, len(rows))
     for done, twin in enumerate(write_twins(rows, rig, arguments.out, arguments.seed, arguments.format), 1):
         progress(SESSIONS, done, len(rows))
-        yield f"{twin.path}  E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f}"
+        error = f"E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f} deg"
+        yield f"{written_words(twin.path, samples_text(sample_count(rig, twin.row.minutes)))}; {error}"
 
 
 def _hard_cases(arguments: argparse.Namespace, progress: "OnProgress") -> Iterator[str]:
+    from firmware_sim.rig import Rig
     from gyrodrift.simulation import hard_cases
+    from gyrodrift.simulation.sessions import sample_count
 
     sessions = arguments.sessions or hard_cases.SESSIONS
-    of = hard_cases.VERSIONS * len(hard_cases.CASES) * sessions
-    progress(SESSIONS, 0, of)
+    total = hard_cases.VERSIONS * len(hard_cases.CASES) * sessions
+    contents = samples_text(sample_count(Rig(), arguments.minutes))
+    progress(SESSIONS, 0, total)
     written = hard_cases.write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format)
     for done, path in enumerate(written, 1):
-        progress(SESSIONS, done, of)
-        yield str(path)
+        progress(SESSIONS, done, total)
+        yield written_words(path, contents)

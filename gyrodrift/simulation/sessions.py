@@ -32,7 +32,7 @@ class Simulation:
 
     def chunks(self) -> Iterator[Session]:
         """The session in pieces of a few thousand samples: any length in the same memory."""
-        wanted = _samples(self.rig, self.minutes)
+        wanted = sample_count(self.rig, self.minutes)
         for block in measure(self.rig, self.profile, self.seed, self.number):
             kept = block.seq < wanted
             if not kept.all():
@@ -79,7 +79,7 @@ def write_sessions(
     """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / RIG, [rig_yaml(rig)])
-    samples = _samples(rig, minutes)
+    samples = sample_count(rig, minutes)
 
     def pass_on(what: str, done: int, _: int) -> None:
         progress(what, number * samples + done, sessions * samples)
@@ -102,13 +102,13 @@ def write_simulation(
     about = {"simulation": {"rig": rig, "seed": seed, "session": number}}
     if device_id is not None:
         about["device"] = {"device_id": device_id}
-    samples = _samples(simulated.rig, simulated.minutes)
+    samples = sample_count(simulated.rig, simulated.minutes)
     chunks = counted("samples", simulated.chunks(), samples, progress, lambda chunk: len(chunk.t_device_s))
     write_session(path, chunks, about)
 
 
-def _samples(rig: Rig, minutes: float) -> int:
-    """Those that a device sends in so much time."""
+def sample_count(rig: Rig, minutes: float) -> int:
+    """Number of samples that the device of a rig sends in some minutes."""
     return round(minutes * 60.0 * rig.base.sample_rate_hz)
 
 

@@ -90,13 +90,16 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
     assert main(["filter", str(tmp_path / "s.csv")]) == 0
     shown = capsys.readouterr()
     assert [line.split(",")[0] for line in shown.out.splitlines()] == ["t_device_s", "0.0", "0.01", "0.03"]
-    assert shown.err == "gyrodrift: s: 2 samples passed by (time or rate)\n"
+    assert shown.err == "gyrodrift: s: 2 samples skipped (time or rate)\n"
 
 
 @pytest.mark.parametrize(
     ("began_with", "reason"),
     [
-        ('{"hypotheses": {"0": {"weight": 1.0, "bias_var": -1.0}}, "samples": 1}', "no filter can go on from"),
+        (
+            '{"hypotheses": {"0": {"weight": 1.0, "bias_var": -1.0}}, "samples": 1}',
+            "the filter state in its metadata cannot be continued",
+        ),
         ('{"t_s": NaN}', "is damaged, or of another version"),
         ('{"t_s":' * 100_000, "is damaged, or of another version"),
     ],

@@ -181,7 +181,7 @@ def test_a_rig_of_other_sessions_is_not_replaced(tmp_path: Path, capsys: pytest.
     rig = tmp_path / "rig.yaml"
     rig.write_text("base: {encoder_cpr: 4096}\n")
     assert main(words) == 2
-    assert f"{rig}: is another rig than the one to be simulated; --force" in capsys.readouterr().err
+    assert f"{rig}: differs from the rig to simulate; --force" in capsys.readouterr().err
     assert rig.read_text() == "base: {encoder_cpr: 4096}\n"
     assert main([*words, "--force"]) == 0
     assert main([*words, "--format", "csv"]) == 0

@@ -143,7 +143,7 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
         (["--lsb", "0"], 2, "--lsb 0: expected deg/s per count"),
         (["--link", "{session}"], 3, "exists and is not a link"),
         (["--raw"], 4, "is no MCAP file; only those keep raw bytes"),
-        (["--raw", "--loop"], 2, "raw bytes are played once"),
+        (["--raw", "--loop"], 2, "raw bytes can be played only once"),
     ],
 )
 def test_mistakes_are_one_line(session: Path, options: list[str], status: int, message: str) -> None:

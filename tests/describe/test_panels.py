@@ -94,7 +94,7 @@ def test_the_histogram_has_all_samples() -> None:
     axes = Figure().add_subplot()
     panels_of(full_session())["Histogram of errors"].draw(axes)
     (bars,) = (patch for patch in axes.patches if isinstance(patch, StepPatch))
-    assert np.sum(bars.get_data().values) == pytest.approx(100.0)
+    assert np.sum(bars.get_data()[0]) == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize(

@@ -106,4 +106,4 @@ def test_they_have_rigs_and_motions_of_their_own(
 ) -> None:
     """So none may be given."""
     assert main(["simulate", "--hard-cases", "--out", str(tmp_path), option, value]) == 2
-    assert "--hard-cases has rigs and motions of its own" in capsys.readouterr().err
+    assert "--hard-cases has its own rigs and motions" in capsys.readouterr().err

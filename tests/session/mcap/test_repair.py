@@ -296,7 +296,7 @@ def test_the_command_closes_a_folder_and_tells_what_it_did(tmp_path: Path, capsy
     assert main(["repair", str(tmp_path)]) == 4
     said = capsys.readouterr()
     assert "a.mcap: cannot be repaired: it was written by another program" in said.err
-    assert f"{tmp_path / 'b.mcap'}: closed, 20 samples; " in said.out
+    assert f"{tmp_path / 'b.mcap'}: closed, 20 samples, " in said.out
     assert f"{tmp_path / 'c.mcap'}: is whole" in said.out
     assert len(public(tmp_path / "b.mcap")) == 20
 
