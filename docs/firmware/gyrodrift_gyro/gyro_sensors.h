@@ -1,15 +1,15 @@
-/* Gyros on I2C, one record each: how it is known, what is written to it, and where its values stand.
+/* Gyros on I2C: how to recognize each sensor, how to set it up, and where its values are.
 
-   Registers and scales are those of the makers' papers: InvenSense RM-MPU-6000A 4.2, TDK DS-000189 1.3 (ICM-20948),
-   ST DocID026899 (LSM6DS3), ST DS12140 (LSM6DSO). Each is set to 250 deg/s, about 200 Hz, and to raise its interrupt
-   pin when a measurement is ready.
+   Registers and scales are from the data sheets: InvenSense RM-MPU-6000A 4.2, TDK DS-000189 1.3 (ICM-20948), ST
+   DocID026899 (LSM6DS3), ST DS12140 (LSM6DSO). All sensors are set to 250 deg/s and about 200 Hz. They raise their
+   interrupt pin when a measurement is ready.
 */
 #ifndef GYRO_SENSORS_H
 #define GYRO_SENSORS_H
 
 #include <stdint.h>
 
-#define GYRO_BURST_BYTES 8 /* temperature and the rates about x, y and z, in one piece */
+#define GYRO_BURST_BYTES 8 /* temperature and the rates about x, y and z, in consecutive registers */
 
 typedef struct {
   uint8_t reg;
@@ -17,28 +17,28 @@ typedef struct {
 } gyro_write;
 
 typedef struct {
-  const char *id; /* for HELLO: sensor, range in deg/s, low-pass in Hz; 16 letters at most */
+  const char *id; /* for HELLO: sensor, range in deg/s, low-pass in Hz; at most 16 characters */
   uint8_t addresses[2];
   uint8_t who_reg;
-  uint8_t who; /* what its WHO_AM_I says */
-  const gyro_write *writes; /* the first one resets it */
+  uint8_t who; /* value of its WHO_AM_I */
+  const gyro_write *writes; /* the first resets it */
   uint8_t write_count;
-  uint8_t burst_reg; /* where the burst begins */
-  uint8_t temp_at; /* in the burst, as rates_at, where x stands; y and z follow */
+  uint8_t burst_reg; /* first register of the burst */
+  uint8_t temp_at; /* index in the burst; rates_at: index of x, then y and z */
   uint8_t rates_at;
   uint8_t is_big_endian;
   uint16_t sample_rate_hz;
   float dps_per_lsb;
   float c_per_lsb;
-  float c_at_zero; /* temperature where its register reads 0 */
+  float c_at_zero; /* temperature at the register value 0 */
 } gyro_sensor;
 
 #define GYRO_WRITES(writes) writes, (uint8_t)(sizeof(writes) / sizeof(writes)[0])
 
 static const gyro_write MPU6050_WRITES[] = {
     {0x6B, 0x80}, /* PWR_MGMT_1: reset */
-    {0x6B, 0x01}, /* PWR_MGMT_1: awake, on the clock of the gyro's x axis */
-    {0x1A, 0x03}, /* CONFIG: low-pass of 42 Hz, and with it 1 kHz inside */
+    {0x6B, 0x01}, /* PWR_MGMT_1: awake, clock of the gyro's x axis */
+    {0x1A, 0x03}, /* CONFIG: low-pass of 42 Hz, internal rate 1 kHz */
     {0x19, 0x04}, /* SMPLRT_DIV: 1 kHz / (1 + 4) */
     {0x1B, 0x00}, /* GYRO_CONFIG: 250 deg/s */
     {0x37, 0x00}, /* INT_PIN_CFG: a pulse of 50 us, high */
@@ -47,24 +47,24 @@ static const gyro_write MPU6050_WRITES[] = {
 
 static const gyro_write LSM6DS_WRITES[] = {
     {0x12, 0x01}, /* CTRL3_C: reset */
-    {0x12, 0x44}, /* CTRL3_C: both bytes of a value belong together, addresses count up */
+    {0x12, 0x44}, /* CTRL3_C: block data update, addresses increment */
     {0x10, 0x00}, /* CTRL1_XL: no accelerometer */
     {0x0D, 0x02}, /* INT1_CTRL: gyro data ready; high until the rates are read */
-    {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate */
+    {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the rate sets the low-pass */
 };
 
 static const gyro_write LSM6DSO_WRITES[] = {
     {0x12, 0x01}, /* CTRL3_C: reset */
-    {0x12, 0x44}, /* CTRL3_C: both bytes of a value belong together, addresses count up */
+    {0x12, 0x44}, /* CTRL3_C: block data update, addresses increment */
     {0x18, 0xE2}, /* CTRL9_XL: I2C without I3C */
     {0x10, 0x00}, /* CTRL1_XL: no accelerometer */
     {0x0D, 0x02}, /* INT1_CTRL: gyro data ready; high until the rates are read */
-    {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the low-pass belongs to the rate */
+    {0x11, 0x50}, /* CTRL2_G: 208 Hz, 250 deg/s; the rate sets the low-pass */
 };
 
 static const gyro_write ICM20948_WRITES[] = {
     {0x06, 0x80}, /* PWR_MGMT_1: reset */
-    {0x06, 0x01}, /* PWR_MGMT_1: awake, on its best clock */
+    {0x06, 0x01}, /* PWR_MGMT_1: awake, best clock */
     {0x7F, 0x20}, /* bank 2 */
     {0x00, 0x04}, /* GYRO_SMPLRT_DIV: 1125 Hz / (1 + 4) */
     {0x01, 0x19}, /* GYRO_CONFIG_1: low-pass of 51 Hz, 250 deg/s */

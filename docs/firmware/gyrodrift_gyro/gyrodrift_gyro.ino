@@ -1,7 +1,7 @@
-// A gyro on I2C for gyrodrift: its rate about one axis and its temperature, in the native protocol.
+// Gyro on I2C for gyrodrift: sends the rate about one axis and the temperature in the native protocol.
 //
-// The sensor's data-ready pin says when it has measured. The clock is read there, in the interrupt, so that neither
-// I2C nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them.
+// The data-ready pin of the sensor starts an interrupt, which reads the clock. So traffic on I2C or the serial line does
+// not shift sample times. `seq` counts missed measurements, too.
 
 #include <Wire.h>
 
@@ -12,12 +12,12 @@
 #include <avr/sleep.h>
 #endif
 
-// What a robot may want otherwise.
+// Settings of your robot.
 static const uint32_t BAUD = 115200;
-static const uint8_t AXIS = 2;            // 0 x, 1 y, 2 z: the axis that points up
-static const bool IS_UPSIDE_DOWN = false; // whether it points down
+static const uint8_t AXIS = 2;            // axis that points up: 0 x, 1 y, 2 z
+static const bool IS_UPSIDE_DOWN = false; // true if it points down
 
-// A pin that can interrupt, where docs/firmware/README.md has it.
+// A pin with interrupts; the same as in docs/firmware/README.md.
 #if defined(ESP32)
 static const uint8_t DATA_READY_PIN = 19;
 #elif defined(ESP8266)
@@ -31,12 +31,12 @@ static const uint8_t DATA_READY_PIN = 2;
 #endif
 
 static const uint32_t I2C_HZ = 400000;
-static const uint16_t RESET_MS = 100; // MPU-6050 after a reset; the others are quicker
+static const uint16_t RESET_MS = 100; // of the MPU-6050, the slowest
 static const uint32_t HELLO_US = 1000000;
-static const uint32_t SILENCE_MS = 300; // a sensor that is quiet for so long has lost its settings, or its cable
+static const uint32_t SILENCE_MS = 300; // then the sensor is set up again: it lost its settings or its cable
 
 #if !defined(IRAM_ATTR)
-#define IRAM_ATTR // an ESP keeps interrupts in memory
+#define IRAM_ATTR // an ESP needs interrupt handlers in RAM
 #endif
 
 static volatile uint16_t ready_seq;
@@ -44,10 +44,10 @@ static volatile uint32_t ready_us;
 
 static const gyro_sensor *sensor;
 static uint8_t address;
-static uint16_t seq; // of the last measurement that was dealt with
+static uint16_t seq; // of the last measurement read
 static uint32_t hello_us;
 static uint32_t sample_ms;
-static uint8_t quiet_starts; // how often the sensor was started since it last spoke
+static uint8_t quiet_starts; // starts of the sensor since its last measurement
 
 static void IRAM_ATTR on_data_ready() {
   ready_us = micros();
@@ -73,7 +73,7 @@ static bool read_registers(uint8_t at, uint8_t reg, uint8_t *into, uint8_t count
   return true;
 }
 
-// A board that was reset while a sensor spoke finds it waiting for clocks, with SDA held low.
+// Clock out a sensor that holds SDA low, because the board was reset during a transfer.
 static void free_bus() {
   pinMode(SDA, INPUT_PULLUP);
   for (uint8_t i = 0; i < 9 && digitalRead(SDA) == LOW; i++) {
@@ -102,7 +102,7 @@ static bool start(const gyro_sensor &candidate, uint8_t at) {
   return true;
 }
 
-// Who reads the log of gyrodrift learns from the name what is wrong with the wires.
+// Sensor name, or the wiring fault that the log of gyrodrift then shows.
 static const char *name() {
   if (sensor == NULL) {
     return "no gyro on I2C";
@@ -133,7 +133,7 @@ static void find_sensor() {
   if (quiet_starts < UINT8_MAX) {
     quiet_starts++;
   }
-  send_hello(); // before samples that may have another scale
+  send_hello(); // before samples with a new scale
   sample_ms = millis();
 }
 
@@ -173,7 +173,7 @@ static void take_sample() {
     return;
   }
   noInterrupts();
-  const bool is_overtaken = ready_seq != seq; // the next measurement may be in it: whose time it has is not known
+  const bool is_overtaken = ready_seq != seq; // overtaken by the next measurement: rate and time may not match
   interrupts();
   if (is_overtaken) {
     return;
@@ -213,7 +213,7 @@ void loop() {
     find_sensor();
   }
 #if defined(__AVR__)
-  set_sleep_mode(SLEEP_MODE_IDLE); // until the next interrupt, a millisecond at most: a cooler board beside the gyro
+  set_sleep_mode(SLEEP_MODE_IDLE); // for at most 1 ms, until the next interrupt: keeps the board beside the gyro cool
   sleep_mode();
 #endif
 }

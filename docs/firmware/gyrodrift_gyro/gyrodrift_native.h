@@ -1,9 +1,9 @@
-/* The native protocol of gyrodrift, as a device speaks it: HELLO and SAMPLE, framed by COBS, with a CRC.
+/* Encoder of gyrodrift's native protocol: HELLO and SAMPLE, framed by COBS, with a CRC.
 
-   For C99 and C++, without allocation, tables, 64-bit numbers or stdio. It needs 8 bytes of stack beside the frame and
-   a two's complement machine with IEEE floats; the order of its bytes does not matter. Lengths are bytes.
+   For C99 and C++, without allocation, tables, 64-bit numbers or stdio. It needs the frame and 8 bytes of stack, two's
+   complement and IEEE floats; any byte order works. Lengths are in bytes.
 
-   Send HELLO at boot and once a second, so that a reader may join at any time, and SAMPLE for each measurement:
+   Send HELLO at boot and once a second, so that a reader can join at any time, and SAMPLE for each measurement:
 
        uint8_t frame[GYRODRIFT_LONGEST_FRAME];
        write(frame, gyrodrift_hello_frame(frame, &hello));
@@ -15,7 +15,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define GYRODRIFT_HELLO_FRAME 32 /* bytes on the wire, delimiter included */
+#define GYRODRIFT_HELLO_FRAME 32 /* bytes on the wire, with the delimiter */
 #define GYRODRIFT_SAMPLE_FRAME 20
 #define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO_FRAME
 
@@ -31,21 +31,21 @@
 
 typedef struct {
   uint16_t sample_rate_hz;
-  float dps_per_lsb;     /* deg/s of one count of rate_raw; above zero */
-  uint32_t encoder_cpr;  /* counts a turn; 0 without an encoder */
-  const char *device_id; /* ASCII, ends with a zero; what is longer than 16 is cut off */
+  float dps_per_lsb;     /* deg/s of one count of rate_raw; above 0 */
+  uint32_t encoder_cpr;  /* counts per turn; 0 without an encoder */
+  const char *device_id; /* ASCII, zero-terminated; cut after 16 characters */
 } gyrodrift_hello;
 
 typedef struct {
   uint8_t flags;
-  uint16_t seq;           /* counts measurements, those too that could not be sent; wraps */
+  uint16_t seq;           /* counts measurements, also those not sent; wraps */
   uint32_t t_us;          /* device clock at the measurement, in microseconds; wraps */
   int16_t rate_raw;       /* counter-clockwise is positive */
   int16_t temp_centi_c;   /* hundredths of a degree C */
   int32_t encoder_counts; /* wraps */
 } gyrodrift_sample;
 
-/* A frame under way. `run` is where the distance to the next zero goes, as COBS has it (Cheshire and Baker 1999). */
+/* State of a frame. `run` is the index of the distance to the next zero (COBS, Cheshire and Baker 1999). */
 typedef struct {
   uint8_t *frame;
   uint8_t at;
@@ -63,7 +63,7 @@ static inline void gyrodrift_stuff(gyrodrift_writer *writer, uint8_t byte) {
   writer->at++;
 }
 
-/* CRC-16/CCITT-FALSE by shifts, since a table of 512 bytes would be a quarter of an ATmega328's memory. */
+/* CRC-16/CCITT-FALSE by shifts: a table of 512 bytes would take a quarter of an ATmega328's memory. */
 static inline uint16_t gyrodrift_crc(uint16_t crc, uint8_t byte) {
   crc = (uint16_t)((uint16_t)(crc >> 8) | (uint16_t)(crc << 8));
   crc = (uint16_t)(crc ^ byte);
@@ -103,7 +103,7 @@ static inline uint8_t gyrodrift_end(gyrodrift_writer *writer) {
   return (uint8_t)(writer->at + 1);
 }
 
-/* HELLO into a frame of GYRODRIFT_HELLO_FRAME bytes; its length. */
+/* Write HELLO into `frame` (GYRODRIFT_HELLO_FRAME bytes); return its length. */
 static inline uint8_t gyrodrift_hello_frame(uint8_t *frame, const gyrodrift_hello *hello) {
   gyrodrift_writer writer;
   const char *letter = hello->device_id;
@@ -124,7 +124,7 @@ static inline uint8_t gyrodrift_hello_frame(uint8_t *frame, const gyrodrift_hell
   return gyrodrift_end(&writer);
 }
 
-/* SAMPLE into a frame of GYRODRIFT_SAMPLE_FRAME bytes; its length. */
+/* Write SAMPLE into `frame` (GYRODRIFT_SAMPLE_FRAME bytes); return its length. */
 static inline uint8_t gyrodrift_sample_frame(uint8_t *frame, const gyrodrift_sample *sample) {
   gyrodrift_writer writer;
   gyrodrift_begin(&writer, frame, GYRODRIFT_SAMPLE_TYPE);

@@ -1,14 +1,14 @@
-"""The native protocol of gyrodrift, as a device speaks it: HELLO and SAMPLE, framed by COBS, with a CRC.
+"""Encoder of gyrodrift's native protocol for MicroPython: HELLO and SAMPLE, framed by COBS, with a CRC.
 
-For MicroPython, where what is allocated has to be collected, which takes as long as a sample or two: frames are
-written in place, and no number is larger than 30 bits.
+Garbage collection takes as long as one or two samples. So frames are written in place, and no number is larger than 30
+bits.
 """
 
 import struct
 from array import array
 
 HELLO_FRAME = 32
-"""Bytes on the wire, delimiter included."""
+"""Bytes on the wire, with the delimiter."""
 
 SAMPLE_FRAME = 20
 
@@ -20,7 +20,7 @@ HELLO_TYPE = 0x01
 SAMPLE_TYPE = 0x02
 VERSION = 1
 PAYLOAD_AT = 1
-"""Behind the first distance of COBS."""
+"""Index after the first distance of COBS."""
 
 
 def _crc_of_byte(byte: int) -> int:
@@ -35,7 +35,7 @@ CRC_TABLE = array("H", [_crc_of_byte(byte) for byte in range(256)])
 
 
 class FrameWriter:
-    """Frames in one buffer: what a method gives is good until the next one is called."""
+    """Writes frames into one buffer. A returned frame is valid until the next call."""
 
     def __init__(self) -> None:
         self._frame = bytearray(HELLO_FRAME)
@@ -43,7 +43,7 @@ class FrameWriter:
         self._sample = self._hello[:SAMPLE_FRAME]
 
     def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: str) -> memoryview:
-        """At boot and once a second. `device_id` is ASCII; what is longer than 16 is cut off."""
+        """HELLO, to send at boot and once a second. `device_id` is ASCII, cut after 16 characters."""
         name = device_id.encode()[:16]
         fields = (HELLO_TYPE, VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name)
         struct.pack_into("<BBHfI16s", self._frame, PAYLOAD_AT, *fields)
@@ -52,7 +52,7 @@ class FrameWriter:
     def sample(
         self, flags: int, seq: int, t_us: list, rate_raw: int, temp_centi_c: int, encoder_counts: int = 0
     ) -> memoryview:
-        """For each measurement. `t_us` is the device clock as two numbers of 16 bits, the lower one first."""
+        """SAMPLE of one measurement. `t_us` is the device clock as two numbers of 16 bits, the low half first."""
         low, high = t_us
         into = self._frame
         struct.pack_into(
@@ -68,7 +68,7 @@ class FrameWriter:
             crc = (crc << 8 & 0xFFFF) ^ table[crc >> 8 ^ frame[index]]
         frame[crc_at] = crc & 0xFF
         frame[crc_at + 1] = crc >> 8
-        run = 0  # index of the byte for the distance to the next zero
+        run = 0  # index of the distance to the next zero
         for index in range(PAYLOAD_AT, crc_at + 2):
             if frame[index] == 0:
                 frame[run] = index - run

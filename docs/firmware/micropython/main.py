@@ -1,8 +1,8 @@
-"""A gyro on I2C for gyrodrift: its rate about one axis and its temperature, in the native protocol.
+"""Gyro on I2C for gyrodrift: sends the rate about one axis and the temperature in the native protocol.
 
-The sensor's data-ready pin says when it has measured. The clock is read there, in the interrupt, so that neither I2C
-nor the serial line moves the time of a sample. Measurements that were missed are counted too: `seq` shows them. A
-sample takes no memory, since collecting it would take as long as the next one.
+The data-ready pin of the sensor starts an interrupt, which reads the clock. So traffic on I2C or the serial line does
+not shift sample times. `seq` counts missed measurements, too. A sample allocates no memory, because garbage collection
+would take as long as a sample.
 """
 
 import sys
@@ -12,19 +12,19 @@ import machine
 from gyro_sensors import BURST_BYTES, SENSORS, GyroSensor
 from gyrodrift_native import RATE_CLIPPED, TEMPERATURE_VALID, FrameWriter
 
-# What a robot may want otherwise.
+# Settings of your robot.
 I2C_ID, SDA_PIN, SCL_PIN, DATA_READY_PIN = (0, 4, 5, 6) if sys.platform == "rp2" else (0, 21, 22, 19)  # Pico, ESP32
-AXIS = 2  # 0 x, 1 y, 2 z: the axis that points up
-IS_UPSIDE_DOWN = False  # whether it points down
+AXIS = 2  # axis that points up: 0 x, 1 y, 2 z
+IS_UPSIDE_DOWN = False  # True if it points down
 
 I2C_HZ = 400_000
-RESET_MS = 100  # MPU-6050 after a reset; the others are quicker
+RESET_MS = 100  # of the MPU-6050, the slowest
 HELLO_MS = 1000
-SILENCE_MS = 300  # a sensor that is quiet for so long has lost its settings, or its cable
+SILENCE_MS = 300  # after this silence the sensor is set up again: it lost its settings or its cable
 
 
 class Gyro:
-    """The sensor, its interrupt, and what goes out."""
+    """Reads the sensor, with its interrupt, and writes frames."""
 
     def __init__(self, out: object) -> None:
         self._out = out
@@ -32,22 +32,22 @@ class Gyro:
         self._burst = bytearray(BURST_BYTES)
         self._sensor = None
         self._address = 0
-        self._quiet_starts = 0  # how often the sensor was started since it last spoke
+        self._quiet_starts = 0  # starts of the sensor since its last measurement
         self._ready_seq = self._ready_us = 0
-        self._seq = 0  # of the last measurement that was dealt with
+        self._seq = 0  # of the last measurement read
         self._last_us = time.ticks_us()
-        self._t_us = [0, 0]  # device clock in two halves, the lower one first
+        self._t_us = [0, 0]  # device clock in two halves, the low half first
         self._hello_ms = self._sample_ms = time.ticks_ms()
         self._i2c = machine.I2C(I2C_ID, sda=machine.Pin(SDA_PIN), scl=machine.Pin(SCL_PIN), freq=I2C_HZ)
         pin = machine.Pin(DATA_READY_PIN, machine.Pin.IN)
         try:
             pin.irq(self._on_data_ready, machine.Pin.IRQ_RISING, hard=True)
-        except TypeError:  # a port without hard interrupts
+        except TypeError:  # MicroPython port without hard interrupts
             pin.irq(self._on_data_ready, machine.Pin.IRQ_RISING)
         self._find_sensor()
 
     def step(self) -> None:
-        """Send HELLO and samples that are due, then sleep until the next interrupt."""
+        """Send HELLO and the sample that are due, restart a silent sensor, then wait for an interrupt."""
         now_ms = time.ticks_ms()
         if time.ticks_diff(now_ms, self._hello_ms) >= HELLO_MS:
             self._hello_ms = time.ticks_add(self._hello_ms, HELLO_MS)
@@ -72,7 +72,7 @@ class Gyro:
             self._i2c.readfrom_mem_into(self._address, self._sensor.burst_reg, self._burst)
         except OSError:
             return
-        if self._ready_seq != seq:  # the next measurement came meanwhile: rate and time may belong to different samples
+        if self._ready_seq != seq:  # overtaken by the next measurement: rate and time may not match
             return
         if self._quiet_starts > 2:
             self._quiet_starts = 0
@@ -94,7 +94,7 @@ class Gyro:
         self._out.write(self._writer.sample(flags, self._seq, self._t_us, rate, centi_c))
 
     def _let_time_pass(self, ready_us: int) -> None:
-        """Extend the 30-bit clock of the board to the 32 bits of the protocol."""
+        """Advance the 32-bit clock of the protocol; the clock of the board has 30 bits."""
         low = self._t_us[0] + time.ticks_diff(ready_us, self._last_us)
         self._last_us = ready_us
         self._t_us[0] = low & 0xFFFF
@@ -106,7 +106,7 @@ class Gyro:
         return value - 0x10000 if value & 0x8000 else value
 
     def _name(self) -> str:
-        """Name of the sensor, or a fault of the wiring for the log of gyrodrift."""
+        """Sensor name, or the wiring fault that the log of gyrodrift then shows."""
         if self._sensor is None:
             return "no gyro on I2C"
         return "INT pin is quiet" if self._quiet_starts > 2 else self._sensor.id
@@ -123,16 +123,16 @@ class Gyro:
                 if self._sensor is None and self._is_started(sensor, address):
                     self._sensor, self._address = sensor, address
         self._quiet_starts += 1
-        self._send_hello()  # before samples that may have another scale
+        self._send_hello()  # before samples with a new scale
         self._sample_ms = time.ticks_ms()
 
     def _is_started(self, sensor: GyroSensor, address: int) -> bool:
         try:
             if self._i2c.readfrom_mem(address, sensor.who_reg, 1)[0] != sensor.who:
                 return False
-            for number, (register, value) in enumerate(sensor.writes):
+            for index, (register, value) in enumerate(sensor.writes):
                 self._i2c.writeto_mem(address, register, bytes([value]))
-                if number == 0:
+                if index == 0:
                     time.sleep_ms(RESET_MS)
         except OSError:
             return False
@@ -140,7 +140,7 @@ class Gyro:
 
 
 def main() -> None:
-    """Until the board is switched off."""
+    """Run until the board is switched off."""
     gyro = Gyro(sys.stdout.buffer)
     while True:
         gyro.step()
