@@ -49,7 +49,7 @@ def of_uncertainty(bias_sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: f
 
 def of_start_calibration(at_rest: StillRate) -> YawDrift:
     """The mean of the first seconds is taken off; bias instability comes on top where the rest has shown it."""
-    sigma_dps = hypot(at_rest.noise_dps_rthz / sqrt(START_S), at_rest.floor_dps or 0.0)
+    sigma_dps = hypot(at_rest.noise_dps_rthz / sqrt(START_S), at_rest.instability_dps or 0.0)
     return of_uncertainty(sigma_dps, at_rest.noise_dps_rthz)
 
 

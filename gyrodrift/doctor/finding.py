@@ -1,5 +1,6 @@
-"""What a check finds: how much it matters, a sentence, what to do, and the number behind it."""
+"""Finding of a check: its severity, a sentence, the advice, and the number behind it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -7,16 +8,16 @@ from gyrodrift.outputs.health import Health, HealthLevel
 
 
 class Severity(StrEnum):
-    """How much it matters, the least first.
+    """Severity of a finding, lowest first.
 
     ok
         As it should be.
     note
-        Worth knowing; yaw does not suffer.
+        Good to know; yaw does not suffer.
     warning
-        Yaw suffers, or will.
+        Yaw suffers, or will suffer.
     error
-        There is no yaw, or none that can be trusted.
+        No yaw, or a yaw that cannot be trusted.
     """
 
     OK = "ok"
@@ -26,20 +27,20 @@ class Severity(StrEnum):
 
     @property
     def rank(self) -> int:
-        """0 for the least."""
+        """Position in the order of severities, from 0."""
         return list(Severity).index(self)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceFinding:
-    """One sentence about a device.
+    """Sentence about a device.
 
     id
-        Of the check that it comes from.
+        Id of the check.
     says, do
-        What is so, and what to do about it; `do` is empty where nothing is to be done.
+        The state, and the advice; `do` is empty if there is nothing to do.
     value, unit
-        The number behind it; None where there is none.
+        The number behind the sentence; None without a number.
     """
 
     severity: Severity
@@ -51,44 +52,44 @@ class DeviceFinding:
 
 
 def ok(says: str, value: float | None = None, unit: str = "", do: str = "") -> DeviceFinding:
-    """As it should be."""
+    """Finding of severity ok."""
     return DeviceFinding(Severity.OK, says, do, value, unit)
 
 
 def note(says: str, do: str = "", value: float | None = None, unit: str = "") -> DeviceFinding:
-    """Worth knowing."""
+    """Finding of severity note."""
     return DeviceFinding(Severity.NOTE, says, do, value, unit)
 
 
 def warning(says: str, do: str, value: float | None = None, unit: str = "") -> DeviceFinding:
-    """Yaw suffers."""
+    """Finding of severity warning."""
     return DeviceFinding(Severity.WARNING, says, do, value, unit)
 
 
 def error(says: str, do: str, value: float | None = None, unit: str = "") -> DeviceFinding:
-    """No yaw, or none that can be trusted."""
+    """Finding of severity error."""
     return DeviceFinding(Severity.ERROR, says, do, value, unit)
 
 
 def of_error(text: str) -> DeviceFinding:
-    """An error's message: what happened stands before the first semicolon, what to do behind it."""
+    """Finding from the message of an exception: the problem, a semicolon, the advice."""
     says, _, do = text.partition("; ")
     return error(sentence(says), sentence(do))
 
 
 def of_health(health: Health, severity: Severity, do: str, value: float | None = None, unit: str = "") -> DeviceFinding:
-    """What a running service would say of the same link, in its words; what it calls bad is an error here."""
+    """Finding in the words of a running service; its level BAD becomes an error."""
     return DeviceFinding(Severity.ERROR if health.level is HealthLevel.BAD else severity, health.says, do, value, unit)
 
 
 def sentence(text: str) -> str:
-    """With a capital and a full stop."""
+    """Text with a capital letter and a full stop."""
     text = text.strip()
     if not text:
         return ""
     return text[0].upper() + text[1:] + ("" if text[-1] in ".?!" else ".")
 
 
-def worst(findings: list[DeviceFinding]) -> Severity:
-    """The most severe of them."""
-    return max((each.severity for each in findings), key=lambda each: each.rank, default=Severity.OK)
+def worst(findings: Sequence[DeviceFinding]) -> Severity:
+    """Highest severity; ok without findings."""
+    return max((finding.severity for finding in findings), key=lambda severity: severity.rank, default=Severity.OK)

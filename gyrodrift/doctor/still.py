@@ -9,7 +9,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.doctor.evidence import DeviceEvidence
 
-RAIL_LEAST_DPS = 20.0
+RAIL_MIN_DPS = 20.0
 """A largest rate below that is no end of a range."""
 
 
@@ -23,7 +23,7 @@ class StillRate:
         Angle random walk N, deg/s/√Hz (that is deg/√s): by the Allan deviation, in less than 30 s by the scatter.
     std_dps
         Scatter of single samples.
-    floor_dps
+    instability_dps
         Bias instability B, where the rest is long enough to show it.
     """
 
@@ -34,7 +34,7 @@ class StillRate:
     bias_sigma_dps: float
     noise_dps_rthz: float
     std_dps: float
-    floor_dps: float | None
+    instability_dps: float | None
 
 
 def still_rate(evidence: DeviceEvidence) -> StillRate | None:
@@ -56,7 +56,7 @@ def still_rate(evidence: DeviceEvidence) -> StillRate | None:
         bias_sigma_dps=noise_dps_rthz / sqrt(seconds),
         noise_dps_rthz=noise_dps_rthz,
         std_dps=rest.std_dps,
-        floor_dps=allan.bias_instability_dps if allan is not None else None,
+        instability_dps=allan.bias_instability_dps if allan is not None else None,
     )
 
 

@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from doctor_support import FAST, assert_findings, device, doctor
 from support import Command, Terminal
@@ -85,6 +86,64 @@ def test_a_recording_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["doctor", str(tmp_path / "none.mcap")]) == 4
     assert main(["doctor", "--sensor", "MPU-9999"]) == 2
     assert "MPU-6050" in capsys.readouterr().err
+
+
+def test_a_recording_that_warms_is_not_called_steady(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Neither slowly, over an hour, nor up and down again: the note names the temperatures."""
+    for name, temperatures in {"slow": (25.0, 29.0, 33.0), "back": (25.0, 33.0, 25.5)}.items():
+        temp_c = np.interp(np.arange(12000), [0, 6000, 12000], temperatures)
+        rows = (f"{0.25 * index},{0.01 * (index % 5)},{value:.3f}\n" for index, value in enumerate(temp_c))
+        (tmp_path / f"{name}.csv").write_text("t_device_s,rate_dps,temp_c\n" + "".join(rows))
+    _, slow = doctor(capsys, tmp_path / "slow.csv")
+    assert_findings(slow, [("temperature", "note", "25.0 to 33.0 °C within 50.0 min")])
+    _, back = doctor(capsys, tmp_path / "back.csv")
+    assert_findings(back, [("temperature", "note", "25.0 to 33.0 to 25.5 °C within 50.0 min")])
+
+
+def test_noise_is_quoted_as_engineers_do(still_session: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In °/√h and °/h beside deg/s, and with the factor between the Allan minimum and the bias instability."""
+    _, found = doctor(capsys, still_session, "--sensor", "adis16470")
+    assert_findings(
+        found,
+        [
+            ("noise", "ok", "°/√h (0.00"),
+            ("noise", "ok", " deg/√s) angle random walk"),
+            ("bias_instability", "ok", " °/h (0.0"),
+            ("bias_instability", "ok", "the minimum of the Allan deviation over 0.664"),
+            ("bias_instability", "ok", "The data sheet states 8 °/h (0.00222 deg/s)."),
+        ],
+    )
+
+
+@pytest.fixture(scope="module")
+def still_session(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Five minutes at rest with flicker noise: long enough for a minimum of the Allan deviation."""
+    folder = tmp_path_factory.mktemp("still")
+    words = ("--out", folder, "--minutes", "5", "--profile", "rest", "--effect", "bias_instability", "--quiet")
+    assert main(["simulate", *map(str, words)]) == 0
+    return folder / "session-01.mcap"
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])
+def test_problems_and_drift_fit_on_the_screen(session: Path, columns: int, rows: int) -> None:
+    """A recording with a warning: the first line and the last are on it, and a wide one is used to its end."""
+    with Terminal(sys.executable, "-m", "gyrodrift", "doctor", session, columns=columns, rows=rows) as terminal:
+        assert terminal.end() == 0
+        lines = [line.rstrip() for line in terminal.screen.display if line.strip()]
+    assert any("clock_drift" in line for line in lines)
+    assert any("drift_restlevel" in line for line in lines)
+    assert "not shown; --verbose shows all)" in lines[-1]
+    assert max(map(len, lines)) > 0.85 * columns
+
+
+def test_verbose_shows_every_finding(session: Path) -> None:
+    """Without it, findings that are ok are counted alone, but for the expected drift."""
+    with Command("doctor", session) as brief, Command("doctor", session, "--verbose") as verbose:
+        assert (brief.end(), verbose.end()) == (0, 0)
+    assert "✓ sample_rate: " in verbose.out
+    assert "✓ sample_rate: " not in brief.out
+    assert "✓ drift_plain: " in brief.out
+    assert "--verbose" not in verbose.out
 
 
 def test_in_a_pipe_each_finding_is_one_line(session: Path) -> None:

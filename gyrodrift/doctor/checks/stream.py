@@ -7,7 +7,7 @@ from gyrodrift.describe.text import JITTER_ODD
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
-from gyrodrift.doctor.still import RAIL_LEAST_DPS, step_of, still_rate
+from gyrodrift.doctor.still import RAIL_MIN_DPS, step_of, still_rate
 from gyrodrift.outputs import health
 
 MANY_MISSING = 0.01
@@ -199,7 +199,7 @@ def _longest_run(rate_dps: Floats) -> tuple[int, float]:
     """Samples in a row that say one value, and it; the end of the range is not counted: a finding of its own."""
     ends = np.concatenate([[-1], np.flatnonzero(np.diff(rate_dps) != 0.0), [len(rate_dps) - 1]])
     most_dps = float(np.nanmax(np.abs(rate_dps), initial=0.0))
-    is_rail = (np.abs(rate_dps[ends[1:]]) >= most_dps) & (most_dps > RAIL_LEAST_DPS)
+    is_rail = (np.abs(rate_dps[ends[1:]]) >= most_dps) & (most_dps > RAIL_MIN_DPS)
     runs = np.where(is_rail, 0, np.diff(ends))
     longest = int(runs.argmax())
     return int(runs[longest]), float(rate_dps[ends[longest + 1]])
