@@ -50,6 +50,6 @@ def test_analyses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     monkeypatch.chdir(tmp_path)
     run(ANALYSES)
     told = capsys.readouterr().out
-    assert told.startswith("HdrParams(i_c_dps=")
+    assert told.startswith(("hdr HdrParams(i_c_dps=", "restlevel RestlevelParams(window_s="))
     assert "restlevel: " in told
     assert sorted(path.name for path in tmp_path.iterdir()) == ["sessions"]
