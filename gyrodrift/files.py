@@ -12,6 +12,7 @@ from tempfile import TemporaryFile
 from typing import BinaryIO
 
 from gyrodrift.errors import UsageError
+from gyrodrift.system import OPEN_AT_ONCE, set_mode, set_owner
 
 MCAP_MAGIC = b"\x89MCAP"
 COMMENT, LONGEST_LINE = b"#", 4096
@@ -91,7 +92,7 @@ def _check_openable(path: Path | str | int) -> None:
 def _without_waiting(name: str, flags: int) -> int:
     """Open an ordinary file or a folder, which open() refuses itself; a device may do something when it is opened."""
     _check_openable(name)
-    fd = os.open(name, flags | os.O_NONBLOCK | os.O_NOCTTY)
+    fd = os.open(name, flags | OPEN_AT_ONCE)
     try:
         _check_openable(fd)  # another file may have taken the name
     except ValueError:
@@ -160,12 +161,12 @@ def _let_the_same_read(fd: int, before: os.stat_result) -> None:
     """Owner, group and mode of the file that is replaced; where its group cannot be given on, no group's rights."""
     mode = stat.S_IMODE(before.st_mode)
     with suppress(OSError):  # root alone gives files away
-        os.fchown(fd, before.st_uid, -1)
+        set_owner(fd, before.st_uid, -1)
     try:
-        os.fchown(fd, -1, before.st_gid)
+        set_owner(fd, -1, before.st_gid)
     except OSError:
         mode &= ~stat.S_IRWXG
-    os.fchmod(fd, mode)
+    set_mode(fd, mode)
 
 
 def write_whole(path: Path, pieces: Iterable[str]) -> None:

@@ -1,20 +1,17 @@
 """Processes of this machine for work that holds the interpreter, so that threads would not do: methods, simulations."""
 
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
-from signal import SIG_DFL, SIG_IGN, SIGINT, SIGKILL, SIGTERM, signal
+from signal import SIG_DFL, SIG_IGN, SIGINT, SIGTERM, signal
 from typing import Any, TypeVar
+
+from gyrodrift.system import CAN_FORK, kill_with
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
-
-
-PR_SET_PDEATHSIG = 1
-"""Linux, prctl(2): asks for a signal when the parent ends."""
 
 
 class LocalWorkers:
@@ -30,8 +27,8 @@ class LocalWorkers:
 
 @contextmanager
 def workers(jobs: int) -> Iterator[LocalWorkers]:
-    """So many processes; with one the work is done here."""
-    if jobs == 1:
+    """Up to `jobs` processes; with one process the work is done in this one."""
+    if usable_jobs(jobs) == 1:
         yield LocalWorkers(None)
         return
     pool = fork_pool(jobs, _leave_signals_to_the_parent)
@@ -41,25 +38,19 @@ def workers(jobs: int) -> Iterator[LocalWorkers]:
         pool.shutdown(cancel_futures=True)
 
 
+def usable_jobs(jobs: int) -> int:
+    """The number of processes that `jobs` gives here: 1 where the system cannot fork, as on Windows."""
+    return jobs if CAN_FORK else 1
+
+
 def fork_pool(jobs: int, begin: Callable[..., None], *given: Any) -> ProcessPoolExecutor:
     """Forked processes that call `begin` first, and that end when this process does, however it ends."""
     return ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), begin, given))
 
 
 def _begin(parent: int, begin: Callable[..., None], given: tuple[Any, ...]) -> None:
-    end_with_parent(parent)
+    kill_with(parent)
     begin(*given)
-
-
-def end_with_parent(parent: int) -> None:
-    """End this worker at once when the process of this number ends, which forked it."""
-    if not sys.platform.startswith("linux"):
-        return
-    import ctypes  # noqa: PLC0415 - who forks no workers does without
-
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, int(SIGKILL), 0, 0, 0)
-    if os.getppid() != parent:  # it ended before this was asked for
-        os._exit(1)
 
 
 def _leave_signals_to_the_parent() -> None:

@@ -1,10 +1,14 @@
 """Writing to a descriptor that others gave, without ever waiting for whoever reads it."""
 
 import os
-import select
 import socket
 import stat
 import time
+
+from gyrodrift.waiting import POLLOUT, new_poller
+
+CAN_REFUSE_TO_WAIT = hasattr(os, "O_NONBLOCK")
+"""Windows waits for a slow reader of a pipe."""
 
 PIECE_BYTES = 512
 """What a pipe that polls as writable takes at once, by POSIX; of a terminal that is only known of one byte."""
@@ -22,6 +26,8 @@ def send_unwaiting(fd: int, data: bytes) -> int:
     OSError
         Where nobody will ever read it, or a disk does not take it.
     """
+    if not CAN_REFUSE_TO_WAIT:
+        return os.write(fd, data)
     mode = os.fstat(fd).st_mode
     try:
         if stat.S_ISSOCK(mode):
@@ -36,8 +42,10 @@ def send_unwaiting(fd: int, data: bytes) -> int:
 
 def send_within(fd: int, data: bytes, patience_s: float) -> int:
     """Write what the reader takes in this time; the number of bytes. Raises OSError as `send_unwaiting` does."""
-    poller, until_s, sent = select.poll(), time.monotonic() + patience_s, 0
-    poller.register(fd, select.POLLOUT)
+    if not CAN_REFUSE_TO_WAIT:
+        return os.write(fd, data)
+    poller, until_s, sent = new_poller(), time.monotonic() + patience_s, 0
+    poller.register(fd, POLLOUT)
     while sent < len(data) and (left_s := until_s - time.monotonic()) > 0.0:
         if poller.poll(1e3 * left_s):
             sent += send_unwaiting(fd, data[sent:])
@@ -57,8 +65,8 @@ def _write_anew(fd: int, data: bytes) -> int:
 
 def _send_a_piece(fd: int, data: bytes) -> int:
     """No more than what never waits where there is room at all."""
-    poller = select.poll()
-    poller.register(fd, select.POLLOUT)
+    poller = new_poller()
+    poller.register(fd, POLLOUT)
     if not poller.poll(0):
         return 0
     return os.write(fd, data[:1] if os.isatty(fd) else data[:PIECE_BYTES])

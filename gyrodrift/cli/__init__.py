@@ -37,6 +37,12 @@ COMMANDS = {
 }
 
 INTERRUPTED = 130
+POSIX_MODULES = frozenset({"fcntl", "grp", "pty", "pwd", "resource", "termios", "tty"})
+"""Windows has none of them."""
+
+NEEDS = {"ctl": "fcntl", "demo": "pty", "install-service": "pwd", "replay": "pty"}
+"""Commands that begin other programs or use unix sockets, with a module that shows whether the system can."""
+
 ASKED_BY_A_SHELL = "_ARGCOMPLETE"
 EXAMPLES = """\
 gyrodrift demo                         a minute without hardware
@@ -78,6 +84,8 @@ def main(argv: list[str] | None = None) -> int:
 
 def _is_stdout_closed() -> bool:
     """Whether the reader of stdout is gone, as `head` goes when it has enough; any other broken pipe is a failure."""
+    if not hasattr(select, "poll"):  # Windows, which cannot ask
+        return True
     poller = select.poll()
     poller.register(sys.stdout.fileno(), select.POLLOUT)
     return any(events & (select.POLLERR | select.POLLHUP) for _, events in poller.poll(0))
@@ -93,9 +101,16 @@ def _run(name: str, arguments: list[str]) -> int:
         from gyrodrift.process_list import hide_secrets
 
         hide_secrets()
-    parsed = parser_of(name).read(arguments)
-    parsed.command_line = shown_words(["gyrodrift", name, *arguments])
-    status: int = command_of(name).run(parsed)
+    try:
+        parsed = parser_of(name).read(arguments)
+        if name in NEEDS:
+            import_module(NEEDS[name])
+        parsed.command_line = shown_words(["gyrodrift", name, *arguments])
+        status: int = command_of(name).run(parsed)
+    except ModuleNotFoundError as error:
+        if error.name not in POSIX_MODULES:
+            raise
+        raise UsageError(f"{name} needs Linux or macOS: this Python has no module {error.name}") from error
     return status
 
 

@@ -11,6 +11,7 @@ from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.system import processor_count
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
@@ -421,4 +422,4 @@ def hold_product_threads() -> None:
 
 def processes(jobs: int | None) -> int:
     """Of `--jobs`: as many as there are processors where nothing is said."""
-    return jobs or len(os.sched_getaffinity(0))
+    return jobs or processor_count()

@@ -8,6 +8,7 @@ yaw_sigma_deg and confidence; encoder_deg and temp_c are there when the device s
 import argparse
 import os
 import secrets
+import socket
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -112,6 +113,8 @@ def run(arguments: argparse.Namespace) -> int:
     baud = numbers.baud(arguments.baud)
     specs = _outputs(arguments.output)
     watch = _watch(arguments.config)
+    if specs or arguments.control is not None or (watch is not None and watch.config.outputs):
+        _need_unix_sockets()
 
     from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
@@ -150,6 +153,12 @@ def run(arguments: argparse.Namespace) -> int:
         closing.callback(notify.stopping)
         Service(link, listeners, log, events, stop, filtering.sinks, control, notify, word, is_watched=has_person).run()
     return 0
+
+
+def _need_unix_sockets() -> None:
+    """Refuse outputs and control on Windows: both reach the service through unix sockets."""
+    if not hasattr(socket, "AF_UNIX"):
+        raise UsageError("outputs and --control need Linux or macOS: this system has no unix sockets")
 
 
 def _watch(path: Path | None) -> "ConfigWatch | None":

@@ -12,7 +12,7 @@ from gyrodrift import __version__
 from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config
 from gyrodrift.errors import ConfigError
-from gyrodrift.parallel import end_with_parent
+from gyrodrift.system import kill_with
 
 
 def _read(path: Path) -> tuple[Config | None, tuple[str, ...]]:
@@ -24,5 +24,5 @@ def _read(path: Path) -> tuple[Config | None, tuple[str, ...]]:
 
 if __name__ == "__main__":
     _, parent, path = sys.argv
-    end_with_parent(int(parent))
+    kill_with(int(parent))
     pickle.dump((__version__, *_read(Path(path))), sys.stdout.buffer)

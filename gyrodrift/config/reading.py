@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import IO
 
 from gyrodrift import __version__
@@ -38,16 +39,19 @@ class ConfigReading:
         self._path = path
         self._monotonic = monotonic
         command = [sys.executable, "-m", "gyrodrift.config", str(os.getpid()), str(path)]
+        self._file = None if hasattr(os, "set_blocking") else TemporaryFile()  # noqa: SIM115 - until the answer is read; Windows before Python 3.12
         try:
             self._process = subprocess.Popen(  # noqa: S603 - this very program
-                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+                command, stdin=subprocess.DEVNULL, stdout=self._file or subprocess.PIPE, stderr=subprocess.DEVNULL
             )
         except OSError as error:
             reason = f"no process can be started that reads it: {error.strerror}; {AGAIN}"
             raise ConfigError([f"{path}: {reason}"]) from error
-        assert self._process.stdout is not None  # noqa: S101 - it is a pipe, as was asked for
-        self._said: IO[bytes] = self._process.stdout
-        os.set_blocking(self._said.fileno(), False)
+        said = self._file or self._process.stdout
+        assert said is not None  # noqa: S101 - it is a pipe, as was asked for
+        self._said: IO[bytes] = said
+        if self._file is None:
+            os.set_blocking(self._said.fileno(), False)
         self._answer = bytearray()
         self._until_s = monotonic() + LONGEST_S
 
@@ -82,12 +86,19 @@ class ConfigReading:
 
     def _has_ended(self) -> bool:
         """Take what the process has said; whether that is all and it has ended."""
+        if self._file is not None:
+            return self.is_gone and self._take_file(self._file)
         try:
             while piece := os.read(self._said.fileno(), PIECE_BYTES):
                 self._answer += piece
         except BlockingIOError:
             return False
         return self.is_gone
+
+    def _take_file(self, file: IO[bytes]) -> bool:
+        file.seek(0)
+        self._answer += file.read()
+        return True
 
     def _config(self) -> Config:
         status = self._process.returncode

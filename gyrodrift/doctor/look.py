@@ -1,8 +1,6 @@
 """A port from outside: who holds it, who may open it, what adapter it is; nothing here opens it."""
 
-import grp
 import os
-import pwd
 import stat
 from contextlib import suppress
 from pathlib import Path
@@ -52,12 +50,16 @@ def _of_sysfs(device: str) -> Path:
 
 
 def _owner(user_id: int) -> str:
-    with suppress(KeyError):
+    with suppress(KeyError, ImportError):  # Windows has no user database
+        import pwd  # noqa: PLC0415
+
         return pwd.getpwuid(user_id).pw_name
     return str(user_id)
 
 
 def _group(group_id: int) -> str:
-    with suppress(KeyError):
+    with suppress(KeyError, ImportError):
+        import grp  # noqa: PLC0415
+
         return grp.getgrgid(group_id).gr_name
     return str(group_id)

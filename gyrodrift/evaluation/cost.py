@@ -2,7 +2,6 @@
 
 import copy
 import mmap
-import os
 import tempfile
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +17,7 @@ from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import PUBLISHED
+from gyrodrift.system import memory_bytes_of_machine, processor_count
 
 FLOAT_BYTES = 8
 BLOCK = 512
@@ -81,10 +81,12 @@ class Cost:
         chosen: Filter = PUBLISHED,
     ) -> None:
         self._kernel = kernel_of(chosen)
-        self.references = tuple(_held(references, _half_of_memory_bytes() if memory_bytes is None else memory_bytes))
+        self.references = tuple(
+            _held(references, memory_bytes_of_machine() // 2 if memory_bytes is None else memory_bytes)
+        )
         self.evaluations = 0
         self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.references])
-        self.threads = threads or len(os.sched_getaffinity(0))
+        self.threads = threads or processor_count()
         self._pool = ThreadPoolExecutor(self.threads, "cost")
 
     def __enter__(self) -> Self:
@@ -139,10 +141,6 @@ class Cost:
         longest_first = sorted(range(len(on)), key=lambda at: -len(self.references[on[at]].dt_s))
         for done in [self._pool.submit(work, at, group) for at in longest_first for group in range(len(cuts))]:
             done.result()
-
-
-def _half_of_memory_bytes() -> int:
-    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
 
 
 def _held(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:

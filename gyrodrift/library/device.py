@@ -1,11 +1,12 @@
 """A device for other programs: its samples one after the other, until the program has enough."""
 
-import select
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
+
+from gyrodrift.waiting import POLLIN, new_poller
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import EventHandler, Link, LinkCounters
@@ -86,8 +87,8 @@ class LinkReader:
         if fd is None:
             time.sleep(wait_s)
         else:
-            poller = select.poll()
-            poller.register(fd, select.POLLIN)
+            poller = new_poller()
+            poller.register(fd, POLLIN)
             poller.poll(wait_s * 1e3)
         return self._link.read()
 

@@ -20,7 +20,7 @@ from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.opening import Opening
-from gyrodrift.link.port import USUAL_BAUDS, Port, PortGoneError, stable_name
+from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
@@ -78,6 +78,21 @@ class LinkOptions:
     send: bytes = b""
 
 
+def open_port(path: str, baud: int) -> Port:
+    """Open a port in the way that this system has.
+
+    Raises
+    ------
+    LinkError
+        If the port cannot be opened.
+    """
+    if HAS_TERMIOS:
+        return Port(path, baud)
+    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+
+    return ThreadPort(path, baud)
+
+
 class Link:
     """A device on a serial port, as samples; `tap`, where it is set, is handed each read with its Unix time.
 
@@ -129,7 +144,7 @@ class Link:
         self._trial_s: float | None = None
         self._backoff_s = BACKOFF_FIRST_S
         self._retry_s = 0.0
-        self.port: Port | None = port or Port(self.name, self.baud)
+        self.port: Port | None = port or open_port(self.name, self.baud)
         self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
         self._opening = Opening(options.send, on_event)
         if port is None:
@@ -333,7 +348,7 @@ class Link:
         if now_s < self._retry_s:
             return
         try:
-            self.port = Port(self.name, self.baud)
+            self.port = open_port(self.name, self.baud)
         except (LinkError, UsageError) as error:  # an adapter that is half there refuses its own line rate
             self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
             self._retry_s = now_s + self._backoff_s

@@ -4,7 +4,6 @@ A port that somebody holds is not opened. Each is opened once, as `serve` does i
 what is to be said of it.
 """
 
-import select
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
@@ -17,6 +16,7 @@ from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.sample import Sample
+from gyrodrift.waiting import POLLIN, new_poller
 
 USUAL_S = 10.0
 """How long a port is listened to where nothing, or for ever, is said: all usual baud rates are tried by then."""
@@ -174,11 +174,11 @@ def _close(trials: Iterable[_Trial]) -> None:
 
 
 def _wait(trials: Iterable[_Trial]) -> None:
-    poller = select.poll()
+    poller = new_poller()
     for trial in trials:
         fd = trial.link.fileno() if trial.link is not None else None
         if fd is not None:
-            poller.register(fd, select.POLLIN)
+            poller.register(fd, POLLIN)
     poller.poll(TURN_S * 1e3)
 
 

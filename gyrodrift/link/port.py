@@ -5,11 +5,9 @@ pyserial costs a thousand times as much. Opening flushes the input and, on many 
 """
 
 import errno
-import fcntl
 import os
 import select
 import stat
-import termios
 from contextlib import suppress
 from pathlib import Path
 
@@ -20,6 +18,16 @@ from serial.tools.list_ports_common import ListPortInfo
 from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.holder import holder_of
 from gyrodrift.link.serial_port import SerialPort, built_in_ports, has_uart
+
+try:
+    import fcntl
+    import termios
+except ImportError:  # Windows, where ThreadPort reads
+    HAS_TERMIOS = False
+    SERIAL_ERRORS: tuple[type[Exception], ...] = (OSError, ValueError)  # SerialException is an OSError
+else:
+    HAS_TERMIOS = True
+    SERIAL_ERRORS = (OSError, ValueError, termios.error)
 
 USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 4800, 1000000, 2000000)
 """What `--baud auto` tries, the most common first."""
@@ -47,7 +55,7 @@ class Port:
 
     def __init__(self, path: str, baud: int) -> None:
         self.path = path
-        self._serial = _open(path, baud)
+        self._serial = open_serial(path, baud)
         self.fd: int = self._serial.fileno()
         self.is_pty = _is_pty(self.fd)
         if not self.is_pty:  # a pty would stay locked after a kill for as long as its other end lives
@@ -101,7 +109,7 @@ class Port:
         try:
             self._serial.baudrate = baud
             self._serial.reset_input_buffer()
-        except (OSError, ValueError, termios.error, serial.SerialException) as error:
+        except SERIAL_ERRORS as error:
             raise PortGoneError(self.path) from error
 
     def close(self) -> None:
@@ -109,7 +117,7 @@ class Port:
         with suppress(OSError):
             if not self.is_pty:
                 fcntl.ioctl(self.fd, termios.TIOCNXCL)
-        with suppress(OSError, serial.SerialException, termios.error):
+        with suppress(*SERIAL_ERRORS):
             self._serial.close()
 
 
@@ -147,18 +155,27 @@ def _described(entry: ListPortInfo) -> SerialPort:
     )
 
 
-def _open(path: str, baud: int) -> serial.Serial:
+def open_serial(path: str, baud: int) -> serial.Serial:
+    """Open a port for this process alone; its reads do not wait.
+
+    Raises
+    ------
+    UsageError
+        If the port does not have this rate.
+    LinkError
+        If the port cannot be opened; the message says why and what to do.
+    """
     try:
         return serial.Serial(path, baud, timeout=0, exclusive=True)
     except ValueError as error:
         raise UsageError(f"{path}: cannot use {baud} baud: {error}") from error
-    except (OSError, termios.error) as error:  # SerialException is an OSError
+    except SERIAL_ERRORS as error:
         raise _explain(path, error) from error
 
 
 def _explain(path: str, error: Exception) -> LinkError:
     try:
-        return _looked_into(path, error)
+        return _explain_by_text(path, error) if not HAS_TERMIOS else _looked_into(path, error)
     except OSError:  # names come and go
         return PortMissingError(f"{path}: the port went away while it was being opened: {error}")
 
@@ -177,6 +194,15 @@ def _looked_into(path: str, error: Exception) -> LinkError:
         return PortBusyError(f"{path}: the port is in use{_by_whom(path)}; stop that program first")
     if not stat.S_ISCHR(Path(path).stat().st_mode):
         return LinkError(f"{path}: this is not a serial port; {_ports_there_are()}")
+    return LinkError(f"{path}: the port cannot be opened: {error}")
+
+
+def _explain_by_text(path: str, error: Exception) -> LinkError:
+    """Windows names no file; pyserial quotes its error in the text."""
+    if getattr(error, "errno", None) == errno.ENOENT or "FileNotFoundError" in str(error):
+        return PortMissingError(f"{path}: there is no such port; {_ports_there_are()}")
+    if "PermissionError" in str(error):
+        return PortBusyError(f"{path}: the port is in use; stop the program that has it open first")
     return LinkError(f"{path}: the port cannot be opened: {error}")
 
 

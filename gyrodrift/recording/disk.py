@@ -1,6 +1,5 @@
 """A file written and synced by a thread of its own: a slow disk never keeps the reader of a serial port waiting."""
 
-import fcntl
 import os
 import shutil
 import threading
@@ -12,6 +11,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from gyrodrift.errors import DataError
+from gyrodrift.system import lock_file, sync_folder
 
 SYNC_S = 3.0
 """At least this often the file is on the disk itself and not only in the system's memory."""
@@ -113,7 +113,7 @@ class DiskFile:
     def _run(self) -> None:
         try:
             with self._opened() as self._file:
-                _sync_folder(self.path.parent)
+                sync_folder(self.path.parent)
                 while self._take():
                     pass
         except OSError as error:
@@ -134,7 +134,7 @@ class DiskFile:
             except FileExistsError:
                 self.path = self._other_path()
                 continue
-            fcntl.flock(file, fcntl.LOCK_EX)  # who looks for interrupted files holds it for a moment
+            lock_file(file, wait=True)  # who looks for interrupted files holds it for a moment
             self.left_bytes, self.is_there = disk_left_bytes(self.path.parent), True
             return file
 
@@ -214,16 +214,6 @@ class DiskFile:
 def disk_left_bytes(folder: Path) -> int | None:
     """What the disk has left for this user; None where the folder is gone."""
     try:
-        status = os.statvfs(folder)
+        return shutil.disk_usage(folder).free
     except OSError:
         return None
-    return status.f_bavail * status.f_frsize
-
-
-def _sync_folder(folder: Path) -> None:
-    """So that the name of a new file survives a power cut too."""
-    fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)

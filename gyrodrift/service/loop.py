@@ -4,7 +4,6 @@ A signal to stop is one of the things waited for.
 """
 
 import gc
-import select
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -21,6 +20,7 @@ from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
 from gyrodrift.service.stream_watch import StreamWatch
+from gyrodrift.waiting import POLLIN, Poller, new_poller
 
 if TYPE_CHECKING:  # a service that nobody controls does without
     from gyrodrift.service.control import Control
@@ -84,7 +84,7 @@ class Service:
     end_event: str = "service_end"
     is_watched: bool = False
     _marks: _Marks = field(default_factory=_Marks)
-    _poller: select.poll = field(init=False)
+    _poller: Poller = field(init=False)
     _waited_for: dict[int, int] = field(default_factory=dict)
     _watch: StreamWatch = field(init=False)
     _begun_s: float = 0.0
@@ -138,10 +138,10 @@ class Service:
 
     def _wait(self) -> bool:
         """Wait until there is something to do; whether a sink waits for its reader."""
-        wanted = {self.stop.fd: select.POLLIN}
+        wanted = {self.stop.fd: POLLIN}
         link_fd = self.link.fileno()
         if link_fd is not None:
-            wanted[link_fd] = select.POLLIN
+            wanted[link_fd] = POLLIN
         own = len(wanted)
         for sink in self.sinks:
             wanted |= sink.wakes()
@@ -149,7 +149,7 @@ class Service:
         if self.control is not None:
             wanted |= self.control.wakes()
         if wanted != self._waited_for:
-            self._poller = select.poll()
+            self._poller = new_poller()
             for fd, events in wanted.items():
                 self._poller.register(fd, events)
             self._waited_for = wanted

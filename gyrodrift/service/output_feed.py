@@ -178,6 +178,9 @@ class OutputFeed:
     def _start(self, now_s: float) -> None:
         try:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        except AttributeError:  # a config that is reloaded; `serve` refuses the other ways in
+            self._not_started(OSError(errno.EAFNOSUPPORT, "this system has no unix sockets"), now_s)
+            return
         except OSError as error:
             self._not_started(error, now_s)
             return

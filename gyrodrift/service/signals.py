@@ -6,7 +6,11 @@ import time
 from types import TracebackType
 from typing import Self
 
+from gyrodrift.system import WakePipe
+
 OUTPUTS = (1, 2)
+SIGHUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
+"""Windows has none."""
 
 REPEAT_S = 1.0
 """Terminals, shells and `timeout` ask twice within moments and mean it once."""
@@ -26,12 +30,13 @@ class StopSignal:
         self._asked_s: float | None = None
 
     def __enter__(self) -> Self:
-        self.fd, self._write_fd = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        self._wake = WakePipe()
+        self.fd = self._wake.fd
         self._terminals = [fd for fd in OUTPUTS if os.isatty(fd)]
-        self._old_fd = signal.set_wakeup_fd(self._write_fd, warn_on_full_buffer=False)
+        self._old_fd = signal.set_wakeup_fd(self._wake.write_fd, warn_on_full_buffer=False)
         numbers = [signal.SIGINT, signal.SIGTERM]
-        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
-            numbers.append(signal.SIGHUP)
+        if SIGHUP is not None and signal.getsignal(SIGHUP) is not signal.SIG_IGN:
+            numbers.append(SIGHUP)
         self._old_handlers = {number: signal.signal(number, self._set) for number in numbers}
         return self
 
@@ -41,11 +46,10 @@ class StopSignal:
         for number, handler in self._old_handlers.items():
             signal.signal(number, handler)
         signal.set_wakeup_fd(self._old_fd)
-        os.close(self.fd)
-        os.close(self._write_fd)
+        self._wake.close()
 
     def _set(self, number: int, _frame: object) -> None:
-        if number == signal.SIGHUP:
+        if number == SIGHUP:
             nowhere = os.open(os.devnull, os.O_WRONLY)
             for fd in self._terminals:
                 os.dup2(nowhere, fd)

@@ -7,6 +7,7 @@ up to a bound, then dropped, oldest first and whole lines only.
 import errno
 import os
 import select
+import sys
 import time
 from collections import deque
 from collections.abc import Mapping
@@ -18,15 +19,16 @@ from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 from gyrodrift.service.sink import ReaderGoneError
 from gyrodrift.unwaiting import send_unwaiting
+from gyrodrift.waiting import POLLOUT, new_poller
 
 STDOUT = 1
 
-PIECE_BYTES = select.PIPE_BUF
+PIECE_BYTES: int = getattr(select, "PIPE_BUF", 512)
 LONGEST_QUEUE_BYTES = 8 << 20
 LAST_S = 1.0
 """How long the end waits for a reader, s, whether it takes nothing or is slow; what is left then is dropped."""
 
-GONE = (errno.EPIPE, errno.ECONNRESET)
+GONE = (errno.EPIPE, errno.ECONNRESET, *([errno.EINVAL] if sys.platform == "win32" else []))
 TERMINAL_GONE = (*GONE, errno.EIO)
 """What a write fails with where the reader is gone; of a file, EIO is a disk that fails."""
 
@@ -52,10 +54,10 @@ class JsonLines:
         self._queue: deque[bytes] = deque()
         self._queue_bytes = 0
         self._sent = 0
-        self._poller = select.poll()
-        self._poller.register(fd, select.POLLOUT)
+        self._poller = new_poller()
+        self._poller.register(fd, POLLOUT)
         self._gone = TERMINAL_GONE if os.isatty(fd) else GONE
-        self._writable = {fd: select.POLLOUT}
+        self._writable = {fd: POLLOUT}
 
     def set_rate(self, rate_hz: float | None) -> None:
         """Thin them out anew."""

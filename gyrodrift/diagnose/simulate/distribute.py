@@ -14,7 +14,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
-from gyrodrift.parallel import fork_pool
+from gyrodrift.parallel import fork_pool, usable_jobs
 from gyrodrift.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
@@ -73,7 +73,7 @@ def response_tables(
     if cluster is not None:
         return _on_cluster(plan, cluster, progress)
     numbers = range(len(plan.subjects))
-    if jobs == 1:
+    if usable_jobs(jobs) == 1:
         return _counted((_table(plan, number) for number in numbers), len(numbers), progress)
     # A forked process has the plan as it is: sessions are neither sent nor read again.
     with fork_pool(min(jobs, len(numbers)), _hold, plan) as pool:

@@ -11,7 +11,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of, with_events
-from gyrodrift.parallel import fork_pool
+from gyrodrift.parallel import fork_pool, usable_jobs
 
 
 class _Held(NamedTuple):
@@ -36,7 +36,7 @@ class ForkedSets:
     ) -> None:
         self._known: dict[Sent, SimulatedSet] = {}
         self._own = _Held(subjects, tables, {key(candidate): candidate for candidate in tried})
-        jobs = min(jobs, len(subjects))
+        jobs = min(usable_jobs(jobs), len(subjects))
         self._pool = None if jobs == 1 else fork_pool(jobs, _hold, self._own)
 
     def __enter__(self) -> Self:

@@ -10,6 +10,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.session.mcap.interrupted import is_closed
 from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, MAGIC
+from gyrodrift.system import read_at
 
 FOOTER = struct.Struct("<QQI")
 DATA_END = HEAD.pack(Opcode.DATA_END, 4)
@@ -39,8 +40,8 @@ def ending_of(file: IO[bytes]) -> Ending:
     footer_at, data_end_at = status.st_size - CLOSED_TAIL_BYTES, data_end_of(file)
     if not len(MAGIC) <= data_end_at <= footer_at - DATA_END_BYTES:
         return Ending.DAMAGED
-    data_end = os.pread(fd, DATA_END_BYTES, data_end_at)
-    footer = os.pread(fd, HEAD.size + FOOTER.size, footer_at)
+    data_end = read_at(fd, DATA_END_BYTES, data_end_at)
+    footer = read_at(fd, HEAD.size + FOOTER.size, footer_at)
     *_, summary_crc = FOOTER.unpack_from(footer, HEAD.size)
     found_crc = zlib.crc32(footer[:-4], crc_of(file, data_end_at + DATA_END_BYTES, footer_at))
     if not data_end.startswith(DATA_END) or summary_crc not in (0, found_crc):
@@ -54,14 +55,14 @@ def ending_of(file: IO[bytes]) -> Ending:
 def data_end_of(file: IO[bytes]) -> int:
     """Where the data of a closed file ends, as its footer says."""
     footer_at = os.fstat(file.fileno()).st_size - CLOSED_TAIL_BYTES
-    start, *_ = FOOTER.unpack(os.pread(file.fileno(), FOOTER.size, footer_at + HEAD.size))
+    start, *_ = FOOTER.unpack(read_at(file.fileno(), FOOTER.size, footer_at + HEAD.size))
     return int(start or footer_at) - DATA_END_BYTES
 
 
 def crc_of(file: IO[bytes], start: int, stop: int) -> int:
     """CRC-32 of the bytes from one place to before another."""
     crc = 0
-    while start < stop and (block := os.pread(file.fileno(), min(BLOCK_BYTES, stop - start), start)):
+    while start < stop and (block := read_at(file.fileno(), min(BLOCK_BYTES, stop - start), start)):
         crc = zlib.crc32(block, crc)
         start += len(block)
     return crc

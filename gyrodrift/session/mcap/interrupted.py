@@ -3,7 +3,6 @@
 Light, since every recording begins with a look at its folder.
 """
 
-import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -12,6 +11,7 @@ from typing import IO
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
+from gyrodrift.system import lock_file, read_at
 
 MOST_BARE_BYTES = 1 << 16
 """Of zeros, that a power cut leaves of a file into which little was written."""
@@ -20,7 +20,7 @@ MOST_BARE_BYTES = 1 << 16
 def is_closed(file: IO[bytes]) -> bool:
     """Whether it ends as a finished MCAP file does."""
     size = os.fstat(file.fileno()).st_size
-    tail = os.pread(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
+    tail = read_at(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
     return tail.startswith(CLOSED_TAIL) and tail.endswith(MAGIC)
 
 
@@ -29,7 +29,7 @@ def is_bare(file: IO[bytes]) -> bool:
 
     Such a file is left alone, since it may be another program's, which is about to write.
     """
-    head = os.pread(file.fileno(), MOST_BARE_BYTES + 1, 0)
+    head = read_at(file.fileno(), MOST_BARE_BYTES + 1, 0)
     return len(head) <= MOST_BARE_BYTES and MAGIC.startswith(head.rstrip(b"\0"))
 
 
@@ -42,7 +42,7 @@ def lock(path: Path, file: IO[bytes]) -> None:
         Where another process does.
     """
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock_file(file, wait=False)
     except BlockingIOError:
         raise DataError(f"{path}: is being written by another process") from None
 

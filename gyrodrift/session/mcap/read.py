@@ -4,7 +4,6 @@ Files that others wrote are handed to the public reader.
 """
 
 import json
-import os
 from math import nan
 from operator import itemgetter
 from pathlib import Path
@@ -42,6 +41,7 @@ from gyrodrift.session.mcap.walk import (
 )
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import Session
+from gyrodrift.system import read_at
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Columns that a session may lack: all NaN then."""
@@ -69,7 +69,7 @@ def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
             if is_bare(file):
                 raise DataError(f"{path}: nothing was recorded before it was cut off; it can be deleted")
             found = survey(file)
-            if not found.is_ours and os.pread(file.fileno(), len(MAGIC), 0) != MAGIC:
+            if not found.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file: it does not begin as one")
             session = _read_ours(path, file, found)
     except OSError as error:

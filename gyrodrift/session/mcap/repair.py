@@ -35,6 +35,7 @@ from gyrodrift.session.mcap.walk import (
     schema_of,
 )
 from gyrodrift.session.mcap.write import FileSummary
+from gyrodrift.system import read_at
 
 BLOCK_BYTES = 1 << 22
 MESSAGE_START = struct.Struct("<HIQ")
@@ -93,7 +94,7 @@ def _found(path: Path, file: IO[bytes]) -> Survey:
     if is_bare(file):
         raise DataError(f"{path}: cannot be repaired: nothing was recorded into it; it can be deleted")
     found = survey(file)
-    if not found.is_ours and os.pread(file.fileno(), len(MAGIC), 0) != MAGIC:
+    if not found.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
     return found
 
@@ -137,7 +138,7 @@ def _last_tables(file: IO[bytes], found: Survey, end: int) -> bytes:
             case SampleRows(rows=rows):
                 writer.add_samples(rows.tobytes())
             case PlacedRecord(at=start, length=length):
-                writer.add_records(os.pread(file.fileno(), HEAD.size + length, start))
+                writer.add_records(read_at(file.fileno(), HEAD.size + length, start))
     tables = writer.table() if writer.is_pending else b""
     return tables + writer.table() if tables or table.region.pieces else b""
 
@@ -188,7 +189,7 @@ def _add(contents: FileSummary, record: PlacedRecord, walk: Walk) -> None:
 def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes) -> Path | None:
     """Save what stands behind the last whole record, unless it is one torn record or a torn end, zeros behind it."""
     length = min(LONGEST_RECORD_BYTES + HEAD.size + 1, max(0, walk.zeros_at - end))
-    tail = os.pread(file.fileno(), length, end)
+    tail = read_at(file.fileno(), length, end)
     if closing.startswith(tail) or is_torn_record(tail, len(tail)):
         return None
     return keep_tail(path, file, end, walk.size)

@@ -12,6 +12,7 @@ from gyrodrift.session.mcap.ending import Ending
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE, MESSAGE_OPCODE, READS
 from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import ROW_START, ByteStretch, PlacedRecord, SampleRows, Walk, data_blocks
+from gyrodrift.system import read_at
 
 LONGEST_RECORD_BYTES = 1 << 20
 """No record of ours is longer."""
@@ -95,7 +96,7 @@ def _walked(walk: Walk) -> tuple[int, int, bool]:
 def _before_damage(walk: Walk, start: int, end: int, samples: int) -> tuple[int, int]:
     """Without the last sample: its beginning may be whole and the rest damaged."""
     last = end - MESSAGE.size
-    if last >= start and samples and os.pread(walk.fd, len(ROW_START), last) == ROW_START:
+    if last >= start and samples and read_at(walk.fd, len(ROW_START), last) == ROW_START:
         return last, samples - 1
     return end, samples
 
@@ -103,12 +104,12 @@ def _before_damage(walk: Walk, start: int, end: int, samples: int) -> tuple[int,
 def _is_cut_off(file: IO[bytes], walk: Walk, end: int) -> bool:
     """Whether what stands behind the last whole record is what a kill or a power cut leaves: a torn record, zeros."""
     left = max(0, walk.zeros_at - end)
-    return is_torn_record(os.pread(file.fileno(), HEAD.size, end), left)
+    return is_torn_record(read_at(file.fileno(), HEAD.size, end), left)
 
 
 def _next_sample(file: IO[bytes], walk: Walk, end: int) -> int | None:
     """Where samples go on behind bytes that are no record; None where there are none, or a read of the link is torn."""
-    head = os.pread(file.fileno(), HEAD.size + 2, end)
+    head = read_at(file.fileno(), HEAD.size + 2, end)
     left = max(0, walk.zeros_at - end)
     is_read = head[:1] == bytes([MESSAGE_OPCODE]) and head[HEAD.size :] == READS.channel_id.to_bytes(2, "little")
     if is_read and is_torn_record(head, left):  # its bytes are a device's, which may look like samples
@@ -124,7 +125,7 @@ def _next_sample(file: IO[bytes], walk: Walk, end: int) -> int | None:
 
 def _is_followed(file: IO[bytes], walk: Walk, at: int) -> bool:
     """Whether a record, or the end of the file, stands where a sample would end."""
-    head = os.pread(file.fileno(), HEAD.size, at)
+    head = read_at(file.fileno(), HEAD.size, at)
     if at == walk.size:
         return True
     if at > walk.zeros_at or len(head) < HEAD.size:

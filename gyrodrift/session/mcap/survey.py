@@ -12,6 +12,7 @@ from gyrodrift.session.mcap.ending import DATA_END, Ending, data_end_of, ending_
 from gyrodrift.session.mcap.layout import HEAD, MAGIC
 from gyrodrift.session.mcap.surveyed import PlacedTable, Survey
 from gyrodrift.session.mcap.walk import ByteStretch, data_blocks
+from gyrodrift.system import read_at
 
 MOST_SHIFTS = 64
 """How many places are tried for a piece that is not where it was written, one for each hole before it."""
@@ -43,11 +44,11 @@ def _tables(file: IO[bytes], size: int) -> Iterator[PlacedTable]:
 
 
 def _table_at(file: IO[bytes], at: int) -> Table | None:
-    head = os.pread(file.fileno(), HEAD.size, at)
+    head = read_at(file.fileno(), HEAD.size, at)
     opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
     if opcode != OPCODE or length > LONGEST_TABLE_BYTES:
         return None
-    return table_of(os.pread(file.fileno(), HEAD.size + length, at))
+    return table_of(read_at(file.fileno(), HEAD.size + length, at))
 
 
 def _places(file: IO[bytes], size: int) -> Iterator[int]:
@@ -122,7 +123,7 @@ class _Checked:
         """Find the pieces of a region."""
         start, number = region.start, region.first_sample
         likely = shifts[0] if shifts else 0
-        content = os.pread(self.file.fileno(), region.stop - start, start + likely) if start + likely >= 0 else b""
+        content = read_at(self.file.fileno(), region.stop - start, start + likely) if start + likely >= 0 else b""
         for piece in region.pieces:
             offset = start - region.start
             if zlib.crc32(content[offset : offset + piece.length]) == piece.crc and offset + piece.length <= len(
@@ -139,7 +140,7 @@ class _Checked:
         for shift in shifts[1:]:
             at = start + shift
             if at >= 0 and at + piece.length <= self.size:
-                content = os.pread(self.file.fileno(), piece.length, at)
+                content = read_at(self.file.fileno(), piece.length, at)
                 if zlib.crc32(content) == piece.crc:
                     self._keep(at, at + piece.length, number)
                     return
@@ -169,7 +170,7 @@ class _Checked:
         if self.ending is Ending.OPEN:
             self._tail(end, samples)
             return
-        begin = os.pread(self.file.fileno(), len(DATA_END), end)
+        begin = read_at(self.file.fileno(), len(DATA_END), end)
         if begin != DATA_END and data_end_of(self.file) > end:  # the last tables are damaged, too
             self.lost.append(LostSamples(samples, None))
             self.unheard.append(samples)

@@ -10,6 +10,7 @@ from typing import IO
 
 from gyrodrift.secret import MENTION
 from gyrodrift.session.mcap.walk import data_blocks
+from gyrodrift.system import read_at, set_mode
 
 LONGEST_TEXT = 1 << 17
 """Bytes of a config, the longest text that has secrets."""
@@ -26,7 +27,7 @@ def keep_tail(path: Path, file: IO[bytes], end: int, size: int) -> Path:
         number += 1
         saved = path.with_name(f"{path.name}.tail_{number}")
     with open(saved, "xb", opener=_for_us_alone) as copy:
-        os.fchmod(copy.fileno(), stat.S_IMODE(os.fstat(file.fileno()).st_mode))
+        set_mode(copy.fileno(), stat.S_IMODE(os.fstat(file.fileno()).st_mode))
         for at, block in data_blocks(file, end, size):
             copy.seek(at - end)
             copy.write(_public(file, at, block, end))
@@ -44,7 +45,7 @@ def _for_us_alone(name: str, flags: int) -> int:
 def _public(file: IO[bytes], at: int, block: bytes, least: int) -> bytes:
     """A block with stars for text that mentions a secret; the text may begin before it and end behind it."""
     start = max(least, at - LONGEST_TEXT)
-    around = os.pread(file.fileno(), at - start + len(block) + LONGEST_TEXT, start)
+    around = read_at(file.fileno(), at - start + len(block) + LONGEST_TEXT, start)
     return covered(around)[at - start : at - start + len(block)]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gyrodrift.public_yaml import public_yaml
 from gyrodrift.secret import without_secrets
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.system import read_at
 
 CONFIG_TABLE = "config"
 """Metadata of a recording with the text of the config."""
@@ -102,7 +103,7 @@ class Walk:
     def _steps(self, stop: int) -> Iterator[SampleRows | PlacedRecord]:
         while True:
             start = self.end
-            block = os.pread(self._file.fileno(), max(0, min(BLOCK_BYTES, stop - start)), start)
+            block = read_at(self._file.fileno(), max(0, min(BLOCK_BYTES, stop - start)), start)
             at = 0
             while (step := self._step(block, at)) is not None:
                 at = self.end - start
@@ -122,7 +123,7 @@ class Walk:
         """
         if record.length > MOST_BODY_BYTES:
             raise BrokenRecordError(f"the record at byte {record.at} has {record.length} bytes")
-        return os.pread(self._file.fileno(), record.length, record.at + HEAD.size)
+        return read_at(self._file.fileno(), record.length, record.at + HEAD.size)
 
     def _step(self, block: bytes, at: int) -> SampleRows | PlacedRecord | None:
         """The next thing in the block, with `end` moved behind it; None where the block has nothing whole any more."""
@@ -163,7 +164,7 @@ def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iter
             return
         finally:
             os.lseek(fd, before, os.SEEK_SET)  # where the buffer of the file believes it to be
-        block = os.pread(fd, min(BLOCK_BYTES, max(0, end - start)), start)
+        block = read_at(fd, min(BLOCK_BYTES, max(0, end - start)), start)
         if not block:
             return
         yield start, block
@@ -175,7 +176,7 @@ def _zeros_at(file: IO[bytes], size: int) -> int:
     end = _data_end(file, size)
     while end > 0:
         start = max(0, end - ZEROS_BLOCK_BYTES)
-        if rest := os.pread(file.fileno(), end - start, start).rstrip(b"\0"):
+        if rest := read_at(file.fileno(), end - start, start).rstrip(b"\0"):
             return start + len(rest)
         end = start
     return 0

@@ -51,8 +51,8 @@ FAULTS = (
     Fault(
         "service/signal-pipe-open",
         f"{SERVICE}/signals.py",
-        "        os.close(self.fd)\n        os.close(self._write_fd)",
-        "        os.close(self._write_fd)",
+        "        self._wake.close()\n",
+        "",
         "The pipe of signals stays open.",
         (f"{TESTS}/test_signals.py::test_afterwards_signals_do_what_they_did_before",),
     ),
