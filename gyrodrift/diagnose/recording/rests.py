@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
-from gyrodrift.arrays import Floats, Mask
+from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.recording.order_statistics import running_median_5
 
 RESTS_S = 1.0
@@ -96,17 +97,29 @@ def _level_dps(slow_dps: Floats, stands_s: Floats, period_s: float, count_deg: f
         return np.full(len(slow_dps), float(np.median(slow_dps)))
     pieces = _divided(pieces, points_of(STANDS_MOST_S, period_s))
     middles = np.array([0.5 * (first + end) for first, end in pieces])
-    levels = np.array([np.median(slow_dps[first:end]) for first, end in pieces])
+    levels = _medians(slow_dps, np.array(pieces))
     wide = np.pad(levels, LEVEL_RUNS, mode="edge")
     held = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
     level: Floats = np.interp(np.arange(len(slow_dps)), middles, held)
     return level
 
 
+@compiled_once()
+def _medians(values: Floats, pieces: Integers) -> Floats:
+    """(p,) median of each piece; `pieces` holds first sample and the one after the last, (p, 2)."""
+    medians = np.empty(len(pieces))
+    for index in range(len(pieces)):
+        medians[index] = np.median(values[pieces[index, 0] : pieces[index, 1]])
+    return medians
+
+
 def _divided(pieces: tuple[tuple[int, int], ...], most: int) -> tuple[tuple[int, int], ...]:
     """Each in equal parts of so many samples at most: what is left over would be too short for a level."""
     found: list[tuple[int, int]] = []
     for first, end in pieces:
+        if end - first <= most:
+            found.append((first, end))
+            continue
         cuts = np.linspace(first, end, -(-(end - first) // most) + 1).astype(int).tolist()
         found += pairwise(cuts)
     return tuple(found)
