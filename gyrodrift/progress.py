@@ -1,4 +1,4 @@
-"""How far something that takes long has come, on a terminal; nothing in a pipe."""
+"""Progress of long work: bars on a terminal, nothing in a pipe."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -8,64 +8,74 @@ from typing import TYPE_CHECKING, Self, TextIO, TypeVar
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bars
-    from rich.progress import TaskID
+    from rich.progress import Task, TaskID
+    from rich.text import Text
 
 OnProgress = Callable[[str, int, int], None]
-"""Told what is being done, how much of it is, and of how much; of 0 where nobody knows."""
+"""Called with the name of a stage, how much of it is done, and its total, which is 0 if unknown."""
 
-ALL, PERCENT = "all of it", 100.0
+TOTAL, PERCENT = "total", 100.0
+"""Name of the stage that stands for all stages."""
+
+COMPILING = "compiling, only once on this machine"
+"""Stage in which filters are compiled; the compiled code is kept for later runs."""
 
 EVERY = 2000
-"""Items from one telling to the next, where they are many and quick."""
+"""Items from one report to the next, if items are many and quick."""
 
 WINDOW_S = 120.0
-"""Of the time that is left, how far back it is measured how fast things go."""
+"""The time left is estimated from the speed over this time, s: chosen."""
 
 Item = TypeVar("Item")
 
 
-def untold(_what: str, _done: int, _of: int) -> None:
-    """Progress that nobody looks at."""
+def untold(_stage: str, _done: int, _total: int) -> None:
+    """Ignore progress."""
 
 
 def counted(
-    what: str, items: Iterable[Item], of: int, progress: OnProgress, size: Callable[[Item], int]
+    stage: str, items: Iterable[Item], total: int, progress: OnProgress, size: Callable[[Item], int]
 ) -> Iterator[Item]:
-    """The items as they are, told as they pass; `size` is how much of the whole one is."""
-    done = told = 0
-    progress(what, 0, of)
+    """Yield the items and report their progress; `size` is the share of an item in the total."""
+    done = reported = 0
+    progress(stage, 0, total)
     for item in items:
         yield item
         done += size(item)
-        if done - told >= EVERY:
-            progress(what, done, of)
-            told = done
-    progress(what, of, of)
+        if done - reported >= EVERY:
+            progress(stage, done, total)
+            reported = done
+    progress(stage, total, total)
 
 
 class Progress:
-    """A bar for each thing that is done, with the time that is left; they are gone when all is done.
+    """One bar for each stage; the bars vanish at the end.
+
+    The time left is shown for a command of one stage, or for the total. A stage of several does not show it: the
+    later stages would be missing from it.
 
     Parameters
     ----------
     stream
-        Where somebody may look on; nothing is written where it is no terminal.
+        Where the bars are drawn if it is a terminal.
     is_quiet
-        Whether nothing is to be shown there either.
+        Draw nothing on a terminal either.
     shares
-        What will be done, with its share of the time, for a bar of all of it.
+        Share of each stage in the duration, in the order of the stages, for a bar of the total. Empty for stages
+        whose shares are unknown; None for a command of one stage.
     """
 
     def __init__(self, stream: TextIO, shares: Mapping[str, float] | None = None, *, is_quiet: bool = False) -> None:
-        self._bars = None if is_quiet or not _is_for_eyes(stream) else _bars(stream)
+        self._bars = None if is_quiet or not _is_interactive(stream) else _bars(stream)
         self._tasks: dict[str, TaskID] = {}
+        self._has_one_stage = shares is None
         self._shares = dict(shares or {})
         self._whole = sum(self._shares.values())
 
     def __enter__(self) -> Self:
         if self._bars is not None:
             if self._shares:
-                self._tasks[ALL] = self._bars.add_task(ALL, total=PERCENT, count="")
+                self._add(TOTAL, PERCENT)
             self._bars.start()
         return self
 
@@ -75,57 +85,68 @@ class Progress:
         if self._bars is not None:
             self._bars.stop()
 
-    def evaluated(self, what: str, done: int, of: int) -> None:
-        """So many evaluations of a search are made, or sessions read; `of` 0 where nobody knows how many there are."""
+    def evaluated(self, stage: str, done: int, total: int) -> None:
+        """Report the progress of a stage; `total` is 0 if unknown."""
         if self._bars is None:
             return
-        if what not in self._tasks:
-            self._end_others()
-            self._tasks[what] = self._bars.add_task(what, total=of or None, count="")
-        self._bars.update(self._tasks[what], completed=done, total=of or None, count=f"{done}/{of}" if of else "")
-        if what in self._shares:
-            self._tell_all(what, done / of if of else 0.0)
+        if stage == TOTAL:
+            self._update_total(PERCENT * done / total if total else 0.0)
+            return
+        if stage not in self._tasks:
+            self._end_other_stages()
+            self._add(stage, total or None)
+        count = f"{done}/{total}" if total else ""
+        self._bars.update(self._tasks[stage], completed=done, total=total or None, count=count)
+        if stage in self._shares:
+            self._update_total(self._percent_of_total(stage, done / total if total else 0.0))
 
     @contextmanager
     def aside(self) -> Iterator[None]:
-        """Room for what is printed meanwhile."""
+        """Hide the bars while something is printed."""
         if self._bars is not None:
             self._bars.stop()
         yield
         if self._bars is not None:
             self._bars.start()
 
-    def _end_others(self) -> None:
-        """What was done before is over when something else begins."""
-        assert self._bars is not None  # noqa: S101 - asked before
+    def _add(self, stage: str, total: float | None) -> None:
+        assert self._bars is not None  # noqa: S101 - checked by the callers
+        has_time_left = self._has_one_stage or stage == TOTAL
+        self._tasks[stage] = self._bars.add_task(stage, total=total, count="", has_time_left=has_time_left)
+
+    def _end_other_stages(self) -> None:
+        """Complete the stages so far, as another one begins."""
+        assert self._bars is not None  # noqa: S101 - checked by the callers
         for task in self._bars.tasks:
-            if task.description != ALL:
-                of = int(task.total or 1)
-                self._bars.update(task.id, total=of, completed=of, count=f"{of}/{of}" if task.total else "")
+            if task.description != TOTAL:
+                total = int(task.total or 1)
+                count = f"{total}/{total}" if task.total else ""
+                self._bars.update(task.id, total=total, completed=total, count=count)
 
-    def _tell_all(self, what: str, share: float) -> None:
-        """Everything that stands before this is done, since the shares are in their order."""
-        assert self._bars is not None  # noqa: S101 - asked before
-        before = 0.0
-        for name, each in self._shares.items():
-            if name == what:
-                break
-            before += each
-        done = PERCENT * (before + share * self._shares[what]) / self._whole
-        self._bars.update(self._tasks[ALL], completed=done, count=f"{done:.0f} %")
+    def _percent_of_total(self, stage: str, share: float) -> float:
+        """All stages before this one are complete."""
+        names = list(self._shares)
+        before = sum(self._shares[name] for name in names[: names.index(stage)])
+        return PERCENT * (before + share * self._shares[stage]) / self._whole
+
+    def _update_total(self, percent: float) -> None:
+        assert self._bars is not None  # noqa: S101 - checked by the callers
+        if TOTAL not in self._tasks:
+            self._add(TOTAL, PERCENT)
+        self._bars.update(self._tasks[TOTAL], completed=percent, count=f"{percent:.0f} %")
 
 
-def _is_for_eyes(stream: TextIO) -> bool:
+def _is_interactive(stream: TextIO) -> bool:
     return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def _bars(stream: TextIO) -> "Bars":
-    """Nothing that is written to stdout passes through them: it may go elsewhere.
+    """Bars that leave stdout alone: it may be a file or a pipe.
 
-    While they are shown only their own thread draws. Ctrl-C reaches the main thread; one that was at drawing
-    would leave rows that are on the screen and not counted, and they would stay there.
+    Only the thread of the bars draws. Ctrl-C interrupts the main thread. If that thread were drawing, it would leave
+    rows on the screen that are not counted, and they would stay there.
     """
-    from rich.console import Console  # noqa: PLC0415 - costs only who sees it
+    from rich.console import Console  # noqa: PLC0415 - imported only for a terminal
     from rich.progress import (  # noqa: PLC0415
         BarColumn,
         Progress,
@@ -133,16 +154,22 @@ def _bars(stream: TextIO) -> "Bars":
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
+    from rich.text import Text  # noqa: PLC0415
 
     class DrawnByItsThread(Progress):
         def refresh(self) -> None:
-            """A task more is seen with the next of the thread's rounds, a tenth of a second later at most."""
+            """Leave the drawing to the thread, which draws ten times a second."""
+
+    class TimeLeft(TimeRemainingColumn):
+        def render(self, task: "Task") -> "Text":
+            """Time left of an unfinished task with a known total, if it shows it."""
+            is_shown = task.fields["has_time_left"] and task.total is not None and not task.finished
+            return Text.assemble("left ", super().render(task)) if is_shown else Text()
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"), TimeElapsedColumn())
     return DrawnByItsThread(
         *columns,
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        TimeLeft(),
         console=Console(file=stream, force_terminal=True),
         transient=True,
         redirect_stdout=False,

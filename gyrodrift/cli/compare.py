@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         check_writable(arguments.out)
     options.hold_product_threads()
-    with options.progress_of(arguments) as progress:
+    with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 

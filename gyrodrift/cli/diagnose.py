@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 when everything is written, whatever the verdict."""
     check_writable(arguments.out)
     options.hold_product_threads()
-    with options.progress_of(arguments) as waiting:
+    with options.progress_of(arguments, {}) as waiting:
         waiting.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
     options.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
     jobs = options.processes(arguments.jobs)
-    with options.progress_of(arguments, None if arguments.baseline else SHARES) as progress:
+    with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
         withheld = frozenset(arguments.withhold)
         diagnosis = diagnose(
             DiagnosisRequest(

@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 when everything is written."""
     _check_place(arguments.out, arguments.report)
-    with options.progress_of(arguments) as progress:
+    with options.progress_of(arguments, {}) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+import numpy as np
+
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
@@ -23,9 +25,12 @@ from gyrodrift.evaluation.dataset import (
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
-from gyrodrift.progress import OnProgress, untold
+from gyrodrift.progress import COMPILING, OnProgress, untold
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
+
+COMPILED_SAMPLES = 100
+"""Samples of the run that compiles a method."""
 
 CURVE_POINTS = 300
 PLOTTED = 24
@@ -197,6 +202,7 @@ def compare(asked: ComparisonRequest) -> Comparison:
     """
     begun_s = time.monotonic()
     present = [method for method in asked.methods if method.is_installed]
+    _compile(present, asked.progress)
     train = _loaded(asked)
     found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
     digests = frozenset(one.description.digest for one in train)
@@ -215,6 +221,15 @@ def compare(asked: ComparisonRequest) -> Comparison:
         notes=tuple(_notes(asked, entries, sessions, train)),
         seconds=time.monotonic() - begun_s,
     )
+
+
+def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
+    """Compile every method by a run over a second of rest; processes that are forked later have the compiled code."""
+    progress(COMPILING, 0, 0)
+    t_s = np.arange(COMPILED_SAMPLES) / COMPILED_SAMPLES
+    for method in methods:
+        for function in filter(None, (method.run, method.sigma)):
+            function(t_s, np.zeros(COMPILED_SAMPLES), method.defaults)
 
 
 def _given(method: Method, config: ConfigFile | None) -> Entry:

@@ -11,9 +11,10 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import row_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import SHIPPED
-from gyrodrift.progress import OnProgress, untold
+from gyrodrift.progress import COMPILING, OnProgress, untold
 from gyrodrift.tune.result import Alternative, Pi, Tuning
 from gyrodrift.tune.search.journal import Journal
+from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan, TuningRun
 from gyrodrift.tune.tuning_set import TuningSet
 
@@ -30,18 +31,28 @@ def tune_filters(
     DataError
         If every parameter vector that was tried has an infinite cost.
     """
+    is_cross_validated = Split.TEST not in sessions.splits
+    total = TotalProgress(tuple(plans), len(sessions.sessions) * is_cross_validated, progress)
     tunings: list[Tuning] = []
+    is_alone = len(plans) == 1
     for plan in plans:
         try:
-            run = _run_of(plan, sessions, journal, progress, is_alone=len(plans) == 1)
+            _compile(plan, sessions, progress)
+            run = _run_of(plan, sessions, journal, total.of_plan(plan), is_alone=is_alone)
             tunings.append(run.run())
         except KeyboardInterrupt:
             if not tunings:
                 raise
-            return chosen(tunings, sessions, is_alone=len(plans) == 1), True
+            return chosen(tunings, sessions, is_alone=is_alone), True
         if run.was_interrupted:
-            return chosen(tunings, sessions, is_alone=len(plans) == 1), True
-    return chosen(tunings, sessions, is_alone=len(plans) == 1), False
+            return chosen(tunings, sessions, is_alone=is_alone), True
+    return chosen(tunings, sessions, is_alone=is_alone), False
+
+
+def _compile(plan: Plan, sessions: TuningSet, progress: OnProgress) -> None:
+    """Compile the filter, by its first evaluation."""
+    progress(COMPILING, 0, 0)
+    sessions.costs.for_filter(plan.filter).cost(row_of(plan.filter.params()), [0])
 
 
 def _run_of(plan: Plan, sessions: TuningSet, journal: Journal, progress: OnProgress, *, is_alone: bool) -> TuningRun:

@@ -16,7 +16,11 @@ import pytest
 from support import PATIENCE_S, Terminal, ours
 
 from gyrodrift.cli import main
+from gyrodrift.library.analyses import compare, tune
 from gyrodrift.progress import Progress
+from gyrodrift.tune.plans import plans_of
+from gyrodrift.tune.total_progress import TotalProgress
+from gyrodrift.tune.tuning import Plan
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +88,9 @@ LONG = {
     "compare": ["{all}", "--jobs", "1"],
     "diagnose": ["{all}", "--out", "{out}/report", "--jobs", "1"],
 }
+LEFT_OF = {"tune": "total", "compare": "sessions", "diagnose": "total"}
+"""The bar with the time left: a stage with others after it has none."""
+
 NEXT = {"tune": "sessions read", "compare": "sessions", "diagnose": "sessions checked"}
 
 
@@ -95,7 +102,7 @@ def test_long_ones_show_something_before_they_load_their_packages(name: str, ses
         terminal.until(lambda shown: "packages" in shown.text, "packages")
         terminal.until(lambda shown: NEXT[name] in shown.text, NEXT[name])
         terminal.until(lambda shown: " left " in shown.text, "time left")
-        assert ("all of it" in terminal.text) == (name == "diagnose")
+        assert [row.split()[0] for row in terminal.text.splitlines() if " left " in row] == [LEFT_OF[name]]
         terminal.process.send_signal(signal.SIGINT)
         terminal.end()
         assert " left " not in terminal.text
@@ -162,3 +169,33 @@ def test_an_interrupt_in_the_moment_of_drawing_leaves_no_row_behind() -> None:
     pyte.Stream(screen).feed(stream.getvalue().replace("\n", "\r\n"))
     assert "the second" in stream.getvalue()
     assert "".join(screen.display).strip() == ""
+
+
+def reported(plans: tuple[Plan, ...], sessions: int) -> list[tuple[str, int, int]]:
+    """Reports of all searches of these plans, each of one evaluation."""
+    reports: list[tuple[str, int, int]] = []
+    total = TotalProgress(plans, sessions, lambda stage, done, of: reports.append((stage, done, of)))
+    for plan in plans:
+        for search in ("seed 0", "reduced", *(f"without {number}" for number in range(sessions))):
+            total.of_plan(plan)(search, 10, 10)
+    return reports
+
+
+def test_the_total_of_a_tuning_has_all_its_searches() -> None:
+    """Those of both filters, of the reduced models and without each session; restlevel counts three times."""
+    plans = plans_of(None, 10, (0,), None, [])
+    totals = [(done, of) for stage, done, of in reported(plans, sessions=3) if stage == "total"]
+    assert totals[0] == (10, (1 + 3) * 5 * 10)
+    assert totals[-1] == (200, 200)
+    assert totals == sorted(totals)
+
+
+def test_compiling_is_said_before_the_first_evaluation(sessions: Path) -> None:
+    """Once by each analysis, before its first stage with a count."""
+    for analysis, options in ((compare, {}), (tune, {"filter": "hdr", "iterations": 8})):
+        stages: list[str] = []
+        analysis(sessions, on_progress=lambda stage, _done, _total, stages=stages: stages.append(stage), **options)  # type: ignore[operator]
+        assert stages.count("compiling, only once on this machine") == 1
+        assert stages.index("compiling, only once on this machine") < stages.index(
+            "sessions" if analysis is compare else "seed 0"
+        )
