@@ -67,6 +67,7 @@ audit: $(VENV)/ready
 pictures: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.pictures moving-demo docs/demo-moving.svg
 	$(BIN)/python -m tests.pictures comparison docs/comparison.svg
+	$(BIN)/python -m tests.pictures reports docs/reports
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
 	$(BIN)/python -m firmware_sim.gallery --out docs/effects
 	$(BIN)/python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png

@@ -81,6 +81,11 @@ def _title(name: str) -> str:
     return TITLES.get(name, name)
 
 
+def write(path: Path) -> None:
+    """Write the chart of the committed tables."""
+    path.write_text(picture(), encoding="utf-8")
+
+
 def picture() -> str:
     """The chart of the committed tables."""
     page = RESULTS.read_text(encoding="utf-8")

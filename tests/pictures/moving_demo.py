@@ -84,9 +84,9 @@ def y_of(error_deg: float) -> float:
     return BOTTOM - (BOTTOM - TOP) * error_deg / LARGEST_DEG
 
 
-def picture() -> str:
-    """The picture of a run made now."""
-    return draw(record_demo())
+def write(path: Path) -> None:
+    """Run the demo and write its picture."""
+    path.write_text(draw(record_demo()), encoding="utf-8")
 
 
 def draw(run: DemoRun) -> str:
