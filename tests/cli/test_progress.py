@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TextIO
 
@@ -17,7 +18,7 @@ from support import PATIENCE_S, Terminal, ours
 
 from gyrodrift.cli import main
 from gyrodrift.library.analyses import compare, tune
-from gyrodrift.progress import Progress
+from gyrodrift.progress import COMPILING, Progress
 from gyrodrift.tune.plans import plans_of
 from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan
@@ -190,12 +191,16 @@ def test_the_total_of_a_tuning_has_all_its_searches() -> None:
     assert totals == sorted(totals)
 
 
-def test_compiling_is_said_before_the_first_evaluation(sessions: Path) -> None:
-    """Once by each analysis, before its first stage with a count."""
-    for analysis, options in ((compare, {}), (tune, {"filter": "hdr", "iterations": 8})):
-        stages: list[str] = []
-        analysis(sessions, on_progress=lambda stage, _done, _total, stages=stages: stages.append(stage), **options)  # type: ignore[operator]
-        assert stages.count("compiling, only once on this machine") == 1
-        assert stages.index("compiling, only once on this machine") < stages.index(
-            "sessions" if analysis is compare else "seed 0"
-        )
+@pytest.mark.parametrize(
+    ("analysis", "first"),
+    [(compare, "sessions"), (partial(tune, filter="hdr", iterations=8), "seed 0")],
+    ids=["compare", "tune"],
+)
+def test_compiling_is_said_before_the_first_evaluation(
+    analysis: Callable[..., object], first: str, sessions: Path
+) -> None:
+    """Once."""
+    stages: list[str] = []
+    analysis(sessions, on_progress=lambda stage, _done, _total: stages.append(stage))
+    assert stages.count(COMPILING) == 1
+    assert stages.index(COMPILING) < stages.index(first)
