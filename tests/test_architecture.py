@@ -14,7 +14,7 @@ MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").
 
 BASE = (
     "arrays calibration callable_room cluster compile errors files installation log log_stream logger nearest noise"
-    " parallel process_list progress public_yaml sample secret system unwaiting waiting"
+    " parallel process_list progress public_yaml sample secret system text_chart unwaiting waiting"
 )
 """Single files at the top of the package: they know each other and no room."""
 

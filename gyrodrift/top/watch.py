@@ -1,13 +1,15 @@
-"""The loop of `gyrodrift top`: asks the service a few times a second, listens to keys, draws."""
+"""The loop of `gyrodrift top`: asks the service for its status, reads keys, and draws."""
 
 import os
 import select
 import sys
 import termios
+import time
 import tty
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import nan
 from pathlib import Path
 
 from rich.console import Console
@@ -16,41 +18,43 @@ from rich.live import Live
 from gyrodrift.errors import UsageError
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.service.control_client import ControlClient
-from gyrodrift.top.view import draw
+from gyrodrift.top.view import YawPoint, draw
 
 EVERY_S = 0.25
 PATIENCE_S = 3.0
-SPARKS = 60
+KEPT_POINTS = 1200
+"""Five minutes of yaw."""
 
 
 class Watch:
-    """A running service, asked for its status; one that went away is waited for."""
+    """Status of a running service. It waits for a service that has gone away."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._service: ControlClient | None = ControlClient(path, PATIENCE_S)
         self.status = ServiceStatus()
-        self.yaws_deg: deque[float] = deque(maxlen=SPARKS)
+        self.points: deque[YawPoint] = deque(maxlen=KEPT_POINTS)
         self.note = ""
         self.is_paused = False
         self.is_over = False
 
     def ask(self) -> None:
-        """Take the status of now."""
+        """Update the status."""
         answer = self._ask("status")
         if answer is not None and not self.is_paused:
             del answer["ok"]
             self.status = ServiceStatus.from_dict(answer)
-            self.yaws_deg.append(self.status.filter.yaw_deg)
+            now, sigma_deg = self.status.filter, self.status.filter.yaw_sigma_deg
+            self.points.append(YawPoint(time.monotonic(), now.yaw_deg, nan if sigma_deg is None else sigma_deg))
 
     def type(self, keys: str) -> None:
-        """Do what keys stand for; none at all comes from a terminal that is gone."""
+        """Carry out keys; an empty text means that the terminal is gone."""
         self.is_over = not keys
         for key in keys:
             self.press(key)
 
     def press(self, key: str) -> None:
-        """Do what a key stands for."""
+        """Carry out a key."""
         match key:
             case "q" | "\x03" | "\x04":
                 self.is_over = True
@@ -58,16 +62,17 @@ class Watch:
                 self.is_paused = not self.is_paused
                 self.note = "paused" if self.is_paused else ""
             case "z" if self._ask("zero") is not None:
+                self.points.clear()
                 self.note = "yaw is 0"
 
     def close(self) -> None:
-        """Let go of the service."""
+        """Close the connection."""
         if self._service is not None:
             self._service.close()
             self._service = None
 
     def _ask(self, command: str) -> dict[str, object] | None:
-        """The answer; None while the service is away."""
+        """Answer of the service; None while it is away."""
         try:
             if self._service is None:
                 self._service = ControlClient(self._path, PATIENCE_S)
@@ -75,27 +80,27 @@ class Watch:
             return self._service.ask(command)
         except UsageError as error:
             self.close()
-            self.note = f"{error}; waiting"
+            self.note = f"waiting: {error}"
             return None
 
 
 def show(path: Path) -> None:
-    """Show a service until a key ends it; once, where nobody sits at a terminal.
+    """Show a service until a key ends it. Without a terminal print it once.
 
     Raises
     ------
     UsageError
-        Where there is no service.
+        If there is no service.
     """
     console, watch = Console(), Watch(path)
     try:
         watch.ask()
         if not (console.is_terminal and sys.stdin.isatty()):
-            console.print(draw(watch.status, watch.yaws_deg))
+            console.print(draw(watch.status, watch.points))
             return
         with _keys() as fd, Live(console=console, screen=True, auto_refresh=False) as live:
             while not watch.is_over:
-                live.update(draw(watch.status, watch.yaws_deg, watch.note), refresh=True)
+                live.update(draw(watch.status, watch.points, watch.note, console.size), refresh=True)
                 if select.select([fd], [], [], EVERY_S)[0]:
                     watch.type(_typed(fd))
                 watch.ask()
@@ -107,7 +112,7 @@ def show(path: Path) -> None:
 
 @contextmanager
 def _keys() -> Iterator[int]:
-    """Standard input, each key as it is pressed."""
+    """Standard input without line editing: each key comes as it is pressed."""
     fd = sys.stdin.fileno()
     before = termios.tcgetattr(fd)
     tty.setcbreak(fd)

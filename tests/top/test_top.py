@@ -1,5 +1,6 @@
 """`gyrodrift top` on a running service, in a terminal of the test."""
 
+import io
 import os
 import re
 from contextlib import ExitStack
@@ -11,7 +12,7 @@ from rich.console import Console
 from support import Command, Terminal, never, ours
 
 from gyrodrift.outputs.status import ClientStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus
-from gyrodrift.top.view import draw, sparkline
+from gyrodrift.top.view import YawPoint, draw, sparkline
 
 
 def top_on(control: Path) -> Terminal:
@@ -83,12 +84,27 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
         outputs=(OutputStatus("tcp", "127.0.0.1:7117", "", clients, 10, 1000, 45),),
     )
     console = Console(width=100, file=open(os.devnull, "w"), record=True)  # noqa: PTH123, SIM115 - closed below
-    console.print(draw(status, [0.0, 1.0]))
+    console.print(draw(status, [YawPoint(0.0, 0.0, 0.5), YawPoint(0.25, 1.0, 0.5)]))
     console.file.close()
     shown = console.export_text()
     for said in ("+1.00 ± 0.50 deg", "-0.2500 ± 0.0100 deg/s", "97%", "1 (7 samples)", "127.0.0.1:50007", "and 2 more"):
         assert said in shown
     assert "3 frames arrived damaged (23.1%); look at cable, ground and baud." in shown
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])
+def test_the_view_fills_the_terminal_with_a_chart(columns: int, rows: int) -> None:
+    """Axes with round numbers; lines differ by their style."""
+    points = [YawPoint(n / 4.0, n / 10.0, 1.0) for n in range(480)]
+    status = ServiceStatus(link=LinkStatus(port="/dev/gyro", is_open=True, samples=10))
+    console = Console(width=columns, height=rows, file=io.StringIO(), force_terminal=True, color_system=None)
+    with console.capture() as shown:
+        console.print(draw(status, points, "note", (columns, rows)))
+    lines = shown.get().splitlines()
+    assert [len(line) for line in lines] == [columns] * rows
+    text = "\n".join(lines)
+    for words in ("── yaw", "╌╌ ± 2 sigma", "┤", "┬", "40 ", "-100", "q quit"):
+        assert words in text
 
 
 @pytest.mark.parametrize(
