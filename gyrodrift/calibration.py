@@ -1,10 +1,10 @@
-"""What is known of one gyro from its calibration, and its rate put right by that.
+"""Calibration of a gyro: its values, and the corrected rate.
 
-    rate = sign · scale · (measured − bias(T))        scale is that of the direction in which the device turns
+    rate = sign · scale · (measured − bias(T))        scale of the present direction of turning
     bias(T) = bias_dps + bias_dps_per_c · (T − temp_c)
 
-A session keeps the rate as the device sent it, and beside it the table of the calibration under which it was taken.
-Whoever filters or judges a session applies that table once; the service applies the one of its config.
+A session keeps the raw rate, and the calibration that was in use. Analyses apply that calibration once; the service
+applies the calibration of its config.
 """
 
 from collections.abc import Mapping
@@ -19,8 +19,10 @@ from annotated_types import Ge, Gt, Le, MaxLen
 from gyrodrift.sample import Sample
 
 OLD_DAYS = 365.0
-"""Scale factors of MEMS gyros age by up to some tenths of a percent a year; an older calibration is still the best
-there is, and is warned of."""
+"""Age from which a calibration is reported as old; it is still applied.
+
+Scale factors of MEMS gyros age by up to some tenths of a percent a year.
+"""
 
 BY_ID = "/dev/serial/by-id"
 
@@ -32,32 +34,32 @@ TempC = Annotated[float, Ge(-100.0), Le(200.0)]
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A calibration as it stands in a config; what was not measured is None.
+    """Calibration as in a config; values that were not measured are None.
 
     date
-        When it was made, ISO 8601 in UTC.
+        Time of the calibration, ISO 8601 in UTC.
     device_id
-        Of which device, by the name it sends or by that of its adapter; empty where it has neither.
+        Name that the device sends, or name of its adapter; empty without both.
     sign
         −1 for a device that counts clockwise turns as positive.
     scale_ccw, scale_cw
         True rate over measured rate, counter-clockwise and clockwise.
     scale_ccw_se, scale_cw_se
-        Standard errors of both, from how the turns repeat: the stop at the mark is part of them.
+        Standard errors of both, from the scatter of the turns, including the stops at the mark.
     bias_dps, bias_se_dps
-        Measured rate at rest, deg/s, in the device's own sign, and its standard error.
+        Measured rate at rest, deg/s, in the sign of the device, and its standard error.
     temp_c
-        Temperature that the bias belongs to, °C.
+        Temperature of `bias_dps`, °C.
     bias_dps_per_c, bias_dps_per_c_se
         Slope of the bias, deg/s per °C, and its standard error; 0 without a temperature run.
     temp_low_c, temp_high_c
-        Range of the temperature run, °C; outside of it the bias is that of the nearer end.
+        Range of the temperature run, °C; outside, the bias of the nearer end applies.
     noise_dps_rthz
         White noise at rest, deg/s/√Hz.
     dps_per_lsb
         Smallest step of the rate, deg/s.
     turns, repeats
-        Whole turns at a time, and how often each direction was turned.
+        Whole turns at a time, and repeats per direction.
     mark_deg
         Standard deviation of a stop at the mark, degrees.
     """
@@ -84,20 +86,20 @@ class Calibration:
 
     @property
     def scale_sigma(self) -> float | None:
-        """Larger standard error of the two scales, as a share; None where none was measured."""
+        """Larger standard error of the two scales, as a fraction; None if not measured."""
         return max((se for se in (self.scale_ccw_se, self.scale_cw_se) if se is not None), default=None)
 
     def rate_dps(self, measured_dps: float, temp_c: float = nan) -> float:
-        """True rate of a measured one, deg/s; without a temperature the bias is that at `temp_c`."""
+        """True rate for a measured rate, deg/s; without a temperature, with the bias at `temp_c`."""
         return self.of_rest_dps(measured_dps - self.bias_at_dps(temp_c))
 
     def of_rest_dps(self, measured_dps: float) -> float:
-        """True rate of a measured one that is without bias already, deg/s."""
-        turned_dps = self.sign * measured_dps
-        return turned_dps * (self.scale_ccw if turned_dps >= 0.0 else self.scale_cw)
+        """True rate for a measured rate without bias, deg/s."""
+        signed_dps = self.sign * measured_dps
+        return signed_dps * (self.scale_ccw if signed_dps >= 0.0 else self.scale_cw)
 
     def bias_at_dps(self, temp_c: float) -> float:
-        """Bias at a temperature, deg/s; at the nearer end of the temperature run outside of it."""
+        """Bias at a temperature, deg/s; outside the temperature run, the bias of its nearer end."""
         if not self.bias_dps_per_c or self.temp_c is None or isnan(temp_c):
             return self.bias_dps
         low_c = temp_c if self.temp_low_c is None else max(temp_c, self.temp_low_c)
@@ -105,73 +107,73 @@ class Calibration:
         return self.bias_dps + self.bias_dps_per_c * (inside_c - self.temp_c)
 
     def sample(self, measured: Sample) -> Sample:
-        """A sample with its true rate."""
+        """Sample with its true rate."""
         return measured._replace(rate_dps=self.rate_dps(measured.rate_dps, measured.temp_c))
 
     def measured_dps(self, rate_dps: float, temp_c: float = nan) -> float:
-        """What the device measures at a true rate, deg/s."""
+        """Measured rate for a true rate, deg/s."""
         return self.bias_at_dps(temp_c) + self.sign * rate_dps / (self.scale_ccw if rate_dps >= 0.0 else self.scale_cw)
 
     def following(self, old: "Calibration", bias_dps: float, temp_c: float = nan) -> "Calibration":
-        """The same for a filter that has run under an old one: with the bias at which its own estimate stays right.
+        """Copy with a bias that keeps the estimate of a filter valid that ran with an old calibration.
 
-        `bias_dps` is what the filter has found, deg/s, at a temperature in °C.
+        `bias_dps` is the estimate of the filter, deg/s, at `temp_c`, °C.
         """
-        found_dps = old.measured_dps(bias_dps, temp_c)
-        return replace(self, bias_dps=self.bias_dps + found_dps - self.measured_dps(bias_dps, temp_c))
+        rest_dps = old.measured_dps(bias_dps, temp_c)
+        return replace(self, bias_dps=self.bias_dps + rest_dps - self.measured_dps(bias_dps, temp_c))
 
     def age_days(self, now: datetime) -> float:
-        """How old it is, days."""
+        """Age, days."""
         return (now - moment(self.date)).total_seconds() / 86400.0
 
     def is_for(self, device_id: str) -> bool:
-        """Whether it may be applied to a device: one of the same id, or where either has none."""
+        """Whether it applies to a device: the ids are equal, or one of them is empty."""
         return not (self.device_id and device_id) or self.device_id == device_id
 
     def table(self) -> dict[str, str]:
-        """As a session keeps it."""
-        named = {each.name: getattr(self, each.name) for each in fields(self)}
+        """Metadata of a session."""
+        named = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: str(value) for name, value in named.items() if value is not None}
 
 
 NO_CALIBRATION = Calibration(date="")
-"""Every rate as it was measured."""
+"""Calibration that changes nothing."""
 
 
 def calibration_of_table(table: Mapping[str, str]) -> Calibration:
-    """What a session keeps; names that this version does not know are passed over.
+    """Calibration from the metadata of a session; unknown names are ignored.
 
     Raises
     ------
     ValueError
-        Where a number is none.
+        A value is not a number.
     """
-    known = {each.name for each in fields(Calibration)}
+    names = {field.name for field in fields(Calibration)}
     texts, whole = {"date", "device_id"}, {"sign", "turns", "repeats"}
     given: dict[str, Any] = {}
-    for name in known & table.keys():
+    for name in names & table.keys():
         text = table[name]
         given[name] = text if name in texts else int(text) if name in whole else float(text)
     return replace(NO_CALIBRATION, **given)
 
 
 def moment(date: str) -> datetime:
-    """A date in ISO 8601 as a moment, in UTC where it does not say.
+    """Moment of a date in ISO 8601, in UTC without a time zone.
 
     Raises
     ------
     ValueError
-        Where it is none.
+        It is not a date.
     """
-    found = datetime.fromisoformat(date)
-    return found if found.tzinfo else found.replace(tzinfo=UTC)
+    when = datetime.fromisoformat(date)
+    return when if when.tzinfo else when.replace(tzinfo=UTC)
 
 
 def of_this_device(given: Calibration | None, device_id: str | None, port: str) -> Calibration | None:
-    """The calibration, where it is that of the device at a port; None where it is another one's, or there is none."""
+    """The calibration if it applies to the device at a port, else None."""
     return given if given is not None and given.is_for(device_identity(device_id, port)) else None
 
 
 def device_identity(device_id: str | None, port: str) -> str:
-    """What a device is known by: the name it sends, or else that of its adapter; empty where it has neither."""
+    """Id of a device: the name it sends, else the name of its adapter; empty without both."""
     return device_id or (Path(port).name if port.startswith(BY_ID) else "")

@@ -1,25 +1,25 @@
-"""The names that somebody may have meant, of those that are known."""
+"""Suggestions for a misspelled name."""
 
 from collections.abc import Iterable
 
-ALIKE = 0.6
-"""How alike a name has to be, from 0 to 1: what `difflib` takes where nobody says."""
+SIMILARITY = 0.6
+"""Smallest similarity of a suggestion, from 0 to 1: the default of `difflib`."""
 
 
-def nearest(word: str, known: Iterable[str], most: int = 1, alike: float = ALIKE) -> list[str]:
-    """Those of the known names that are near, the nearest first, in whichever case the word was written."""
-    from difflib import get_close_matches  # noqa: PLC0415 - for who mistyped something
+def nearest(word: str, names: Iterable[str], count: int = 1, similarity: float = SIMILARITY) -> list[str]:
+    """At most `count` of the names that are similar to a word, the most similar first; case is ignored."""
+    from difflib import get_close_matches  # noqa: PLC0415 - for mistakes only
 
-    names = {name.lower(): name for name in known}
-    return [names[each] for each in get_close_matches(word.lower(), names, n=most, cutoff=alike)]
+    by_lower = {name.lower(): name for name in names}
+    return [by_lower[name] for name in get_close_matches(word.lower(), by_lower, n=count, cutoff=similarity)]
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """The question whether the nearest was meant; nothing where none is near."""
-    return question(nearest(word, known))
+def did_you_mean(word: str, names: Iterable[str]) -> str:
+    """`did you mean NAME?`, or empty if no name is similar."""
+    return question(nearest(word, names))
 
 
 def question(names: Iterable[str]) -> str:
-    """Whether one of these was meant; nothing where there are none."""
-    found = " or ".join(names)
-    return f"did you mean {found}?" if found else ""
+    """`did you mean A or B?`, or empty without names."""
+    choices = " or ".join(names)
+    return f"did you mean {choices}?" if choices else ""

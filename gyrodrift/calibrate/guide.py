@@ -1,7 +1,7 @@
-"""What is done in which order, and what the person is told: rest, warming where it is wished, turn after turn.
+"""Steps of a calibration: rest, temperature run if requested, then turn after turn, with instructions for the user.
 
-The guide is handed samples and keys and never waits. By hand each stop at the mark is told by a key; without hands by
-the device standing still. What goes wrong is told and done again by hand, and is an error without.
+The guide takes samples and keys, and never waits. With a user, a key marks every stop; without, the guide recognizes a
+stop by the rest of the device. A failed step is repeated with a user, and raises an error without.
 """
 
 from collections.abc import Callable
@@ -12,29 +12,30 @@ from math import isfinite, isnan
 
 from gyrodrift.calibrate.move import FinishedMove, Move
 from gyrodrift.calibrate.rest import RestMeasurement, rest_of
-from gyrodrift.calibrate.scale import LEAST, Scales, Turns, check_turns, scales_of, settled
+from gyrodrift.calibrate.scale import REPEATS_MIN, Scales, Turns, check_turns, checked_scales, scales_of
 from gyrodrift.calibrate.warming import BiasLine, Warming
 from gyrodrift.calibration import Calibration
 from gyrodrift.errors import CalibrationError
 from gyrodrift.sample import Sample
 
 HANDS_OFF_S = 0.5
-"""The stroke of a key shakes the table."""
+"""A key press shakes the table for about this time, s."""
 
 MOVED_DEG = 90.0
+"""Angle from which a motion counts as a turn, and largest distance of a stop from whole turns, without a user."""
+
 NO_TURN_S = 120.0
-"""Without hands, a device that stands for so long is not turned any more."""
+"""Without a user, a rest of this length ends the calibration, s."""
 
 HALF_WAY_S = 10.0
-"""Without hands, a stop of this length is one at the mark, wherever it is."""
-
+"""Without a user, a stop of this length counts as the mark, whatever the angle, s."""
 
 PIECE = 10
-"""Samples that are looked at together, however many were read at once: a stop is seen where it is."""
+"""Samples per step, so that a stop is recognized at its time, however many samples were read at once."""
 
 
 class Key(Enum):
-    """What a person says."""
+    """Input of the user."""
 
     ENTER = ""
     UNDO = "u"
@@ -42,7 +43,7 @@ class Key(Enum):
 
 
 class GuideStep(Enum):
-    """Where the guide is."""
+    """Step of the calibration."""
 
     READY = "ready"
     REST = "rest"
@@ -54,20 +55,20 @@ class GuideStep(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CalibrationPlan:
-    """What is asked for.
+    """Requested calibration.
 
-    turns, most
-        Whole turns at a time, and how often each direction is turned at most.
+    turns, repeats_max
+        Whole turns at a time, and largest number of repeats per direction.
     spread
-        Standard error of the scale at which there are turns enough, as a share.
+        Standard error of the scale at which the turns are enough, as a fraction.
     rest_s, warming_s
-        Lengths of the rest and of the temperature run, s; 0 for none.
+        Lengths of the rest and of the temperature run, s; 0 for no temperature run.
     is_by_hand
-        Whether a person presses keys.
+        Whether a user presses keys.
     """
 
     turns: int = 1
-    most: int = 10
+    repeats_max: int = 10
     spread: float = 0.001
     rest_s: float = 10.0
     warming_s: float = 0.0
@@ -76,7 +77,7 @@ class CalibrationPlan:
 
 @dataclass(slots=True)
 class Guide:
-    """A calibration under way; `say` is called with each sentence that stays on the screen."""
+    """State of a calibration; `say` gets every instruction and result as a sentence."""
 
     plan: CalibrationPlan
     say: Callable[[str], object]
@@ -90,19 +91,19 @@ class Guide:
     _is_asked: bool = False
 
     def begin(self) -> None:
-        """Say what comes first."""
+        """Start, with the first instruction."""
         if self.plan.is_by_hand:
-            self.say("Put the device on a firm table, its mark at a mark of the table. Enter begins with the rest.")
+            self.say("Put the device on a firm table, with its mark at a mark on the table. Press Enter to start.")
         else:
             self._begin_rest()
 
     def take(self, samples: list[Sample], clipped: int = 0) -> None:
-        """Samples of the device, and how many of them it marked as out of its range.
+        """Add samples; `clipped` of them were marked as out of range by the device.
 
         Raises
         ------
         CalibrationError
-            Where something went wrong that nobody can do again.
+            A step failed, and there is no user to repeat it.
         """
         for start in range(0, len(samples), PIECE):
             self._take_piece(samples[start : start + PIECE], clipped if start == 0 else 0)
@@ -118,7 +119,7 @@ class Guide:
                 self._look(self._move)
 
     def press(self, key: Key) -> None:
-        """A key, with Enter behind it."""
+        """Handle an input line of the user."""
         match key, self.step:
             case Key.ENTER, GuideStep.READY:
                 self._begin_rest()
@@ -130,20 +131,20 @@ class Guide:
             case Key.ENOUGH, _:
                 self.step = GuideStep.DONE
             case Key.UNDO, _ if self.turns:
-                taken = self.turns.pop()
-                self.say(f"Taken back: {taken.angle_deg:+.1f} deg.")
-                self._to_the_mark(f"Back to the mark for {self._next_words}.")
+                removed = self.turns.pop()
+                self.say(f"Removed the last turn: {removed.angle_deg:+.1f} deg.")
+                self._to_the_mark(f"Go back to the mark for {self._next_words}.")
 
     @property
     def line(self) -> str:
-        """What is going on, for one line that is rewritten."""
+        """Current state, for the status line."""
         match self.step:
             case GuideStep.REST:
-                had_s = self._samples[-1].t_device_s - self._samples[0].t_device_s if self._samples else 0.0
-                return f"at rest: {had_s:.0f} of {self.plan.rest_s:g} s, hands off"
+                passed_s = self._samples[-1].t_device_s - self._samples[0].t_device_s if self._samples else 0.0
+                return f"at rest: {passed_s:.0f} of {self.plan.rest_s:g} s, do not touch it"
             case GuideStep.WARMING if self._warming is not None:
-                had = f"{self._warming.seconds / 60.0:.1f} of {self.plan.warming_s / 60.0:g} min"
-                return f"warming at rest: {had}, {self._warming.temp_c:.1f} °C, {self._warming.last_dps:+.4f} deg/s"
+                passed = f"{self._warming.seconds / 60.0:.1f} of {self.plan.warming_s / 60.0:g} min"
+                return f"warming at rest: {passed}, {self._warming.temp_c:.1f} °C, {self._warming.last_dps:+.4f} deg/s"
             case GuideStep.AT_MARK | GuideStep.TURNING if self._move is not None:
                 is_still = "at rest" if self._move.is_stopped else "moving"
                 if self.step is GuideStep.AT_MARK:
@@ -152,16 +153,16 @@ class Guide:
         return ""
 
     def result(self, now: datetime, device_id: str, dps_per_lsb: float | None) -> Calibration:
-        """All of it together; `dps_per_lsb` as the device states it, None where it does not.
+        """Calibration from all steps; `dps_per_lsb` as the device states it, or None.
 
         Raises
         ------
         CalibrationError
-            Where there is too little, or what there is differs too much.
+            There are too few turns, or they differ too much.
         """
         if self._rest is None:
-            raise CalibrationError("there was no rest yet; nothing is known")
-        scales, rest, run = settled(self.turns), self._rest, self.line_of_bias
+            raise CalibrationError("there was no rest yet, so there is no calibration")
+        scales, rest, run = checked_scales(self.turns), self._rest, self.line_of_bias
         return Calibration(
             date=now.isoformat(timespec="seconds"),
             device_id=device_id,
@@ -199,7 +200,7 @@ class Guide:
         except CalibrationError as error:
             self._refuse(error)
             self.step = GuideStep.READY
-            self.say("Enter begins the rest again.")
+            self.say("Press Enter to repeat the rest.")
             return
         rest = self._rest
         self.say(
@@ -213,12 +214,12 @@ class Guide:
 
     def _begin_warming(self, rest: RestMeasurement) -> None:
         if isnan(rest.temp_c):
-            self._refuse(CalibrationError("the device sends no temperature, so there is no temperature run"))
+            self._refuse(CalibrationError("the device sends no temperature, so a temperature run is impossible"))
             self._begin_turns(rest, rest.bias_dps)
             return
         self.step, self._warming = GuideStep.WARMING, Warming(rest, rest.bias_dps)
-        early = "; q ends it earlier" if self.plan.is_by_hand else ""
-        self.say(f"Temperature run: {self.plan.warming_s / 60.0:g} min. Do not touch it while it warms{early}.")
+        early = "; q ends it" if self.plan.is_by_hand else ""
+        self.say(f"Temperature run: {self.plan.warming_s / 60.0:g} min. Do not touch it while it warms up{early}.")
 
     def _take_warming(self, warming: Warming, samples: list[Sample]) -> None:
         warming.take(samples)
@@ -239,24 +240,24 @@ class Guide:
 
     def _begin_turns(self, rest: RestMeasurement, bias_dps: float) -> None:
         if self.plan.is_by_hand:
-            self.say("Turns: as slowly as you like. u takes the last one back, q ends with what is there.")
+            self.say("Turns: as slowly as you like. u removes the last turn, q ends the calibration.")
         self._begin_move(rest, bias_dps)
 
     def _begin_move(self, rest: RestMeasurement, bias_dps: float, so_far: list[Sample] | None = None) -> None:
         self._move, self._is_asked, self.step = Move(rest, bias_dps), False, GuideStep.TURNING
         self._move.take(so_far or [])
-        enter = ", stop at the mark, then Enter" if self.plan.is_by_hand else ", stop at the mark"
+        enter = ", stop at the mark, then press Enter" if self.plan.is_by_hand else ", stop at the mark"
         self.say(f"Turn {self._next_words}{enter}.")
 
     def _to_the_mark(self, words: str) -> None:
-        """From wherever it is; by hand."""
+        """Ask the user to move the device to the mark."""
         if self._rest is None or self._move is None:
             return
         self._move, self._is_asked, self.step = Move(self._rest, self._move.bias_dps), False, GuideStep.AT_MARK
-        self.say(f"{words} Enter when it stands there.")
+        self.say(f"{words} Press Enter when it stands there.")
 
     def _look(self, move: Move) -> None:
-        """Whether a move is over."""
+        """End the move if it is over."""
         if not move.is_stopped or not self._is_over(move):
             return
         self._is_asked = False
@@ -269,7 +270,7 @@ class Guide:
             check_turns(new, self.turns)
         except CalibrationError as error:
             self._refuse(error)
-            self._to_the_mark("Back to the mark.")
+            self._to_the_mark("Go back to the mark.")
             return
         self._keep(new, done, move.rest)
 
@@ -279,29 +280,29 @@ class Guide:
         whole_deg = 360.0 * self.plan.turns
         if abs(move.angle_deg) < MOVED_DEG:
             if move.seconds > NO_TURN_S:
-                raise CalibrationError(f"no turn came within {NO_TURN_S:g} s")
+                raise CalibrationError(f"no turn within {NO_TURN_S:g} s")
             return False
         return abs(abs(move.angle_deg) - whole_deg) < MOVED_DEG or move.still_s > HALF_WAY_S
 
     def _keep(self, new: Turns, done: FinishedMove, rest: RestMeasurement) -> None:
         self.turns.append(new)
         whole_deg = 360.0 * new.turns
-        off = f"{100.0 * (abs(new.angle_deg) / whole_deg - 1.0):+.2f} %"
-        self.say(f"  {new.angle_deg:+.2f} deg for {whole_deg:.0f}, {off}; up to {done.fastest_dps:.0f} deg/s")
+        error = f"{100.0 * (abs(new.angle_deg) / whole_deg - 1.0):+.2f} %"
+        self.say(f"  {new.angle_deg:+.2f} deg for {whole_deg:.0f}, {error}; up to {done.fastest_dps:.0f} deg/s")
         scales = scales_of(self.turns)
         is_pair = not new.is_ccw
         if scales is not None and is_pair:
-            self.say(f"  {told(scales)}")
-            if scales.spread <= self.plan.spread or scales.repeats >= self.plan.most:
+            self.say(f"  {scales_text(scales)}")
+            if scales.spread <= self.plan.spread or scales.repeats >= self.plan.repeats_max:
                 self.step = GuideStep.DONE
                 return
         self._begin_move(rest, done.bias_dps, done.rest)
 
     def _refuse(self, error: CalibrationError) -> None:
-        """By hand it is done again; without, a run that was asked for is not done by halves."""
+        """Tell the user to repeat the step; without a user, raise the error."""
         if not self.plan.is_by_hand:
             raise error
-        self.say(f"Not taken: {str(error).rstrip('.')}{'' if str(error).endswith('?') else '.'}")
+        self.say(f"Not accepted: {str(error).rstrip('.')}{'' if str(error).endswith('?') else '.'}")
 
     @property
     def _is_next_ccw(self) -> bool:
@@ -311,12 +312,12 @@ class Guide:
     def _next_words(self) -> str:
         count = "one whole turn" if self.plan.turns == 1 else f"{self.plan.turns} whole turns"
         way = "counter-clockwise, seen from above" if self._is_next_ccw else "clockwise, back again"
-        return f"{count} {way} ({len(self.turns) // 2 + 1} of {LEAST} to {self.plan.most})"
+        return f"{count} {way} ({len(self.turns) // 2 + 1} of {REPEATS_MIN} to {self.plan.repeats_max})"
 
 
-def told(scales: Scales) -> str:
-    """Both directions with their spread, and how exact a stop at the mark was."""
+def scales_text(scales: Scales) -> str:
+    """Scales of both directions with standard errors, and the standard deviation of a stop at the mark."""
     return (
         f"scale counter-clockwise {scales.scale_ccw:.5f} ± {scales.scale_ccw_se:.5f}, clockwise "
-        f"{scales.scale_cw:.5f} ± {scales.scale_cw_se:.5f}; a stop at the mark ± {scales.mark_deg:.2f} deg"
+        f"{scales.scale_cw:.5f} ± {scales.scale_cw_se:.5f}; stops at the mark ± {scales.mark_deg:.2f} deg"
     )

@@ -1,6 +1,6 @@
-"""One move from a stop at the mark to the next: when it is over, and by what angle the gyro says that it turned.
+"""A move from one stop at the mark to the next: its end, and its angle by the gyro.
 
-The bias is taken from the rest before the move and from that after it, and runs straight from one to the other.
+The bias is interpolated between the rests before and after the move.
 """
 
 from dataclasses import dataclass, field
@@ -9,40 +9,42 @@ from math import sqrt
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.calibrate.rest import LEAST_PER_BLOCK, RestMeasurement
+from gyrodrift.calibrate.rest import BLOCK_SAMPLES_MIN, RestMeasurement
 from gyrodrift.errors import CalibrationError
 from gyrodrift.sample import Sample
 
 BLOCK_S = 0.25
 STOP_S = 1.5
-"""A stop is a rest of at least this; hands that change their grip are quicker."""
+"""Shortest rest that counts as a stop, s; hands that change their grip are faster."""
 
 WINDOW_S = 5.0
-"""Of a longer rest the part next to the move gives the bias."""
+"""Longest part of a rest, next to the move, that gives the bias, s."""
 
 STILL_DPS = 0.15
 STILL_ERRORS = 6.0
-"""A block is still whose mean is within the larger of both of the last bias: what a bias may walk between two stops,
-and standard errors of its noise."""
+"""A block is still if its mean differs from the last bias by less than the larger of both.
+
+The first is the largest bias walk between two stops, the second counts standard errors of the noise.
+"""
 
 TREMBLES_DPS = 0.3
 TREMBLES = 3.0
-"""And whose scatter is below the larger of both: a hand that holds the table still, and times the noise."""
+"""A still block scatters by less than the larger of both: a hand that holds the table, and a multiple of the noise."""
 
 HOLE_PERIODS = 3.5
-"""Samples further apart than this were lost."""
+"""Longest step of time without lost samples, in periods."""
 
 
 @dataclass(slots=True)
 class Move:
-    """Takes samples from a stop on; `bias_dps` is what the rate was then, deg/s.
+    """Move that begins at a stop; `bias_dps` is the rate at that stop, deg/s.
 
     angle_deg
-        By how much the gyro says that it has turned so far, degrees, without the bias.
+        Integrated rate so far, without the bias, degrees.
     still_s
-        For how long it has been still, s.
+        Length of the present rest, s.
     seconds
-        How long ago it was begun, s.
+        Length of the move so far, s.
     """
 
     rest: RestMeasurement
@@ -56,7 +58,7 @@ class Move:
     _clipped: int = 0
 
     def take(self, samples: list[Sample], clipped: int = 0) -> None:
-        """Samples of the device, and how many of them it marked as out of its range."""
+        """Add samples; `clipped` of them were marked as out of range by the device."""
         self._clipped += clipped
         self._samples += samples
         size = self._size
@@ -74,16 +76,16 @@ class Move:
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it stands still for long enough to be a stop."""
+        """Whether the present rest counts as a stop."""
         return self.still_s >= STOP_S
 
     def finished(self) -> "FinishedMove":
-        """The move up to the stop that it is at; samples behind the last whole block go to the next one.
+        """Move up to the present stop; samples after the last whole block belong to the next move.
 
         Raises
         ------
         CalibrationError
-            Where samples are missing from it, the rate left the range of the device, or there was no rest before it.
+            Samples are missing, the rate left the range of the device, or there was no rest before the move.
         """
         t_s = np.array([sample.t_device_s for sample in self._samples[: self._block]])
         rate_dps = self._rates_dps()
@@ -97,18 +99,18 @@ class Move:
         return FinishedMove(angle_deg, float(np.abs(moved_dps).max()), end_dps, self._samples[len(t_s) - after :])
 
     def last_rest(self) -> tuple[float, list[Sample]]:
-        """Bias at the stop that it is at, deg/s, and all samples since."""
+        """Bias at the present stop, deg/s, and all samples since its beginning."""
         rate_dps = self._rates_dps()
         after = self._after(rate_dps)
         return float(rate_dps[len(rate_dps) - after :].mean()), self._samples[self._block - after :]
 
     def _rates_dps(self) -> Floats:
-        """Of all whole blocks."""
+        """Rates of all whole blocks, deg/s."""
         return np.array([sample.rate_dps for sample in self._samples[: self._block]])
 
     @property
     def _size(self) -> int:
-        return max(LEAST_PER_BLOCK, round(BLOCK_S / self.rest.period_s))
+        return max(BLOCK_SAMPLES_MIN, round(BLOCK_S / self.rest.period_s))
 
     def _is_still(self, rate_dps: Floats) -> bool:
         noise_dps = self.rest.noise_dps
@@ -118,7 +120,7 @@ class Move:
         return is_level and float(rate_dps.std()) <= max(TREMBLES_DPS, TREMBLES * noise_dps)
 
     def _forget(self) -> None:
-        """Of a rest that has no move yet, all but what gives the bias, which may have walked."""
+        """Before the move begins, keep the last WINDOW_S of the rest only, and update the bias from them."""
         surplus = self._block - round(WINDOW_S / self.rest.period_s)
         if not self._has_moved and surplus > 0:
             del self._samples[:surplus]
@@ -127,19 +129,19 @@ class Move:
             self.bias_dps = sum(sample.rate_dps for sample in self._samples[: self._block]) / self._block
 
     def _before(self, rate_dps: Floats) -> int:
-        """Samples at the beginning that were still."""
+        """Number of still samples at the beginning."""
         size, still = self._size, 0
         while still + size <= len(rate_dps) and self._is_still(rate_dps[still : still + size]):
             still += size
         if not still:
-            raise CalibrationError("it was moving already when the turn began")
+            raise CalibrationError("the device was moving already when the turn began")
         return still
 
     def _after(self, rate_dps: Floats) -> int:
-        """Samples at the end that were still, up to the window."""
-        size, still, most = self._size, 0, round(WINDOW_S / self.rest.period_s)
+        """Number of still samples at the end, at most WINDOW_S."""
+        size, still, limit = self._size, 0, round(WINDOW_S / self.rest.period_s)
         end = len(rate_dps)
-        while still < most and still + size <= end and self._is_still(rate_dps[end - still - size : end - still]):
+        while still < limit and still + size <= end and self._is_still(rate_dps[end - still - size : end - still]):
             still += size
         return max(size, still)
 
@@ -148,12 +150,12 @@ class Move:
         if holes_s.max() > HOLE_PERIODS * self.rest.period_s or holes_s.min() <= 0.0:
             raise CalibrationError(f"samples were lost during the turn, {holes_s.max():.3g} s of them")
         if self._clipped:
-            raise CalibrationError(f"{self._clipped} samples were out of the device's range: turn slower")
+            raise CalibrationError(f"{self._clipped} samples were out of the range of the device: turn more slowly")
 
 
 @dataclass(frozen=True, slots=True)
 class FinishedMove:
-    """Angle as the gyro has it, deg, largest rate and the bias after it, deg/s, and all samples since the stop."""
+    """Angle by the gyro, degrees, largest rate and bias after the move, deg/s, and all samples since the stop."""
 
     angle_deg: float
     fastest_dps: float

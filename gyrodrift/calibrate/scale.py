@@ -1,8 +1,7 @@
-"""Scale and sign from whole turns: what one turn may read, and what many of them say together.
+"""Scale and sign from whole turns.
 
-A stop at the mark is never exact. How exactly a person stops shows in the scatter of the turns, which therefore gives
-the standard error of the scale, noise and wander of the bias included. All turns of a direction begin and end at stops
-of their own, so that their errors are independent of each other.
+A stop at the mark is never exact. The scatter of the turns contains the error of the stops, noise and bias wander, and
+gives the standard error of the scale. All turns have stops of their own, so their errors are independent.
 """
 
 from collections.abc import Sequence
@@ -15,19 +14,18 @@ import numpy as np
 from gyrodrift.errors import CalibrationError
 
 WHOLE_DEG = 360.0
-OFF_MOST = 0.1
-OFF_MOST_DEG = 170.0
-"""A scale factor is wrong by less than a tenth (data sheets: 3 %), and turns are counted right where they read nearer
-to their number than to another one."""
+ERROR_MAX = 0.1
+ERROR_MAX_DEG = 170.0
+"""Largest error of a turn: a tenth of the angle (data sheets: 3 %), and less than half a turn."""
 
-DIFFERS_MOST = 0.03
-"""Turns of one direction that differ by more are not of the same number of turns, or do not end at the same mark."""
+DIFFERENCE_MAX = 0.03
+"""Turns of a direction that differ by more have another number of turns, or do not end at the same mark."""
 
-LEAST = 3
-"""Times each direction is turned: fewer tell nothing of how exactly they are."""
+REPEATS_MIN = 3
+"""Repeats per direction: fewer give no useful scatter."""
 
-SPREAD_MOST = 0.01
-"""A scale that is not known to a percent is not worth having: that is what data sheets promise without calibration."""
+SPREAD_MAX = 0.01
+"""Largest standard error of a scale: data sheets promise about a percent without calibration."""
 
 RADIAN = 57.29578
 FACTORS = (2.0, 4.0, 8.0, 16.0)
@@ -35,7 +33,7 @@ NEAR = 0.1
 
 
 class Turns(NamedTuple):
-    """A move of whole turns, as measured: the angle in the device's own sign, degrees."""
+    """Measured move of whole turns: the angle in the sign of the device, degrees."""
 
     is_ccw: bool
     turns: int
@@ -44,7 +42,7 @@ class Turns(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What all turns say together; `sign`, scales and their standard errors as in a calibration.
+    """Result of all turns; `sign`, scales and standard errors as in a calibration.
 
     mark_deg
         Standard deviation of a stop at the mark, degrees.
@@ -66,28 +64,28 @@ class Scales:
 
 
 def check_turns(new: Turns, before: Sequence[Turns]) -> None:
-    """See that a move may be what it is said to be.
+    """Check that a move is the requested number of turns in the requested direction.
 
     Raises
     ------
     CalibrationError
-        Where its angle is far from so many whole turns, or from what the others read, or has their sign.
+        The angle differs too much from whole turns or from earlier turns, or has the sign of the other direction.
     """
     whole_deg, read_deg = WHOLE_DEG * new.turns, abs(new.angle_deg)
     off_deg = read_deg - whole_deg
-    if abs(off_deg) > min(OFF_MOST * whole_deg, OFF_MOST_DEG):
+    if abs(off_deg) > min(ERROR_MAX * whole_deg, ERROR_MAX_DEG):
         raise CalibrationError(f"{_count(new.turns)} read {new.angle_deg:+.1f} deg, {_why_off(read_deg, whole_deg)}")
-    for other in before:
-        is_same_way = (other.angle_deg > 0.0) == (new.angle_deg > 0.0)
-        if is_same_way != (other.is_ccw == new.is_ccw):
+    for earlier in before:
+        is_same_way = (earlier.angle_deg > 0.0) == (new.angle_deg > 0.0)
+        if is_same_way != (earlier.is_ccw == new.is_ccw):
             way = "counter-clockwise" if new.is_ccw else "clockwise"
             raise CalibrationError(
                 f"{_count(new.turns)} read {new.angle_deg:+.1f} deg, the sign of the other direction: was it {way}?"
             )
-    same = [abs(other.angle_deg) for other in before if other.is_ccw == new.is_ccw]
-    if same and abs(read_deg / float(np.median(same)) - 1.0) > DIFFERS_MOST:
+    same = [abs(earlier.angle_deg) for earlier in before if earlier.is_ccw == new.is_ccw]
+    if same and abs(read_deg / float(np.median(same)) - 1.0) > DIFFERENCE_MAX:
         raise CalibrationError(
-            f"{_count(new.turns)} read {new.angle_deg:+.1f} deg, those before {np.median(same):.1f} deg: did it stop "
+            f"{_count(new.turns)} read {new.angle_deg:+.1f} deg, earlier ones {np.median(same):.1f} deg: did it stop "
             "at the mark?"
         )
 
@@ -97,33 +95,31 @@ def _count(turns: int) -> str:
 
 
 def _why_off(read_deg: float, whole_deg: float) -> str:
-    """What is probably wrong where an angle is far from the one that was turned."""
+    """Probable cause of a wrong angle."""
     share = read_deg / whole_deg
     counted = round(read_deg / WHOLE_DEG)
     if share < NEAR and abs(share * RADIAN - 1.0) > NEAR:
-        return "hardly anything: the axis that is read is not the vertical one, or the device was not turned"
+        return "almost nothing: the measured axis is not vertical, or the device was not turned"
     if abs(share * RADIAN - 1.0) <= NEAR or abs(share / RADIAN - 1.0) <= NEAR:
         return "a factor of 57.3: degrees and radians are mixed up (--columns names the unit)"
     for factor in FACTORS:
         if abs(share * factor - 1.0) <= NEAR or abs(share / factor - 1.0) <= NEAR:
-            return (
-                f"a factor of {factor:g}: turned too few or too many times, or scaled for another range of the sensor"
-            )
-    if counted and abs(read_deg - WHOLE_DEG * counted) <= OFF_MOST * WHOLE_DEG:
+            return f"a factor of {factor:g}: too few or too many turns, or a scale for another range of the sensor"
+    if counted and abs(read_deg - WHOLE_DEG * counted) <= ERROR_MAX * WHOLE_DEG:
         return f"nearer to {_count(counted)}: count them again"
-    return "which is no whole turn: did it stop at the mark, and does the axis stand upright?"
+    return "not a whole turn: did it stop at the mark, and is the axis vertical?"
 
 
-def scales_of(found: Sequence[Turns]) -> Scales | None:
-    """Of all turns; None where a direction was turned less than LEAST times."""
-    ccw = np.array([abs(one.angle_deg) for one in found if one.is_ccw])
-    cw = np.array([abs(one.angle_deg) for one in found if not one.is_ccw])
-    if min(len(ccw), len(cw)) < LEAST:
+def scales_of(moves: Sequence[Turns]) -> Scales | None:
+    """Scales from all moves; None with fewer than REPEATS_MIN in a direction."""
+    ccw = np.array([abs(move.angle_deg) for move in moves if move.is_ccw])
+    cw = np.array([abs(move.angle_deg) for move in moves if not move.is_ccw])
+    if min(len(ccw), len(cw)) < REPEATS_MIN:
         return None
-    turns = found[0].turns
+    turns = moves[0].turns
     squares = float(((ccw - ccw.mean()) ** 2).sum() + ((cw - cw.mean()) ** 2).sum())
     deviation_deg = sqrt(squares / (len(ccw) + len(cw) - 2))
-    sign: Literal[1, -1] = 1 if next(one for one in found if one.is_ccw).angle_deg > 0.0 else -1
+    sign: Literal[1, -1] = 1 if next(move for move in moves if move.is_ccw).angle_deg > 0.0 else -1
     scale_ccw, scale_cw = (WHOLE_DEG * turns / float(angles.mean()) for angles in (ccw, cw))
     return Scales(
         sign=sign,
@@ -137,25 +133,25 @@ def scales_of(found: Sequence[Turns]) -> Scales | None:
     )
 
 
-def settled(found: Sequence[Turns]) -> Scales:
-    """What is written in the end.
+def checked_scales(moves: Sequence[Turns]) -> Scales:
+    """Scales that are good enough for a config.
 
     Raises
     ------
     CalibrationError
-        Where there are too few turns, or they differ too much.
+        There are too few turns, or they differ too much.
     """
-    scales = scales_of(found)
+    scales = scales_of(moves)
     if scales is None:
-        counts = [sum(one.is_ccw == is_ccw for one in found) for is_ccw in (True, False)]
+        counts = [sum(move.is_ccw == is_ccw for move in moves) for is_ccw in (True, False)]
         raise CalibrationError(
-            f"too few turns: {counts[0]} counter-clockwise and {counts[1]} clockwise; each direction is needed "
-            f"{LEAST} times, or nothing says how exact they are"
+            f"too few turns: {counts[0]} counter-clockwise and {counts[1]} clockwise; turn each direction "
+            f"{REPEATS_MIN} times, to give a standard error"
         )
-    if scales.spread > SPREAD_MOST:
+    if scales.spread > SPREAD_MAX:
         raise CalibrationError(
-            f"the turns differ too much: the scale is known to {scales.spread:.1%}, {SPREAD_MOST:.0%} is the most; "
-            f"a stop at the mark was {scales.mark_deg:.1f} deg off (standard deviation): turn several turns at a time, "
-            "with --turns 5, or make the mark sharper"
+            f"the turns differ too much: the standard error of the scale is {scales.spread:.1%}, above "
+            f"{SPREAD_MAX:.0%}; a stop at the mark had a standard deviation of {scales.mark_deg:.1f} deg: turn several "
+            "turns at a time with --turns 5, or use a finer mark"
         )
     return scales

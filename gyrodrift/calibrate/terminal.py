@@ -1,4 +1,4 @@
-"""The loop of a calibration: samples from the link, keys from the terminal, one line that says what is going on."""
+"""Loop of a calibration: samples from the link, keys from the terminal, and a status line."""
 
 import os
 import select
@@ -16,24 +16,24 @@ from gyrodrift.link.link import Link
 CLEAR = "\r\x1b[K"
 LINE_EVERY_S = 0.1
 LONGEST_WAIT_S = 0.2
-SILENT_MOST_S = 10.0
+SILENT_MAX_S = 10.0
 
 
 @dataclass(slots=True)
 class GuideScreen:
-    """Where a person reads: sentences that stay, and on a terminal a line below them that is rewritten."""
+    """Output for the user: sentences, and on a terminal a status line below them."""
 
     stream: TextIO
     is_terminal: bool
     _shown_s: float = 0.0
 
     def say(self, text: str) -> None:
-        """A sentence that stays."""
+        """Print a sentence."""
         self.stream.write(f"{CLEAR if self.is_terminal else ''}{text}\n")
         self.stream.flush()
 
     def show(self, line: str) -> None:
-        """What is going on, ten times a second; no more of it than a line takes."""
+        """Rewrite the status line, at most ten times a second, cut to the width of the terminal."""
         if not self.is_terminal or time.monotonic() - self._shown_s < LINE_EVERY_S:
             return
         self._shown_s = time.monotonic()
@@ -44,7 +44,7 @@ class GuideScreen:
         self.stream.flush()
 
     def clear(self) -> None:
-        """Leave the terminal as it was."""
+        """Remove the status line."""
         if self.is_terminal:
             self.stream.write(CLEAR)
             self.stream.flush()
@@ -52,14 +52,14 @@ class GuideScreen:
 
 @dataclass(slots=True)
 class Keys:
-    """Lines that a person types, without waiting; the end of input says that it is enough."""
+    """Lines typed by the user, without waiting; the end of input means ENOUGH."""
 
     fd: int
     is_open: bool = True
     _typed: bytes = field(default=b"")
 
     def read(self) -> list[Key]:
-        """What has been typed, line by line; other words are passed over."""
+        """Keys of the lines typed so far; other words are ignored."""
         typed = os.read(self.fd, 1024)
         if not typed:
             self.is_open = False
@@ -71,7 +71,7 @@ class Keys:
 
 @contextmanager
 def without_echo(fd: int) -> Iterator[None]:
-    """A terminal that does not show what is typed: the line that is rewritten stays where it is."""
+    """Terminal without echo, so that typing does not move the status line."""
     before = termios.tcgetattr(fd)
     quiet = termios.tcgetattr(fd)
     quiet[3] &= ~termios.ECHO
@@ -84,14 +84,14 @@ def without_echo(fd: int) -> Iterator[None]:
 
 
 def guided(link: Link, guide: Guide, screen: GuideScreen, keys: Keys | None, stop_fd: int) -> bool:
-    """Run until the guide is done, or until `stop_fd` becomes readable; whether it is done.
+    """Run until the guide is done, or until `stop_fd` becomes readable; True if it is done.
 
     Raises
     ------
     LinkError
-        Where the device says nothing, or falls silent.
+        The device sends nothing, or stops sending.
     CalibrationError
-        Where what it says calibrates nothing, and nobody is there to do it again.
+        A step failed, and there is no user to repeat it.
     """
     guide.begin()
     clipped = 0
@@ -103,12 +103,12 @@ def guided(link: Link, guide: Guide, screen: GuideScreen, keys: Keys | None, sto
             for key in keys.read():
                 guide.press(key)
         samples = link.read()
-        seen = link.decoder.counters.clipped if link.decoder else 0
-        guide.take(samples, seen - clipped)
-        clipped = seen
+        clipped_total = link.decoder.counters.clipped if link.decoder else 0
+        guide.take(samples, clipped_total - clipped)
+        clipped = clipped_total
         screen.show(guide.line)
-        if link.counters.samples and link.silent_s() > SILENT_MOST_S:
-            raise DeviceSilentError(f"{link.name}: fell silent; nothing is written. Is it still plugged in?")
+        if link.counters.samples and link.silent_s() > SILENT_MAX_S:
+            raise DeviceSilentError(f"{link.name}: stopped sending; nothing is written. Is it still plugged in?")
     return True
 
 

@@ -1,7 +1,6 @@
-"""Bias against temperature, from a rest during which the device warms: a robust line, and when it is believed.
+"""Bias against temperature, from a rest during which the device warms up: a robust line and its checks.
 
-The line is that of Theil (1950) and Sen (1968): the median of the slopes between all pairs of blocks, which a few odd
-blocks do not move.
+Theil (1950) and Sen (1968): the median of the slopes between all pairs of blocks, which ignores a few outliers.
 """
 
 from dataclasses import dataclass, field
@@ -15,24 +14,24 @@ from gyrodrift.errors import CalibrationError
 from gyrodrift.sample import Sample
 
 BLOCK_S = 5.0
-LEAST_BLOCKS = 24
+BLOCKS_MIN = 24
 """Two minutes: fewer blocks do not show whether they lie on a line."""
 
-LEAST_SPAN_C = 3.0
-"""Over less, the wander of the bias in time looks like one over temperature."""
+SPAN_MIN_C = 3.0
+"""Below, bias wander in time looks like a temperature slope."""
 
 SLOPE_ERRORS = 4.0
-"""The slope has to be so many standard errors from 0, or the bias does not depend on temperature as far as one sees."""
+"""Smallest slope that counts, in standard errors."""
 
 SCATTER_SHARE = 0.5
-"""What is left around the line, over what was there without one; above that a line is not the law."""
+"""Largest scatter around the line, as a share of the scatter without a line."""
 
 NORMAL_MAD = 1.4826
 
 
 @dataclass(frozen=True, slots=True)
 class BiasLine:
-    """bias_dps at temp_c, deg/s, and its slope with standard error, deg/s per °C; between low_c and high_c, °C."""
+    """Bias at `temp_c`, deg/s, slope with standard error, deg/s per °C, valid between `low_c` and `high_c`, °C."""
 
     bias_dps: float
     temp_c: float
@@ -44,7 +43,7 @@ class BiasLine:
 
 @dataclass(slots=True)
 class Warming:
-    """Takes samples of a rest; blocks in which the device moved, and those without a temperature, are left out.
+    """Temperature run; blocks with motion or without a temperature are skipped.
 
     last_dps
         Bias of the last block, deg/s.
@@ -53,13 +52,13 @@ class Warming:
     rest: RestMeasurement
     last_dps: float
     seconds: float = 0.0
-    left_out: int = 0
+    skipped: int = 0
     _temps_c: list[float] = field(default_factory=list)
     _biases_dps: list[float] = field(default_factory=list)
     _block: list[Sample] = field(default_factory=list)
 
     def take(self, samples: list[Sample]) -> None:
-        """Samples of the device."""
+        """Add samples."""
         for sample in samples:
             self._block.append(sample)
             if sample.t_device_s - self._block[0].t_device_s >= BLOCK_S:
@@ -67,16 +66,16 @@ class Warming:
 
     @property
     def temp_c(self) -> float:
-        """Of the last block, °C; NaN without one."""
+        """Temperature of the last block, °C; NaN without a block."""
         return self._temps_c[-1] if self._temps_c else float("nan")
 
     def line(self) -> BiasLine:
-        """The line through all blocks.
+        """Line through all blocks.
 
         Raises
         ------
         CalibrationError
-            Where there are too few, the temperature moved too little, or the bias does not lie on a line.
+            There are too few blocks, the temperature changed too little, or the bias does not lie on a line.
         """
         return line_of(np.array(self._temps_c), np.array(self._biases_dps))
 
@@ -88,7 +87,7 @@ class Warming:
         moved = abs(bias_dps - self.last_dps) > MOVED_DPS or abs(halves) > MOVED_DPS
         self._block.clear()
         if moved or isnan(temp_c):
-            self.left_out += 1
+            self.skipped += 1
             return
         self._temps_c.append(temp_c)
         self._biases_dps.append(bias_dps)
@@ -96,36 +95,36 @@ class Warming:
 
 
 def line_of(temps_c: Floats, biases_dps: Floats) -> BiasLine:
-    """The robust line through blocks, shape (n,) each.
+    """Robust line through blocks, both arrays of shape (n,).
 
     Raises
     ------
     CalibrationError
-        As `Warming.line`.
+        See `Warming.line`.
     """
-    if len(temps_c) < LEAST_BLOCKS:
+    if len(temps_c) < BLOCKS_MIN:
         raise CalibrationError(
-            f"{len(temps_c)} blocks of {BLOCK_S:g} s at rest with a temperature came, {LEAST_BLOCKS} are needed"
+            f"{len(temps_c)} blocks of {BLOCK_S:g} s at rest with a temperature; {BLOCKS_MIN} are needed"
         )
     low_c, high_c = float(temps_c.min()), float(temps_c.max())
-    if high_c - low_c < LEAST_SPAN_C:
+    if high_c - low_c < SPAN_MIN_C:
         raise CalibrationError(
-            f"the temperature moved by {high_c - low_c:.1f} °C only, from {low_c:.1f} to {high_c:.1f}; at least "
-            f"{LEAST_SPAN_C:g} are needed: begin with a cold device"
+            f"the temperature changed by only {high_c - low_c:.1f} °C, from {low_c:.1f} to {high_c:.1f}; at least "
+            f"{SPAN_MIN_C:g} °C are needed: start with a cold device"
         )
-    one, other = np.triu_indices(len(temps_c), 1)
-    is_apart = np.abs(temps_c[other] - temps_c[one]) > 0.1 * (high_c - low_c)
-    one, other = one[is_apart], other[is_apart]
-    slope = float(np.median((biases_dps[other] - biases_dps[one]) / (temps_c[other] - temps_c[one])))
-    left_dps = biases_dps - slope * temps_c
-    level_dps = float(np.median(left_dps))
-    scatter_dps = NORMAL_MAD * float(np.median(np.abs(left_dps - level_dps)))
+    first, second = np.triu_indices(len(temps_c), 1)
+    is_apart = np.abs(temps_c[second] - temps_c[first]) > 0.1 * (high_c - low_c)
+    first, second = first[is_apart], second[is_apart]
+    slope = float(np.median((biases_dps[second] - biases_dps[first]) / (temps_c[second] - temps_c[first])))
+    residual_dps = biases_dps - slope * temps_c
+    level_dps = float(np.median(residual_dps))
+    scatter_dps = NORMAL_MAD * float(np.median(np.abs(residual_dps - level_dps)))
     slope_se = scatter_dps / (float(np.std(temps_c)) * sqrt(len(temps_c)))
     before_dps = NORMAL_MAD * float(np.median(np.abs(biases_dps - np.median(biases_dps))))
     if abs(slope) < SLOPE_ERRORS * slope_se or scatter_dps > SCATTER_SHARE * before_dps:
         raise CalibrationError(
             f"the bias does not follow the temperature along a line ({slope:+.5f} ± {slope_se:.5f} deg/s per °C, "
-            f"{scatter_dps:.4f} of {before_dps:.4f} deg/s left around it)"
+            f"{scatter_dps:.4f} of {before_dps:.4f} deg/s of scatter remain)"
         )
     temp_c = float(np.median(temps_c))
     return BiasLine(level_dps + slope * temp_c, temp_c, slope, slope_se, low_c, high_c)

@@ -1,12 +1,11 @@
-"""Calibrate a gyro: bias and noise at rest, then whole turns against a mark, counter-clockwise and clockwise.
+"""Calibrate a gyro: bias and noise at rest, then scale and sign from whole turns against a mark.
 
-On a terminal it is guided: each stop at the mark is told by Enter; u takes the last turn back, q ends with what is
-there. Without one, or with --yes, no key is waited for: the device rests first and is then turned to and fro, and each
-stop is told by its standing still. Each direction is turned at least three times, until the standard error of the scale
-is small enough.
+On a terminal it guides you: press Enter at every stop at the mark; u removes the last turn, q ends. Without a terminal,
+or with --yes, it recognizes the stops by itself: let the device rest, then turn it counter-clockwise and clockwise in
+turn. Each direction needs at least three turns, and more until the standard error of the scale is small enough.
 
-The block calibration: goes to stdout, and into --config, where serve, record and filter take it from; all else in that
-file stays as it is.
+The result goes to stdout, and into the block calibration: of --config, which serve, record and filter apply. The rest
+of that file does not change.
 """
 
 import argparse
@@ -26,7 +25,9 @@ if TYPE_CHECKING:
     from gyrodrift.calibration import Calibration
     from gyrodrift.link.link import Link
 
-NEW_FILE = "# Begun by gyrodrift calibrate. serve --config follows this file while it runs.\nfilter: restlevel\n"
+NEW_FILE = (
+    "# Created by gyrodrift calibrate. serve --config applies changes of this file while it runs.\nfilter: restlevel\n"
+)
 
 EXAMPLES = """\
 gyrodrift calibrate --port auto --config my.yaml
@@ -39,47 +40,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="config that the calibration is put into (default: none)"
+        "--config", type=Path, metavar="FILE", help="config file to write the calibration into (default: none)"
     )
-    parser.add_argument("--turns", type=numbers.whole(1000), default=1, metavar="N", help="whole turns at a time")
     parser.add_argument(
-        "--repeats", type=numbers.whole(1000), default=10, metavar="N", help="turn each direction N times at most"
+        "--turns", type=numbers.whole(1000), default=1, metavar="N", help="whole turns between two stops"
+    )
+    parser.add_argument(
+        "--repeats", type=numbers.whole(1000), default=10, metavar="N", help="largest number of turns per direction"
     )
     parser.add_argument(
         "--spread",
         type=numbers.number(100.0),
         default=0.1,
         metavar="PERCENT",
-        help="standard error of the scale that is small enough",
+        help="end when the standard error of the scale is below this",
     )
-    parser.add_argument(
-        "--rest", type=numbers.seconds, default=10.0, metavar="S", help="length of the rest, s of device time"
-    )
+    parser.add_argument("--rest", type=numbers.seconds, default=10.0, metavar="S", help="length of the rest")
     parser.add_argument(
         "--temperature",
         type=numbers.number(1e5, "minutes, or 0 for none", least=0.0),
         default=0.0,
         metavar="MIN",
-        help="let it warm for MIN minutes at rest, for the slope of the bias (default: none)",
+        help="measure the bias against temperature while the device warms up for MIN minutes (default: no)",
     )
     parser.add_argument(
         "--turn",
         action="store_true",
-        help="ask for a quarter turn to the left first, which tells the columns of a text, their unit and sign; a "
-        "config that is begun keeps them",
+        help="find the columns of a text by a quarter turn to the left first, with unit and sign; a new config keeps "
+        "them",
     )
-    parser.add_argument("--yes", action="store_true", help="wait for no key, also on a terminal")
-    parser.add_argument("--json", action="store_true", help="one JSON object on stdout instead of the block")
-    parser.add_argument("--force", action="store_true", help="replace a calibration that --config has already")
+    parser.add_argument("--yes", action="store_true", help="recognize stops without keys, also on a terminal")
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of the block")
+    parser.add_argument("--force", action="store_true", help="replace the calibration in --config")
     options.add_log_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate; 0 when everything is written."""
+    """Calibrate; 0 if everything is written."""
     baud = numbers.baud(arguments.baud)
     plan = _plan(arguments)
     if arguments.config is not None:
-        _check_place(arguments.config, force=arguments.force)
+        _check_config(arguments.config, force=arguments.force)
 
     if arguments.turn:
         from gyrodrift.cli.turning import columns_by_turn
@@ -110,25 +111,25 @@ def run(arguments: argparse.Namespace) -> int:
         if not guided(link, guide, screen, keys, stop.fd):
             screen.say("gyrodrift: interrupted; nothing is written")
             return INTERRUPTED
-        found = _result(guide, link)
-    _write(arguments, found, guide)
+        calibration = _result(guide, link)
+    _write(arguments, calibration, guide)
     return 0
 
 
 def _new_file(arguments: argparse.Namespace) -> str:
-    """A config that is begun, with the columns that a turn has told: they are asked for once."""
+    """Text of a new config, with the columns that --turn found."""
     return NEW_FILE + (f'columns: "{arguments.columns}"\n' if arguments.turn and arguments.columns else "")
 
 
 def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
     from gyrodrift.calibrate.guide import CalibrationPlan
-    from gyrodrift.calibrate.scale import LEAST
+    from gyrodrift.calibrate.scale import REPEATS_MIN
 
-    if arguments.repeats < LEAST:
-        raise UsageError(f"--repeats {arguments.repeats}: fewer than {LEAST} tell nothing of how exact they are")
+    if arguments.repeats < REPEATS_MIN:
+        raise UsageError(f"--repeats {arguments.repeats}: at least {REPEATS_MIN} are needed for a standard error")
     return CalibrationPlan(
         turns=arguments.turns,
-        most=arguments.repeats,
+        repeats_max=arguments.repeats,
         spread=arguments.spread / 100.0,
         rest_s=arguments.rest,
         warming_s=60.0 * arguments.temperature,
@@ -136,14 +137,14 @@ def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
     )
 
 
-def _check_place(path: Path, *, force: bool) -> None:
-    """Before the work, not after."""
+def _check_config(path: Path, *, force: bool) -> None:
+    """Check before the calibration that its result can be written."""
     from gyrodrift.config.calibration import has_block
     from gyrodrift.config.model import load_config
     from gyrodrift.files import check_writable
 
     if path.suffix not in (".yaml", ".yml"):
-        raise UsageError(f"--config {path}: a config ends in .yaml")
+        raise UsageError(f"--config {path}: the name of a config ends in .yaml")
     if not path.parent.is_dir():
         raise UsageError(f"--config {path}: there is no folder {path.parent}")
     check_writable(path.parent)
@@ -155,7 +156,7 @@ def _check_place(path: Path, *, force: bool) -> None:
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     if has_one and not force:
-        raise UsageError(f"{path}: has a calibration already; --force replaces it and leaves the rest as it is")
+        raise UsageError(f"{path}: has a calibration already; --force replaces it and keeps the rest")
 
 
 def _result(guide: "Guide", link: "Link") -> "Calibration":
@@ -168,25 +169,28 @@ def _result(guide: "Guide", link: "Link") -> "Calibration":
         raise CalibrationError(f"{link.name}: {error}; nothing is written") from error
 
 
-def _write(arguments: argparse.Namespace, found: "Calibration", guide: "Guide") -> None:
+def _write(arguments: argparse.Namespace, calibration: "Calibration", guide: "Guide") -> None:
     from gyrodrift.config.calibration import block_text, checked, with_block
     from gyrodrift.config.model import load_config
     from gyrodrift.files import write_whole
 
-    block = block_text(found)
+    block = block_text(calibration)
     if arguments.json:
-        turns = [one._asdict() for one in guide.turns]
-        print(json.dumps({"calibration": asdict(found), "turns": turns}, allow_nan=False, ensure_ascii=False))
+        turns = [move._asdict() for move in guide.turns]
+        print(json.dumps({"calibration": asdict(calibration), "turns": turns}, allow_nan=False, ensure_ascii=False))
     else:
         print(block, end="")
     sys.stdout.flush()
-    if not found.device_id:
-        print("gyrodrift: note: the device has no id, so the calibration fits any device", file=sys.stderr)
-    worst = max(found.scale_ccw_se or 0.0, found.scale_cw_se or 0.0)
+    if not calibration.device_id:
+        print("gyrodrift: note: the device has no id, so the calibration applies to any device", file=sys.stderr)
+    worst = max(calibration.scale_ccw_se or 0.0, calibration.scale_cw_se or 0.0)
     if worst > arguments.spread / 100.0:
-        print(f"gyrodrift: note: the scale is known to {worst:.2%}; more turns at a time help", file=sys.stderr)
+        print(
+            f"gyrodrift: note: the standard error of the scale is {worst:.2%}; more turns at a time reduce it",
+            file=sys.stderr,
+        )
     if arguments.config is not None:
         path = arguments.config
         text = path.read_text(encoding="utf-8-sig") if path.exists() else _new_file(arguments)
         write_whole(path, [checked(with_block(text, block), path, load_config)])
-        print(f"gyrodrift: {path}: has this calibration now", file=sys.stderr)
+        print(f"gyrodrift: wrote the calibration into {path}", file=sys.stderr)

@@ -1,7 +1,7 @@
-"""List the serial ports of this machine: stable name, device, maker and product, who holds each.
+"""List the serial ports of this machine: stable name, device, maker, product, and the program that uses it.
 
-With --listen also what speaks there: protocol, samples a second, baud rate. Only then ports are opened, those that
-somebody holds never; many boards reset when their port is opened. Names of ttyS without a UART are left out.
+With --listen it also opens the free ports and shows protocol, sample rate and baud rate; many boards reset when their
+port is opened. Simulated devices are listed, too. ttyS names without a UART are not.
 """
 
 import argparse
@@ -26,31 +26,31 @@ gyrodrift devices --listen --json
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--listen", action="store_true", help="open each port that is free, and tell what speaks there")
+    parser.add_argument("--listen", action="store_true", help="open each free port, and show protocol and sample rate")
     parser.add_argument(
         "--timeout",
         type=numbers.seconds,
         default=10.0,
         metavar="S",
-        help="listen S seconds for something that can be decoded",
+        help="time to wait for samples at each port",
     )
     options.add_send_option(parser)
-    parser.add_argument("--json", action="store_true", help="one JSON array instead, with an object a port")
+    parser.add_argument("--json", action="store_true", help="print one JSON array, with an object per port")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List them; 0 even where there are none."""
+    """List the ports; 0 even without any."""
     from gyrodrift.link.link import LinkOptions
     from gyrodrift.link.listening import listen_at, look_at
     from gyrodrift.link.port import serial_ports
 
     ports = [*serial_ports(), *_simulated()]
-    asked = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
-    heard = listen_at(ports, asked) if arguments.listen else look_at(ports)
+    link_options = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
+    heard = listen_at(ports, link_options) if arguments.listen else look_at(ports)
     if arguments.json:
-        print(json.dumps([_as_json(each) for each in heard]))
+        print(json.dumps([_as_json(port) for port in heard]))
     elif heard:
-        print("\n".join(_told(each) for each in heard))
+        print("\n".join(map(_rows, heard)))
     else:
         print("gyrodrift: no serial port is plugged in", file=sys.stderr)
     return 0
@@ -65,7 +65,7 @@ def _simulated() -> "list[SerialPort]":
     return [SerialPort(str(link), os.path.realpath(link), product="simulated device") for link in links]
 
 
-def _told(heard: "HeardPort") -> str:
+def _rows(heard: "HeardPort") -> str:
     from gyrodrift.link.search import said
 
     port = heard.port

@@ -1,4 +1,4 @@
-"""The quarter turn of `doctor --turn` and `calibrate --turn`: which port or file, what is said, what is printed."""
+"""Quarter turn of `doctor --turn` and `calibrate --turn`: port or file, instructions and output."""
 
 import argparse
 import sys
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask for a turn, or look for it in files; 3 where one of them leaves a question."""
+    """Ask for a turn, or read it from files; 3 if a result is not clear."""
     _check(arguments)
     options.hold_product_threads()
     results = _recorded(arguments) if arguments.sessions else [heard_turn(arguments)]
@@ -24,24 +24,24 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def heard_turn(arguments: argparse.Namespace) -> "TurnResult":
-    """Ask for the turn at the port of a command, sentence by sentence on stderr."""
+    """Ask for the turn at the port of a command, on stderr."""
     from gyrodrift.doctor.turn.listen import TurnListener
 
     return TurnListener(_target(arguments), _say).listen()
 
 
 def columns_by_turn(arguments: argparse.Namespace) -> str | None:
-    """The columns for a command that goes on with them; None of a protocol that has none.
+    """Columns found by a turn; None for a protocol without columns.
 
     Raises
     ------
     LinkError
-        Where the turn leaves a question.
+        The turn is not clear.
     """
     from gyrodrift.doctor.turn.tell import findings_of
 
     if arguments.columns is not None:
-        raise UsageError("--columns: --turn is there to find them; leave one of the two out")
+        raise UsageError("--columns and --turn: use one of them; --turn finds the columns")
     result = heard_turn(arguments)
     if not result.is_found:
         raise LinkError(f"{result.heard.source}: {result.question}")
@@ -56,31 +56,29 @@ def _say(text: str) -> None:
 
 def _check(arguments: argparse.Namespace) -> None:
     if arguments.columns is not None:
-        raise UsageError("--columns: --turn is there to find them; leave one of the two out")
+        raise UsageError("--columns and --turn: use one of them; --turn finds the columns")
     if arguments.sessions and arguments.turn_at is None:
-        raise UsageError("--turn: say where in the file the turn begins: --turn-at S, in s from its first sample")
+        raise UsageError("--turn: a file needs --turn-at S, the beginning of the turn in s after the first sample")
     if arguments.turn_at is not None and not arguments.sessions:
-        raise UsageError(
-            "--turn-at: is for a file; at a port the turn is asked for: gyrodrift doctor --port PORT --turn"
-        )
+        raise UsageError("--turn-at is for a file; at a port use gyrodrift doctor --port PORT --turn")
 
 
 def _target(arguments: argparse.Namespace) -> "LinkOptions":
-    """The port that is named, or the one there is: what speaks at it is not known before the turn."""
+    """Named port, or the only port of this machine."""
     from gyrodrift.link.link import LinkOptions
     from gyrodrift.link.port import serial_ports
 
     protocol = "auto" if arguments.protocol == "text" else arguments.protocol
-    asked = LinkOptions(
+    target = LinkOptions(
         arguments.port, numbers.baud(arguments.baud), protocol, arguments.timeout, None, arguments.send or b""
     )
-    if asked.port != options.AUTO_PORT:
-        return asked
+    if target.port != options.AUTO_PORT:
+        return target
     ports = serial_ports()
     if len(ports) != 1:
         there = ", ".join(port.name for port in ports) or "none"
-        raise UsageError(f"--turn: name the port with --port; there are {there}")
-    return replace(asked, port=ports[0].name)
+        raise UsageError(f"--turn: name the port with --port; ports on this machine: {there}")
+    return replace(target, port=ports[0].name)
 
 
 def _recorded(arguments: argparse.Namespace) -> "list[TurnResult]":

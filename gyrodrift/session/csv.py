@@ -79,7 +79,7 @@ def _names(file: TextIO) -> list[str]:
 def slips_in(names: Sequence[str]) -> dict[int, list[str]]:
     """Indices of names that look like one of ours that is not there, with what is meant."""
     absent = set(COLUMNS) - set(names)
-    found = {at: nearest(name, absent, alike=ALIKE) for at, name in enumerate(names) if name not in COLUMNS}
+    found = {at: nearest(name, absent, similarity=ALIKE) for at, name in enumerate(names) if name not in COLUMNS}
     return {at: meant for at, meant in found.items() if meant}
 
 

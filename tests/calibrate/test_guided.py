@@ -35,7 +35,7 @@ def spread(found: Calibration) -> tuple[float, float]:
     return found.scale_ccw_se, found.scale_cw_se
 
 
-STEPS = {1: ("Back to the mark. Enter when it stands there", 1), 2: ("Turn one whole turn clockwise", 2)}
+STEPS = {1: ("Go back to the mark. Press Enter when it stands there", 1), 2: ("Turn one whole turn clockwise", 2)}
 """What is said, and how often it stands there then, behind the move that misses the mark and the way back to it."""
 
 
@@ -61,7 +61,7 @@ def guided(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
         Terminal(*command, streams=("stderr",), rows=60, columns=160) as terminal,
     ):
         table = Table(device, folder, to_and_fro(moves))
-        terminal.until(lambda t: "Enter begins with the rest" in t.text, "invitation")
+        terminal.until(lambda t: "Press Enter to start" in t.text, "invitation")
         terminal.keys("\n")
         terminal.until(lambda t: "Do not touch it" in t.text, "rest")
         table.play(14.0)
@@ -94,7 +94,7 @@ def test_the_scale_sign_and_bias_of_the_table_are_found(guided: tuple[str, Path]
 
 def test_a_turn_that_missed_the_mark_is_not_taken_and_done_again(guided: tuple[str, Path]) -> None:
     """With what was wrong with it."""
-    assert "Not taken: one turn read +305.7 deg, which is no whole turn" in guided[0]
+    assert "Not accepted: one turn read +305.7 deg, not a whole turn" in guided[0]
     assert guided[0].count("deg for 360") == 6
 
 
@@ -154,9 +154,9 @@ def test_without_a_terminal_stops_are_told_by_rest(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("segments", "reason"),
     [
-        ([*turn(7200.0), *rest(9.0)], "the device moved at rest"),
-        ([*rest(12.0), *turn(300.0), *rest(20.0)], "one turn read +305.7 deg, which is no whole turn"),
-        ([*rest(200.0)], "no turn came within 120 s"),
+        ([*turn(7200.0), *rest(9.0)], "the device moved after"),
+        ([*rest(12.0), *turn(300.0), *rest(20.0)], "one turn read +305.7 deg, not a whole turn"),
+        ([*rest(200.0)], "no turn within 120 s"),
     ],
     ids=["moved at rest", "no whole turn", "not turned"],
 )
@@ -174,9 +174,9 @@ def test_what_calibrates_nothing_is_an_error_without_hands(segments: list[str], 
     ("words", "reason"),
     [
         (("--config", "my.yaml"), "my.yaml: has a calibration already; --force replaces it"),
-        (("--config", "my.txt"), "--config my.txt: a config ends in .yaml"),
+        (("--config", "my.txt"), "--config my.txt: the name of a config ends in .yaml"),
         (("--config", "none/my.yaml"), "--config none/my.yaml: there is no folder none"),
-        (("--repeats", "2"), "--repeats 2: fewer than 3 tell nothing of how exact they are"),
+        (("--repeats", "2"), "--repeats 2: at least 3 are needed for a standard error"),
         (("--turns", "0"), "--turns 0: expected a number above 0"),
     ],
 )
