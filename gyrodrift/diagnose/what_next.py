@@ -138,4 +138,4 @@ def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sess
             f"Record more in which the unexplained shows ({worst.says}, {WHEN[worst.regime]}), at several speeds and "
             "temperatures."
         )
-    return "Nothing more is needed: these sessions tell apart what they show. Record again after a change."
+    return "Nothing: no ambiguity remains. Record again after a change."

@@ -159,7 +159,7 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
         "reach",
         "sensor",
         "fast",
-        "the largest rates do not reach those of the encoder",
+        "the largest rates differ from those of the encoder",
         0.005,
         "0.5 % of the largest rate",
         reading=OVER_ENCODER,

@@ -56,6 +56,6 @@ def baseline(diagnosis: Diagnosis) -> str:
 def doubts(diagnosis: Diagnosis) -> str:
     """What limits the result, in a box."""
     linear = diagnosis.linear_model
-    disagrees = [f"the second judge, a linear model of the rate error, {linear.says}"] if linear.agrees is False else []
+    disagrees = [f"a linear model of the rate error {linear.says}"] if linear.agrees is False else []
     remarks = [one for one in diagnosis.remarks if not one.startswith(OF_BASELINE)]
     return warnings("Before believing it", [*remarks, *disagrees])

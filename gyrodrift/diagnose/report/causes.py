@@ -90,7 +90,7 @@ def _linear_model(diagnosis: Diagnosis) -> str:
         between = f"{number(linear.low)} to {number(linear.high)}"
         found = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
     return paragraph(
-        f"<b>A second judge, the linear model, {text(linear.says)}{found}.</b> It is a generalised least-squares "
+        f"<b>Check by a linear model: it {text(linear.says)}{found}.</b> It is a generalised least-squares "
         "regression of the rate error, with a bias that may walk at random. It uses neither the simulator nor the "
         "features, and knows only the effects that are linear. It leaves out what is too small to matter for yaw, such "
         "as 0.06 % of scale."

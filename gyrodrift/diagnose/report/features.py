@@ -9,6 +9,7 @@ from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.regime_words import WHEN
+from gyrodrift.diagnose.report.effect_words import deviation_words
 from gyrodrift.diagnose.report.figures import feature_svgs
 from gyrodrift.diagnose.report.text import NAMES, deviates, marks, number, percent
 from gyrodrift.diagnose.result import Diagnosis
@@ -85,11 +86,15 @@ def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
 
 def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
     where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.unexplained))
-    cells = [text(one.feature.says), deviates(one.z_before), where]
+    cells = [text(_says(one)), deviates(one.z_before), where]
     if verdict.acting:
         after = deviates(one.z_after)
         cells += [span(after, "mark") if left else after, left]
     return [*cells, f"{one.feature.stage}, {WHEN[one.feature.regime]}, <code>{text(one.feature.name)}</code>"]
+
+
+def _says(one: FeatureComparison) -> str:
+    return deviation_words(one.feature.name, one.z_before, one.feature.says)
 
 
 def _share(every: Sequence[Deviation], name: str) -> str:
@@ -116,4 +121,4 @@ def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
 def _name(one: FeatureComparison, *, has_causes: bool) -> str:
     corrected = f"; corrected {deviates(one.z_after)} σ" if has_causes else ""
     off = f"{text(one.feature.name)}: {deviates(one.z_before)} σ{corrected}"
-    return f"<strong>{text(one.feature.says)}</strong><br/>{span(off, 'note')}"
+    return f"<strong>{text(_says(one))}</strong><br/>{span(off, 'note')}"

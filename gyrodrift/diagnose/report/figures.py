@@ -106,10 +106,10 @@ def _draw_band(axes: Axes, x: Floats, band: Band, colour: str, width: float) -> 
     axes.hlines(band.middle, x - width / 2.0, x + width / 2.0, color=colour, linewidth=1.8)
 
 
-def dependence_svgs(every: Sequence[Dependence], *, has_causes: bool) -> list[str]:
+def dependence_svgs(every: Sequence[Dependence], *, has_causes: bool, name: str = "against") -> list[str]:
     """Rate errors against each regressor: above as they are, below what the simulator leaves of them."""
     with styled():
-        return [_dependence_svg(one, f"against-{at}", has_causes) for at, one in enumerate(every)]
+        return [_dependence_svg(one, f"{name}-{at}", has_causes) for at, one in enumerate(every)]
 
 
 def _dependence_svg(one: Dependence, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on

@@ -10,6 +10,7 @@ from typing import Any
 from gyrodrift.diagnose.inference.deviations import Deviation
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.regime_words import WHEN
+from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
 
@@ -92,7 +93,7 @@ def _deviation(one: Deviation) -> dict[str, Any]:
         "regime": one.regime,
         "z": round(one.z, 2),
         "share": round(one.share, 4),
-        "says": one.says,
+        "says": says(one),
     }
 
 
@@ -125,7 +126,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
     lines.append(f"gap, RMS of all features on {judged}: {gaps}{gap.floor:.2f} σ by chance{shrink}")
     yaws = f"{impact.e_real_deg:.3g} deg recordings, {impact.e_sim_before_deg:.3g} deg simulator as it is"
     lines.append(f"mean yaw error, one filter: {yaws}" + f", {impact.e_sim_after_deg:.3g} deg corrected" * corrected)
-    lines.append(f"second judge, a linear model: {diagnosis.linear_model.says}")
+    lines.append(f"check by a linear model: {diagnosis.linear_model.says}")
     lines.append(f"next: {diagnosis.next_step}")
     return lines
 
@@ -133,28 +134,23 @@ def summary(diagnosis: Diagnosis) -> list[str]:
 def _listed(found: Sequence[Deviation]) -> str:
     """The worst, and how many there are beside."""
     more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-    return "; ".join(f"{one.says} ({one.stage}, {WHEN[one.regime]})" for one in found[:SHOWN]) + more
+    return "; ".join(f"{says(one)} ({one.stage}, {WHEN[one.regime]})" for one in found[:SHOWN]) + more
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """The verdict as a sentence."""
-    names = " and ".join(_name(cause) for cause in diagnosis.verdict.causes)
+    """The verdict as a sentence: each cause in plain words with its sign and size."""
+    causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes)
     small = " and ".join(one.cause.effect.name for one in diagnosis.verdict.negligible)
     match diagnosis.verdict.kind:
         case Kind.NONE:
             beside = f", but for {small}, negligible in yaw" if small else ""
             return f"none: the simulator explains these sessions{beside}"
         case Kind.EFFECT:
-            return f"effect: the sessions differ from the simulator by {names}"
+            return f"effect: {causes}"
         case Kind.PARTLY:
-            explain = "explains" if len(diagnosis.verdict.causes) == 1 else "explain"
-            return f"partly: {names} {explain} some of the difference, and something is unexplained"
+            return f"partly: {causes}; part of the difference is unexplained"
         case Kind.UNKNOWN:
-            return "unknown: the sessions differ from the simulator by something that none of its effects explains"
-
-
-def _name(cause: NamedCause) -> str:
-    return cause.effect.name if cause.in_rig is None else f"another size of {cause.effect.name}"
+            return "unknown: the sessions differ from the simulator, and no effect of the simulator explains it"
 
 
 def said(cause: NamedCause) -> str:

@@ -6,7 +6,9 @@ from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.beforehand import against, baseline, doubts, headline_of
+from gyrodrift.diagnose.report.effect_words import effect_words, says
 from gyrodrift.diagnose.report.files import headline
+from gyrodrift.diagnose.report.residuals import rate_figure
 from gyrodrift.diagnose.report.text import (
     FREE_PHASE,
     NAMES,
@@ -28,6 +30,15 @@ WHERE = 3
 EXAMPLES = ("scale_factor", "warmup", "rate_random_walk", "latency")
 """Effects that most people ask about, for a verdict that says none."""
 
+CARDS = (
+    "<b>How to read the cards.</b> A cause: the size that fits best, the sizes that fit nearly as well, and the "
+    "probability that the effect acts. Sim-to-real gap: how far the measured features of recordings and simulator are "
+    "apart, in standard deviations σ of repeated runs; the gap cannot shrink below that of the simulator against "
+    "itself. Yaw error: mean error of one and the same filter on recordings and on simulated sessions; equal numbers "
+    "mean a simulator that predicts the drift. Tuned in simulation: yaw error on the recordings with parameters tuned "
+    "in the simulator; the number tuned on the recordings is the best to expect."
+)
+
 NOTHING_NAMED = (
     "No effect that the simulator knows explains this, so none is named, and <code>rig.yaml</code> switches none on. "
     "The figures below show what is known of it: on what it depends, how it runs over time, and its spectrum."
@@ -39,23 +50,24 @@ def verdict(diagnosis: Diagnosis, set_name: str = "") -> str:
     kind, _, sentence = headline(diagnosis).partition(": ")
     return header(
         f"gyrodrift diagnose · {_sessions(diagnosis)} · verdict: {kind}",
-        _titled(headline_of(diagnosis, sentence), set_name, diagnosis),
+        _titled(headline_of(diagnosis, sentence), set_name),
         against(diagnosis),
         paragraph(f"<b>Apart from that:</b> {text(sentence)}.") if diagnosis.contradictions else "",
         baseline(diagnosis),
         *(paragraph(words) for words in _in_words(diagnosis)),
         doubts(diagnosis),
+        rate_figure(diagnosis),
         tiles([*_cause_tiles(diagnosis), _gap_tile(diagnosis), _yaw_tile(diagnosis), _transfer_tile(diagnosis)]),
+        paragraph(CARDS, "note"),
         paragraph(f"<b>What to record next.</b> {text(diagnosis.next_step)}"),
     )
 
 
-def _titled(sentence: str, set_name: str, diagnosis: Diagnosis) -> str:
-    """The headline behind the name of the set; without one it begins as a sentence does, but for names of effects."""
+def _titled(sentence: str, set_name: str) -> str:
+    """The headline after the name of the set; without a name it begins with a capital letter."""
     if set_name:
         return f"{set_name}: {sentence}"
-    begins_with_a_name = any(sentence.startswith(cause.effect.name) for cause in diagnosis.verdict.causes)
-    return sentence if begins_with_a_name else f"{sentence[:1].upper()}{sentence[1:]}"
+    return f"{sentence[:1].upper()}{sentence[1:]}"
 
 
 def _sessions(diagnosis: Diagnosis) -> str:
@@ -69,7 +81,7 @@ def _in_words(diagnosis: Diagnosis) -> list[str]:
     said = [_where(diagnosis)]
     said += [_cause_words(diagnosis, cause) for cause in verdict.causes]
     if verdict.causes and verdict.unexplained:
-        left = "; ".join(text(one.says) for one in verdict.unexplained[:WHERE])
+        left = "; ".join(text(says(one)) for one in verdict.unexplained[:WHERE])
         said += [f"<b>Unexplained:</b> {left}. No effect of the simulator accounts for this."]
     if not verdict.causes and verdict.kind is Kind.UNKNOWN:
         said += [NOTHING_NAMED]
@@ -84,7 +96,7 @@ def _where(diagnosis: Diagnosis) -> str:
             f"Nothing that was measured{', taken by itself,' * bool(diagnosis.verdict.acting)} differs from it by more "
             "than chance."
         )
-    said = list(dict.fromkeys(text(one.says) for one in where))
+    said = list(dict.fromkeys(text(says(one)) for one in where))
     more = [f"and {len(said) - WHERE} more, listed below"] if len(said) > WHERE else []
     return f"<b>What differs:</b> {'; '.join([*said[:WHERE], *more])}."
 
@@ -101,7 +113,7 @@ def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
     has = in_rig(cause)
     size_words = f"The rig has it with {has}; the recordings show {fitted(cause)}" if has else f"Size: {fitted(cause)}"
     return (
-        f"<b>{text(cause.effect.name)}</b>: {text(cause.meaning)}. {size_words}. Probability that it acts: "
+        f"<b>{text(cause.effect.name)}</b>: {text(effect_words(cause))}. {size_words}. Probability that it acts: "
         f"{cause.probability:.2f}.{tied}{doubt}"
     )
 

@@ -12,6 +12,9 @@ from gyrodrift.html.html import figure, panels, paragraph, section, span, text
 from gyrodrift.html.numbers import significant
 
 NAMED = 3
+RATE = "rate"
+"""Name of the regressor of the figure at the top of the page."""
+
 NEGLIGIBLE_DPS = 2e-3
 """RMS below which a dependence is practically negligible, deg/s: the relevance threshold of a bias that depends on
 angle or direction, `features/history_columns.py`."""
@@ -37,7 +40,23 @@ def residuals(diagnosis: Diagnosis) -> str:
     )
 
 
+def rate_figure(diagnosis: Diagnosis) -> str:
+    """The figure of the rate error against the rate; empty if no session moves."""
+    has_causes = bool(diagnosis.verdict.causes)
+    against_rate = [one for one in diagnosis.residuals.dependences if one.name == RATE]
+    if not against_rate:
+        return ""
+    caption = (
+        "<b>Rate error against rate.</b> A slope is a scale error, a level is a bias, a bend is a nonlinearity. Below, "
+        f"on a scale of its own, the residual.<br/>{marks(has_causes=has_causes)}"
+    )
+    names = [_dependence_name(one, has_causes=has_causes) for one in against_rate]
+    return figure(caption, panels(names, dependence_svgs(against_rate, has_causes=has_causes, name="rate-error")))
+
+
 def _dependence_figure(every: Sequence[Dependence], *, has_causes: bool) -> str:
+    """The figure of the other regressors; the rate has its own figure."""
+    every = [one for one in every if one.name != RATE]
     if not every:
         return ""
     names = [_dependence_name(one, has_causes=has_causes) for one in every]

@@ -9,11 +9,13 @@ import pytest
 from diagnosis_support import SCALED, diagnosis
 from page_support import parsed, row, words
 
+from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.sensor_curve import ScaleFactor
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Negligible
 from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.diagnose.report.effect_words import SENTENCES, deviation_words
 from gyrodrift.diagnose.report.files import headline, said, summary
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration
@@ -70,7 +72,7 @@ def test_contradicted_facts_come_before_the_verdict(scaled: Diagnosis) -> None:
     (head,) = parsed(html).iter("h1")
     assert "".join(head.itertext()) == "The rig states an encoder of 1000 counts per turn, the recordings show 4096"
     shown = words(html)
-    order = [COUNTS.says, "Apart from that: scale_factor explains some of the difference", "What differs:"]
+    order = [COUNTS.says, "Apart from that: the rate reads 5.1 % too high (scale_factor)", "What differs:"]
     assert sorted(order, key=shown.index) == order
     assert summary(found)[0] == f"contradiction of facts: {COUNTS.says}"
     assert summary(found)[1] == headline(found)
@@ -88,7 +90,7 @@ def test_a_wrong_size_in_the_rig_is_told_with_both_sizes(scaled: Diagnosis) -> N
     """In the headline, in words, in its tile, in the summary, and of the rig that is written."""
     found = with_causes(scaled, cause_of(scaled, ScaleFactor(error_percent=1.2)))
     shown = seen(verdict(found))
-    assert "The sessions differ from the simulator by another size of scale_factor" in shown
+    assert "The rate reads 0.4 % too high (scale_factor; the rig has 1.2 %)" in shown
     assert "The rig has it with 1.2 %; the recordings show error_percent 0.4 % (0.38 to 0.42)" in shown
     assert "in the rig so far 1.2 %" in shown
     assert said(found.verdict.causes[0]).startswith(
@@ -153,3 +155,28 @@ def test_calibration_is_told_in_units_and_digits_for_a_person(scaled: Diagnosis)
     assert row(html, "encoder angle at the start (phase), deg encoder_phase_deg")[1:] == ["0", "0", "0", "0"]
     assert row(html, "white noise, deg/s/√Hz noise_dps_rthz")[1:] == ["0.00350", "0.00344", "0.00325", "0.00375"]
     assert row(html, "sample rate, Hz sample_rate_hz")[1:] == ["100", "100", "100", "100"]
+
+
+def test_every_effect_has_a_sentence_with_its_size() -> None:
+    """From its typical parameters, in the words of no other effect."""
+    sentences = {name: SENTENCES[name](kind.typical) for name, kind in CATALOGUE.items()}
+    assert len(set(sentences.values())) == len(CATALOGUE)
+    assert sentences["scale_factor"].endswith("% too high")
+    assert SENTENCES["scale_factor"]({"error_percent": -0.5}) == "the rate reads 0.5 % too low"
+    assert SENTENCES["clock_drift"]({"ppm": -300.0}) == "the device clock runs 300 ppm slow"
+
+
+def test_the_headline_says_what_the_gyro_does(scaled: Diagnosis) -> None:
+    """In text and on the page, with the figure of the rate error at the top and the cards explained."""
+    found = with_causes(scaled, cause_of(scaled))
+    assert headline(found) == "effect: the rate reads 0.4 % too high (scale_factor)"
+    html = page("", [verdict(found)])
+    assert "".join(next(parsed(html).iter("h1")).itertext()) == "The rate reads 0.4 % too high (scale_factor)"
+    assert "How to read the cards." in words(html)
+
+
+def test_a_deviation_is_told_with_its_direction() -> None:
+    """The feature of the largest rates does not say that they are too low where they are too high."""
+    assert deviation_words("reach", 3.0, "") == "the largest rates exceed those of the encoder"
+    assert deviation_words("reach", -3.0, "") == "the largest rates are below those of the encoder"
+    assert deviation_words("step", -3.0, "the bias jumps") == "the bias jumps"
