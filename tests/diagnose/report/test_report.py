@@ -63,7 +63,7 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
     order = [
         "2 sessions, 6 minutes",
         "scale_factor",
-        "the rate is too large or too small by the same share",
+        "the rate reads 5.1 % too high. Size:",
         f"Probability that it acts: {cause.probability:.2f}",
     ]
     order += [
