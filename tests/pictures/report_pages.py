@@ -21,7 +21,7 @@ SIMULATED = (
 """A shipped motion, which also names the folder of its sessions, and what differs."""
 
 REPORTS = (
-    ("info", "info", "turntable", "--out", "info"),
+    ("info", "info", "turntable/session-01.mcap", "--out", "info"),
     ("tune", "tune", "turntable", "--out", "my.yaml", "--report", "tune", "--iterations", "600"),
     ("compare", "compare", "turntable", "--out", "compare"),
     ("diagnose", "diagnose", "identify", "--rig", str(RIG), "--out", "diagnose"),
