@@ -1,4 +1,4 @@
-"""The log: one line an event on stderr, for a person on a terminal and as key=value or JSON elsewhere."""
+"""The log: one line per event on stderr, readable on a terminal, key=value or JSON elsewhere."""
 
 import os
 import sys
@@ -15,23 +15,23 @@ FORMATS = ("auto", "text", "json")
 
 
 def unwaiting_stderr(style: str) -> UnwaitingStream:
-    """Standard error that nothing waits for; `style` is that of the log, in which dropped lines are told."""
+    """Standard error without waiting for its reader; dropped lines are counted in a line of the log's `style`."""
 
-    def told(lines: int) -> str:
+    def notice(lines: int) -> str:
         if style == "json":
             return f'{{"event": "log_lines_dropped", "lines": {lines}, "level": "warning"}}\n'
         return f"level=warning event=log_lines_dropped lines={lines}\n"
 
-    return UnwaitingStream(sys.stderr, told)
+    return UnwaitingStream(sys.stderr, notice)
 
 
 def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None = None) -> FilteringBoundLogger:
-    """Set up the log of this process and give its logger; `level` is the least that is written, to stderr unless told.
+    """Set up the log of this process, with a minimum level, on stderr by default; returns the logger.
 
     Raises
     ------
     UsageError
-        Where there is no such level or format.
+        If there is no such level or format.
     """
     if level not in LEVELS or style not in FORMATS:
         raise UsageError(f"no log of level {level!r} and format {style!r}")
@@ -42,8 +42,8 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
     elif not is_for_person:
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
-        renderer = structlog.dev.ConsoleRenderer(colors=_has_colours())
-    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() asks for no more than write and flush
+        renderer = structlog.dev.ConsoleRenderer(colors=_has_colors())
+    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() needs only write and flush
     structlog.configure(
         processors=[
             _public,
@@ -62,7 +62,7 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
 
 
 def _public(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
-    """Nobody finds a password in the log, whichever address or message holds it."""
+    """Remove passwords from messages and addresses."""
     for key, value in entry.items():
         if isinstance(value, str):
             entry[key] = without_secrets(value)
@@ -70,20 +70,20 @@ def _public(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> st
 
 
 def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
-    """A terminal obeys control characters, and what devices and clients call themselves may hold some."""
+    """Escape control characters: names of devices and clients must not command a terminal."""
     for key, value in entry.items():
         if isinstance(value, str) and not value.isprintable():
-            entry[key] = "".join(each if each.isprintable() else repr(each)[1:-1] for each in value)
+            entry[key] = "".join(character if character.isprintable() else repr(character)[1:-1] for character in value)
     return entry
 
 
 def _sentence(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
-    """The sentence of an event that has a summary, in place of its name and fields."""
+    """Replace an event that has a summary by that sentence."""
     if "summary" not in entry:
         return entry
     return {"event": entry["summary"], "level": entry["level"], "timestamp": entry["timestamp"]}
 
 
-def _has_colours() -> bool:
-    """As https://no-color.org and https://force-color.org have it."""
+def _has_colors() -> bool:
+    """Whether the environment allows color, by https://no-color.org and https://force-color.org."""
     return bool(os.environ.get("FORCE_COLOR")) or not os.environ.get("NO_COLOR")

@@ -1,4 +1,4 @@
-"""Standard error as a stream that never waits: a terminal that was stopped must not stop the samples."""
+"""Standard error as a stream that never waits: a stopped terminal must not stop the samples."""
 
 from collections.abc import Callable
 from io import TextIOBase, UnsupportedOperation
@@ -7,29 +7,29 @@ from typing import TextIO
 from gyrodrift.unwaiting import send_unwaiting
 
 LONGEST_KEPT = 65_536
-"""Bytes that wait for a reader that takes none; what comes on top is counted and dropped."""
+"""Bytes that wait for a slow reader; later lines are counted and dropped."""
 
 
 class UnwaitingStream(TextIOBase):
-    """Writes what the reader takes at once, and keeps the rest for the next time.
+    """Writes as much as the reader takes now, and keeps the rest for the next write.
 
-    A reader that is gone is no error: who logs has other things to do.
+    A closed reader is no error.
 
     Parameters
     ----------
     stream
-        Standard error, or what stands for it; one without a descriptor is written to as it is.
-    told
-        The line that says how many were dropped.
+        Standard error; a stream without a descriptor is written to directly.
+    notice
+        Gives the line about a number of dropped lines.
     """
 
-    def __init__(self, stream: TextIO, told: Callable[[int], str]) -> None:
-        self._stream, self._told = stream, told
+    def __init__(self, stream: TextIO, notice: Callable[[int], str]) -> None:
+        self._stream, self._notice = stream, notice
         self._kept = b""
         self._dropped = 0
 
     def write(self, text: str) -> int:
-        """Write, keep or drop a text; its length in any case."""
+        """Write, keep or drop a text; returns its length."""
         fd = _descriptor(self._stream)
         if fd is None:
             return self._stream.write(text)
@@ -42,7 +42,7 @@ class UnwaitingStream(TextIOBase):
         return len(text)
 
     def flush(self) -> None:
-        """Hand on what has been kept, as far as it is taken."""
+        """Write as much of the kept text as the reader takes."""
         fd = _descriptor(self._stream)
         if fd is None:
             self._stream.flush()
@@ -50,11 +50,11 @@ class UnwaitingStream(TextIOBase):
             self._send(fd)
 
     def fileno(self) -> int:
-        """Of the stream itself."""
+        """Descriptor of the stream."""
         return self._stream.fileno()
 
     def isatty(self) -> bool:
-        """As the stream itself."""
+        """Whether the stream is a terminal."""
         return self._stream.isatty()
 
     def _send(self, fd: int) -> None:
@@ -64,7 +64,7 @@ class UnwaitingStream(TextIOBase):
                 return
             self._kept = self._kept[sent:]
             if self._dropped and not self._kept:
-                self._kept, self._dropped = self._told(self._dropped).encode(), 0
+                self._kept, self._dropped = self._notice(self._dropped).encode(), 0
 
 
 def _descriptor(stream: TextIO) -> int | None:
@@ -75,7 +75,7 @@ def _descriptor(stream: TextIO) -> int | None:
 
 
 def _send(fd: int, data: bytes) -> int:
-    """Bytes that were taken; all of them where nobody will ever read them."""
+    """Number of bytes written; all of them if the reader is closed."""
     try:
         return send_unwaiting(fd, data)
     except OSError:  # the other end is closed

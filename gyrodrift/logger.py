@@ -1,8 +1,7 @@
-"""Structlog, without what it would load only because it is installed.
+"""Structlog without rich and Twisted.
 
-Structlog imports rich and Twisted wherever it finds them, to draw tracebacks and to log from their loops, and loading
-them takes longer than structlog itself. No log line of ours has a traceback, so that here it finds neither. A program
-that has imported structlog itself keeps what that gave it.
+Structlog imports both if they are installed, for tracebacks and for their event loops, and that takes longer than
+structlog itself. Log lines here have no tracebacks. A program that imported structlog before is not affected.
 """
 
 import sys
@@ -14,9 +13,9 @@ UNUSED = ("rich", "twisted")
 
 @contextmanager
 def _not_found(*packages: str) -> Iterator[None]:
-    """Within it, packages that are not loaded yet cannot be."""
+    """Block the import of packages that are not loaded yet."""
     hidden = [name for name in packages if name not in sys.modules]
-    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]  # None is what makes an import fail
+    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]  # None makes an import fail
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""The command line of this process as others see it in the list of processes."""
+"""Hiding passwords of the command line in the list of processes."""
 
 import re
 from pathlib import Path
@@ -15,17 +15,17 @@ PATTERNS = (
     re.compile(WITHIN_WORD.pattern.encode().replace(b".++", rb"([^\0]++)"), re.IGNORECASE),
     re.compile(rb"(://[^\s:@/\0]{0,256}+:)([^\s\0]{1,256})@"),
 )
-"""`WITHIN_WORD` and `ADDRESS` of `secret`, where words end with a zero byte; the second group is the secret."""
+"""`WITHIN_WORD` and `ADDRESS` of `secret` for words that end with a zero byte; the second group is the secret."""
 
 
 def hide_secrets() -> None:
-    """Write stars over passwords on the command line; before that, others may have seen them for a moment."""
+    """Overwrite passwords on the command line with stars. Before that other users can see them for a moment."""
     try:
         words = ARGUMENTS.read_bytes()
         start = int(STATUS.read_text().rpartition(")")[2].split()[ARG_START - 3])
         with MEMORY.open("r+b", buffering=0) as memory:
-            for found in (found for pattern in PATTERNS for found in pattern.finditer(words)):
-                memory.seek(start + found.start(2))
-                memory.write(b"*" * len(found[2]))
-    except OSError:  # a system without /proc, or that does not let a process write there
+            for match in (match for pattern in PATTERNS for match in pattern.finditer(words)):
+                memory.seek(start + match.start(2))
+                memory.write(b"*" * len(match[2]))
+    except OSError:  # no /proc, or no write access to it
         return

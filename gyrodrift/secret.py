@@ -1,6 +1,6 @@
-"""Secrets: a type that shows itself to nobody, and text from which passwords and tokens are taken out.
+"""Secrets: a type that never shows its text, and functions that remove passwords and tokens from text.
 
-A secret is known by its type (`SecretText`) where an output declares it, and by its name everywhere else: in the text
+An output declares a secret by its type (`SecretText`). Everywhere else a secret is recognized by its name: in the text
 of a config, on a command line, in an address with `user:password@`.
 """
 
@@ -8,29 +8,31 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # known to whoever checks a config, which serve and record do without
+if TYPE_CHECKING:  # pydantic checks configs; serve without a config does not load it
     from pydantic import GetCoreSchemaHandler
     from pydantic_core import CoreSchema
 
 HIDDEN = "***"
-"""Stands in the place of every secret."""
+"""Replacement of every secret."""
 
 WORD = r"(?:password|passwd|passphrase|secret|token|api_?key|credential)"
 NAME = re.compile(rf"(?!.*(?:_file|_path)$)(?:.*{WORD}.*|pass|pwd)", re.IGNORECASE | re.DOTALL)
 LONGEST_NAME = 128
-"""Characters of a name that are looked at."""
+"""Characters of a name that are examined."""
 
-GIVEN = re.compile(rf"({WORD}s?(?!_)[\"']?\s{{0,4}}[:=]\s{{0,4}}+)(?!is )(?:\"[^\"]*+\"|'[^']*+'|\S++)", re.IGNORECASE)
+ASSIGNED = re.compile(
+    rf"({WORD}s?(?!_)[\"']?\s{{0,4}}[:=]\s{{0,4}}+)(?!is )(?:\"[^\"]*+\"|'[^']*+'|\S++)", re.IGNORECASE
+)
 """`password=…`, `"token": "…"` in a line of text, up to the next space."""
 
 WITHIN_WORD = re.compile(rf"({WORD}s?(?!_)[=:]).++", re.IGNORECASE | re.DOTALL)
-"""The same within a word of a command line, up to its end: the secret may hold spaces and commas."""
+"""`password=…` in a word of a command line, up to its end: the secret may hold spaces and commas."""
 
 ADDRESS = re.compile(r"(://[^\s:@/]{0,256}+:)\S{1,256}@")
-"""`scheme://user:password@host`; bounded, so that no text takes longer than its length."""
+"""`scheme://user:password@host`; bounded, so that the time is linear in the length of the text."""
 
 MENTION = re.compile(rf"{WORD}(?!_file|_path)|\bpwd\b|\bpass\b|{ADDRESS.pattern}", re.IGNORECASE)
-"""Where a text may hold a secret."""
+"""Parts of a text that may hold a secret."""
 
 
 LONGEST_SECRET = 1024
@@ -38,7 +40,7 @@ LONGEST_SECRET = 1024
 
 
 class SecretText:
-    """A text that `repr`, `str`, formats and JSON show as `***`; `reveal` gives it."""
+    """A text that `repr`, `str`, formats and JSON show as `***`."""
 
     __slots__ = ("_text",)
 
@@ -46,7 +48,7 @@ class SecretText:
         self._text = text
 
     def reveal(self) -> str:
-        """The text, for whom it is meant."""
+        """The text itself."""
         return self._text
 
     def __bool__(self) -> bool:
@@ -63,14 +65,14 @@ class SecretText:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, _source: Any, _handler: "GetCoreSchemaHandler") -> "CoreSchema":
-        """Check it as text, bounds included, and keep it as a secret."""
-        from pydantic_core import core_schema  # noqa: PLC0415 - likewise
+        """Schema of pydantic: text with a limit of length, kept as a secret."""
+        from pydantic_core import core_schema  # noqa: PLC0415 - loaded with pydantic alone
 
-        is_one = core_schema.is_instance_schema(cls)
-        made = core_schema.no_info_after_validator_function(
+        instance = core_schema.is_instance_schema(cls)
+        from_text = core_schema.no_info_after_validator_function(
             cls, core_schema.str_schema(strict=True, max_length=LONGEST_SECRET)
         )
-        return core_schema.union_schema([is_one, made])
+        return core_schema.union_schema([instance, from_text])
 
 
 NO_SECRET = SecretText()
@@ -87,13 +89,13 @@ def mentions_secret(text: str) -> bool:
 
 
 def without_secrets(text: str) -> str:
-    """A message or an address without the secrets that are named in it."""
-    return ADDRESS.sub(rf"\1{HIDDEN}@", GIVEN.sub(rf"\1{HIDDEN}", text))
+    """A message or an address without its secrets."""
+    return ADDRESS.sub(rf"\1{HIDDEN}@", ASSIGNED.sub(rf"\1{HIDDEN}", text))
 
 
 def shown_key(name: str) -> str:
-    """A key for a message: of `password:abc`, where a space is missing, `password…`."""
-    head = name[: min((at for mark in ":= \t\n," if (at := name.find(mark)) >= 0), default=len(name))]
+    """A key for a message; a key like `password:abc`, with a missing space, becomes `password…`."""
+    head = name[: min((index for mark in ":= \t\n," if (index := name.find(mark)) >= 0), default=len(name))]
     return name if head == name else f"{head}…"
 
 

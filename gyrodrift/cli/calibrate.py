@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, numbers, options
+from gyrodrift.cli import INTERRUPTED, configs, numbers, options
 from gyrodrift.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
     log_to = AboveLine(sys.stderr) if screen.is_terminal else None
     events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format, log_to))
-    target, port = options.link_target(arguments, baud, events)
+    target, port = configs.link_target(arguments, baud, events)
     guide = Guide(plan, (lambda _: None) if arguments.quiet and not plan.is_by_hand else screen.say)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import numbers, options
+from gyrodrift.cli import configs, inputs, numbers, options
 from gyrodrift.errors import visible
 from gyrodrift.files import check_inputs_kept, check_writable
 
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
             config = [arguments.config] if arguments.config else []
             written = [arguments.out / name for name in ("compare.json", "report.html")]
             check_inputs_kept(written, [*request.paths, *request.train, *config])
-        options.check_damage([*request.paths, *request.train], allow_damage=arguments.allow_damage)
+        inputs.check_damage([*request.paths, *request.train], allow_damage=arguments.allow_damage)
         comparison = compare(request)
     _write(arguments, comparison)
     return 0
@@ -85,7 +85,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
     from gyrodrift.compare.methods.registry import methods
     from gyrodrift.session.files import session_paths
 
-    config = options.loaded_config(arguments.config) if arguments.config else None
+    config = configs.loaded_config(arguments.config) if arguments.config else None
     stills = session_paths(arguments.still)
     return ComparisonRequest(
         paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
@@ -97,7 +97,7 @@ def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRe
         config=config_file(arguments.config, config.blocks) if config else None,
         jobs=options.processes(arguments.jobs),
         progress=progress.evaluated,
-        reading=options.reading(arguments),
+        reading=inputs.reading(arguments),
     )
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import options
+from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_kept
@@ -87,8 +87,8 @@ def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]"
 
 def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "Session":
     if topic is None:
-        return options.read_session(source, options.reading(arguments), allow_damage=arguments.allow_damage)
-    reading = options.reading(arguments)
+        return inputs.read_session(source, inputs.reading(arguments), allow_damage=arguments.allow_damage)
+    reading = inputs.reading(arguments)
     if source.suffix in BAGS or source.is_dir():
         from gyrodrift.session.logs.bag import read_bag
 

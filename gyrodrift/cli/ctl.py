@@ -1,15 +1,15 @@
-"""Control a running service through the socket that its --control names.
+"""Control a running service through the socket of serve --control.
 
-  zero             set yaw and its sigma to 0
-  heading DEG      set the compass heading, clockwise from north
-  rest 1|0|auto    say that the device stands still or moves; auto ends it
-  rate HZ          at most HZ lines a second on stdout; 0 for every sample
-  record start     begin a recording in the folder of serve --record (default: sessions); record stop ends it
-  calibrate start  begin a calibration; then mark at each stop at the mark, undo, finish, cancel; state shows it
-  page             print the address of the live page with the token for its buttons
-  status           print the state of the service
-  reload           read the config again
-  stop             end the service
+  zero             set yaw and its sigma to 0.
+  heading DEG      set the compass heading, clockwise from north.
+  rest 1|0|auto    say that the device stands still or moves; auto ends it.
+  rate HZ          at most HZ lines a second on stdout; 0 for every sample.
+  record start     begin a recording in the folder of serve --record (default: sessions); record stop ends it.
+  calibrate start  begin a calibration; then mark at each stop at the mark, undo, finish, cancel; state shows it.
+  page             print the address of the live page with the token for its buttons.
+  status           print the state of the service.
+  reload           read the config again.
+  stop             end the service.
 
 The answer is one JSON object on stdout.
 """
@@ -23,7 +23,7 @@ from gyrodrift.errors import UsageError
 
 COMMANDS = ("zero", "heading", "rest", "rate", "record", "calibrate", "page", "status", "reload", "stop")
 PATIENCE_S, RELOAD_PATIENCE_S = 5.0, 45.0
-"""A reload takes as long as two readings of a config at most: the one under way, and its own."""
+"""Longest wait for an answer, s. A reload takes at most two readings of a config: one in progress and its own."""
 
 EXAMPLES = """\
 gyrodrift ctl /run/user/1000/gyro status
@@ -35,12 +35,12 @@ gyrodrift ctl /run/user/1000/gyro heading 270
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("socket", type=Path, metavar="PATH", help="the socket of serve --control PATH")
-    parser.add_argument("command", choices=COMMANDS, help="what to do")
+    parser.add_argument("command", choices=COMMANDS, help="command of the list above")
     parser.add_argument("value", nargs="?", help="argument of heading, rest, rate, record and calibrate")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask, print the answer; 0 where it was done."""
+    """Send the command and print the answer; exit status 0 if the service carried it out."""
     words = [arguments.command, *([arguments.value] if arguments.value is not None else [])]
     from gyrodrift.service.control_client import ControlClient
 

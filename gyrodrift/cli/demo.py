@@ -1,7 +1,7 @@
-"""No hardware: a simulated gyro on a turntable behind a pty, serve reading it, and a live view of what comes out.
+"""Try gyrodrift without hardware: a simulated gyro on a turntable, serve reading it, and a live view of yaw.
 
-At the end, and without a terminal only that: the yaw error against the encoder of the table, with the rate
-integrated as it is (raw) and as gyrodrift corrects it.
+At the end it prints the yaw error against the encoder of the table, for the integrated rate (raw) and for gyrodrift.
+Without a terminal it prints only that.
 """
 
 import argparse
@@ -21,7 +21,7 @@ gyrodrift demo --svg demo.svg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--duration", type=numbers.seconds, default=60.0, metavar="S", help="how long, s (default 60)")
+    parser.add_argument("--duration", type=numbers.seconds, default=60.0, metavar="S", help="duration, s (default 60)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="config of serve (default: the shipped one)")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig of the simulator (default: the shipped one)")
     parser.add_argument(
@@ -32,25 +32,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="motion: a shipped profile or a file",
     )
     parser.add_argument(
-        "--speed", type=numbers.number(1e6), default=1.0, metavar="X", help="times real time (default 1)"
+        "--speed",
+        type=numbers.number(1e6),
+        default=1.0,
+        metavar="X",
+        help="multiple of real time (default 1)",
     )
-    parser.add_argument("--seed", type=numbers.seed, default=1, help="of the simulated noise (default 1)")
+    parser.add_argument("--seed", type=numbers.seed, default=1, help="seed of the simulated noise (default 1)")
     parser.add_argument(
         "--svg",
         type=Path,
         metavar="FILE",
-        help="save the last view as a picture of 100×24 characters (default: none)",
+        help="save the last view as an SVG of 100×24 characters (default: none)",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the demo; 0 when its summary is printed."""
+    """Run the demo; exit status 0."""
     if arguments.svg is not None:
         _check_picture(arguments)
     from gyrodrift.demo.show import run_demo
 
     for ending in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(ending, signal.default_int_handler)  # so that no process is left behind
+        signal.signal(ending, signal.default_int_handler)  # so that the child processes end too
     run_demo(
         duration_s=arguments.duration,
         config=arguments.config,
@@ -65,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_picture(arguments: argparse.Namespace) -> None:
-    """Before the demo, not behind it."""
+    """Check the path of the picture before the demo runs."""
     if arguments.svg.suffix != ".svg":
         raise UsageError(f"--svg {arguments.svg}: a picture ends in .svg")
     if not arguments.svg.parent.is_dir():

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import options
+from gyrodrift.cli import inputs, options
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable, write_whole
 
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     baseline = session_paths(arguments.baseline) if arguments.baseline else []
     rigs = [arguments.rig] if arguments.rig else []
     check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
-    options.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
+    inputs.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
     jobs = options.processes(arguments.jobs)
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
         withheld = frozenset(arguments.withhold)
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
                 arguments.cluster,
                 progress.evaluated,
                 baseline,
-                reading=options.reading(arguments),
+                reading=inputs.reading(arguments),
             )
         )
         progress.evaluated(REPORT, 0, 0)

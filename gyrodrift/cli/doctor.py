@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import numbers, options
+from gyrodrift.cli import inputs, numbers, options
 from gyrodrift.errors import LinkError, PortMissingError, UsageError
 
 if TYPE_CHECKING:
@@ -108,11 +108,11 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     from gyrodrift.session.files import session_paths
 
     paths = session_paths(arguments.sessions)
-    options.check_damage(paths, allow_damage=arguments.allow_damage)
-    recordings = [recorded(path, options.reading(arguments)) for path in paths]
+    inputs.check_damage(paths, allow_damage=arguments.allow_damage)
+    recordings = [recorded(path, inputs.reading(arguments)) for path in paths]
     for path, evidence in zip(paths, recordings, strict=True):
         if evidence.session is not None:
-            options.tell_remarks(path, evidence.session)
+            inputs.print_remarks(path, evidence.session)
     return recordings
 
 

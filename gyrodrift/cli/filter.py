@@ -15,7 +15,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from gyrodrift.cli import options
+from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.errors import DataError, visible
 from gyrodrift.filters.registry import FILTERS
@@ -62,12 +62,12 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.session.tables.write import written_ending
 
         if arguments.out is not None:
-            inputs = [arguments.session, *([arguments.config] if arguments.config else [])]
-            check_kept([arguments.out], inputs, force=arguments.force)
+            read_files = [arguments.session, *([arguments.config] if arguments.config else [])]
+            check_kept([arguments.out], read_files, force=arguments.force)
             written_ending(arguments.out, "--out")
-        config = options.chosen_config(arguments)
+        config = configs.chosen_config(arguments)
         progress.evaluated(f"{arguments.session.name} read", 0, 0)
-        session = options.calibrated_session(arguments, config)
+        session = inputs.calibrated_session(arguments, config)
         chosen = config.chosen
         sigma = applied_scale_sigma(session)
         params = config.params if sigma is None else chosen.with_scale_sigma(config.params, sigma)
@@ -130,7 +130,7 @@ def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterSta
     """
     accepted = 0
     columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
-    for t_s, rate_dps, still, temp_c in zip(*_inputs(session), strict=True):
+    for t_s, rate_dps, still, temp_c in zip(*_columns(session), strict=True):
         if step(c, state, t_s, rate_dps, still, temp_c):
             accepted += 1
             yield (t_s, rate_dps, *columns(state))
@@ -141,7 +141,7 @@ def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterSta
         )
 
 
-def _inputs(session: "Session") -> Iterator[list[float]]:
+def _columns(session: "Session") -> Iterator[list[float]]:
     """Times in s, rates in deg/s, still flags and temperatures in °C; NaN for a missing column."""
     missing = [nan] * len(session.t_device_s)
     for column in (session.t_device_s, session.rate_dps, session.still, session.temp_c):

@@ -17,7 +17,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from gyrodrift.cli import options
+from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.errors import DataError, UsageError, visible
 from gyrodrift.files import check_writable, whole_file, write_whole
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.session.files import session_paths
 
         paths = session_paths(arguments.sessions)
-        options.check_damage(paths, allow_damage=arguments.allow_damage)
+        inputs.check_damage(paths, allow_damage=arguments.allow_damage)
         is_table = len(paths) > 1 and not (arguments.verbose or arguments.json)
         drawing = _drawing(arguments, paths, is_table=is_table)
         errors: list[str] = []
@@ -140,7 +140,7 @@ def _descriptions(
             errors.append(str(error))
             continue
         with progress.aside():
-            options.tell_remarks(path, description.session)
+            inputs.print_remarks(path, description.session)
         errors += [f"{path}: {finding}" for finding in description.findings if finding.is_error]
         yaw = None
         if drawing is not None or description.values.encoder is not None:
@@ -158,7 +158,7 @@ def _described(arguments: argparse.Namespace, path: Path) -> _Description:
     from gyrodrift.session.files import load_session
     from gyrodrift.session.mcap.raw import raw_size
 
-    reading = options.reading(arguments)
+    reading = inputs.reading(arguments)
     loaded = load_session(path, reading.columns, allow_damage=arguments.allow_damage)
     checked = examined(reading.applied(loaded), reading)
     session = checked.session

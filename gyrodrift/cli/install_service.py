@@ -1,7 +1,7 @@
-"""Install gyrodrift as a systemd service that reads one port, starts with the machine and when the gyro is plugged in.
+"""Install a systemd service that reads one port; it starts at boot and when the gyro is plugged in.
 
-It writes a unit and, for a USB adapter, a udev rule that names it /dev/gyro. --dry-run prints what would be written and
-run. The service is controlled through /run/gyrodrift/control by root: gyrodrift ctl.
+It writes a unit and, for a USB adapter, a udev rule that names it /dev/gyro. --dry-run prints the files and commands.
+Root controls the service through /run/gyrodrift/control: gyrodrift ctl.
 """
 
 import argparse
@@ -26,25 +26,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--port", required=True, help="serial port of the device, such as /dev/ttyUSB0")
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="config of the service; followed while it runs (default: none)"
+        "--config", type=Path, metavar="FILE", help="config of the service, followed while it runs (default: none)"
     )
     parser.add_argument(
         "--output",
         action="append",
         default=[],
         metavar="NAME[:KEY=VALUE,...]",
-        help="as of serve; repeatable (default: none)",
+        help="output as in serve --output; repeatable (default: none)",
     )
     parser.add_argument("--dry-run", action="store_true", help="print the files and commands, change nothing")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the files and start the service; 0 then."""
+    """Write the files and start the service; exit status 0."""
     from gyrodrift.config.outputs import output_of
     from gyrodrift.service.install import COMMANDS, files, usb_identity
 
     if arguments.port == AUTO_PORT:
-        raise UsageError("--port auto: a service needs one port for good; gyrodrift devices --listen shows which it is")
+        raise UsageError("--port auto: a service needs a fixed port; gyrodrift devices --listen shows it")
     for output in arguments.output:
         _check_is_public(output_of(output))
     if arguments.config is not None:
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"# run: {' '.join(command)}")
         return 0
     if os.geteuid() != 0:
-        raise UsageError("install-service writes to /etc: run it as root, or look with --dry-run")
+        raise UsageError("install-service writes to /etc: run it as root, or use --dry-run")
     from gyrodrift.files import write_whole
 
     for path, text in written.items():
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_is_public(spec: "OutputSpec") -> None:
-    """See that no secret would stand in the unit, which every user of the machine may read."""
+    """Refuse a secret in the unit, which every user of the machine can read."""
     from gyrodrift.outputs.options import secrets
 
     for name in sorted(secrets(type(spec.options))):
@@ -86,6 +86,6 @@ def _run(command: tuple[str, ...]) -> None:
     try:
         done = subprocess.run(command, check=False)  # noqa: S603 - a fixed list
     except FileNotFoundError as error:
-        raise UsageError(f"{command[0]} is not there: this machine does not run systemd") from error
+        raise UsageError(f"{command[0]} is missing: this machine does not run systemd") from error
     if done.returncode:
         raise UsageError(f"{' '.join(command)} ended with {done.returncode}")

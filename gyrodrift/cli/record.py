@@ -1,9 +1,9 @@
-"""Read a gyro on a serial port and write what it sends into session files, until SIGINT or SIGTERM.
+"""Record a gyro on a serial port into session files until SIGINT or SIGTERM.
 
-A file is named by date (UTC), device and --profile. Nothing that is older than a second is lost by a kill, nothing
-older than five seconds by a power cut. Files that an earlier recording into the same folder left open are closed
-first. The paths that were written go to stdout, the log to stderr. On a terminal a line shows how it goes, with the yaw
-that the filter makes of the samples; the file has the samples as they came.
+The file name has the date (UTC), the device and --profile. A kill loses at most the last second, a power cut at most
+the last five seconds. Files that an earlier recording in the folder left open are closed first. Paths of the files go
+to stdout, the log to stderr. On a terminal a line shows the progress and the corrected yaw; the file has the samples as
+measured.
 """
 
 import argparse
@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
-from gyrodrift.cli import numbers, options
+from gyrodrift.cli import configs, numbers, options
 from gyrodrift.unwaiting import send_within
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from gyrodrift.service.signals import StopSignal
 
 READ_INTERVAL_S = 0.002
-"""Nobody waits for a recording: fast streams are taken in handfuls."""
+"""Pause between two reads of a fast stream, s: nobody waits for the samples, and fewer reads cost less."""
 
 LAST_S = 1.0
-"""How long the end waits for a reader of the paths."""
+"""Longest wait for a reader of the paths, s."""
 
 EXAMPLES = """\
 gyrodrift record --port /dev/ttyUSB0 --out sessions --note "new bearing"
@@ -45,14 +45,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_filter_options(
         parser,
-        "YAML with a filter and its parameters, for the yaw on the terminal; its calibration is kept in the file",
+        "YAML with a filter and its parameters, for the yaw on the terminal; the file keeps its calibration",
     )
     options.add_recording_options(parser)
     options.add_log_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Record until a signal comes or the time is over; 0 then."""
+    """Record until a signal comes or the time is over; exit status 0."""
     rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
     baud = numbers.baud(arguments.baud)
 
@@ -67,20 +67,20 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
 
-    config = options.chosen_config(arguments)
+    config = configs.chosen_config(arguments)
     yaw = LiveYaw(config.chosen, config.params, config.calibration)
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
     log_to = AboveLine(stderr) if is_shown else None
     log = open_log(options.log_level(arguments), arguments.log_format, log_to)
     events = LinkEvents(log)
-    target, port = options.link_target(arguments, baud, events, send=config.send)
+    target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
         link = Link(target, events, port=port)
-        what = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
-        about = options.config_tables(arguments.config, config) if arguments.config else {}
+        fields = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+        about = configs.config_tables(arguments.config, config) if arguments.config else {}
         check_writable(arguments.out)
-        recorder = Recorder(RecordOptions(*what, about, mode=config.mode), link)
+        recorder = Recorder(RecordOptions(*fields, about, mode=config.mode), link)
         repair_interrupted(arguments.out, log)
         events.listeners.append(recorder.on_event)
         try:
@@ -89,12 +89,12 @@ def run(arguments: argparse.Namespace) -> int:
             service.end_event, service.is_watched = "record_end", is_shown
             service.run()
         finally:
-            _tell(filter(Path.exists, recorder.paths))  # a full disk may have taken none of it
+            _print_paths(filter(Path.exists, recorder.paths))  # a full disk may have no file
     return 0
 
 
-def _tell(paths: Iterable[Path]) -> None:
-    """Print the paths; how the recording ended does not depend on whether somebody reads them."""
+def _print_paths(paths: Iterable[Path]) -> None:
+    """Print the paths; a closed stdout does not change the exit status."""
     with suppress(OSError):
         send_within(sys.stdout.fileno(), b"".join(os.fsencode(path) + b"\n" for path in paths), LAST_S)
 

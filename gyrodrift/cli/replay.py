@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, numbers, options
+from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
 from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
 
     if arguments.loop:
         raise UsageError("--raw --loop: raw bytes can be played only once, because their clock cannot go on")
-    options.check_damage([arguments.session], allow_damage=arguments.allow_damage)
+    inputs.check_damage([arguments.session], allow_damage=arguments.allow_damage)
     reads = read_raw(arguments.session, allow_damage=arguments.allow_damage)
     first = next(reads, None)
     return raw_frames(reads if first is None else chain([first], reads)), b""
@@ -93,7 +93,7 @@ def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     from firmware_sim.wire.registry import ENCODERS
     from gyrodrift.simulation.replay import PlayedSession, base_of
 
-    session = options.read_session(arguments.session, allow_damage=arguments.allow_damage)
+    session = inputs.read_session(arguments.session, allow_damage=arguments.allow_damage)
     recording = PlayedSession(session, is_looping=arguments.loop)
     encoder, base = ENCODERS[arguments.protocol], base_of(recording, arguments.lsb)
     return encoder.recorded(recording, base), encoder.hello(base)

@@ -15,7 +15,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
-from gyrodrift.cli import numbers, options
+from gyrodrift.cli import configs, numbers, options
 from gyrodrift.errors import UsageError
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
     log = _log(arguments, has_person=has_person)
     events = LinkEvents(log)
     from_config = (watch.config.columns, watch.config.send) if watch else ()
-    target, port = options.link_target(arguments, baud, events, *from_config)
+    target, port = configs.link_target(arguments, baud, events, *from_config)
     with StopSignal() as stop, ExitStack() as closing:
         link = Link(target, events, port=port)
         stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
@@ -189,7 +189,7 @@ def _log(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundL
 def _follow_config(arguments: argparse.Namespace, filtering: "Filtering") -> None:
     """Let a new config change the link where no option fixes it."""
     link = filtering.link
-    if options.reads_columns_of_config(arguments):
+    if configs.reads_columns_of_config(arguments):
         filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
     if not arguments.send:
         filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
@@ -258,7 +258,7 @@ def _recording(
         from gyrodrift.recording.resilient import ResilientRecorder
 
         config = None if filtering.watch is None else filtering.watch.config
-        about, mode = ({}, 0o666) if config is None else (options.config_tables(arguments.config, config), config.mode)
+        about, mode = ({}, 0o666) if config is None else (configs.config_tables(arguments.config, config), config.mode)
         return ResilientRecorder(
             RecordOptions(*words, about, lambda: table_of(filtering.filter, filtering.state), mode), filtering.link, log
         )
@@ -272,7 +272,7 @@ def _recording(
     events.listeners.append(recording.on_event)
     filtering.event_listeners.append(recording.on_event)
     filtering.config_listeners.append(
-        lambda new: recording.set_about(options.config_tables(arguments.config, new), new.mode)
+        lambda new: recording.set_about(configs.config_tables(arguments.config, new), new.mode)
     )
     return recording
 

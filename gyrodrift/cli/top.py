@@ -1,6 +1,6 @@
-"""Watch a running service in the terminal, through the socket that its --control names.
+"""Watch a running service in the terminal, through the socket of serve --control.
 
-Keys: z makes yaw 0, p pauses the view, q ends it. Where stdout is no terminal, the state is printed once.
+Keys: z sets yaw to 0, p pauses the view, q quits. Without a terminal the state is printed once.
 """
 
 import argparse
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show it until a key ends it; 0 then."""
+    """Show the service until a key ends the view; exit status 0."""
     from gyrodrift.top.watch import show
 
     show(arguments.socket)

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.cli import INTERRUPTED, numbers, options
+from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
 from gyrodrift.errors import UsageError, visible
 from gyrodrift.files import check_inputs_kept, check_writable
 from gyrodrift.filters.registry import FILTERS
@@ -103,7 +103,7 @@ def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning
     sources, path = _sources(arguments), arguments.out.with_suffix(".progress.npz")
     reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
     check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
-    options.check_damage([source.path for source in sources], allow_damage=arguments.allow_damage)
+    inputs.check_damage([source.path for source in sources], allow_damage=arguments.allow_damage)
 
     from gyrodrift.tune.choice import tune_filters
     from gyrodrift.tune.plans import plans_of
@@ -128,7 +128,7 @@ def _sources(arguments: argparse.Namespace) -> "list[Source]":
 
     tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
     paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
-    reading = options.reading(arguments)
+    reading = inputs.reading(arguments)
     return [Source(path, path in stills, Split.TEST if path in tests else None, reading) for path in paths]
 
 

@@ -1,1 +1,1 @@
-"""The config of `serve`: read strictly, checked, watched while the service runs."""
+"""The config of `serve`: read strictly, checked, and followed while the service runs."""

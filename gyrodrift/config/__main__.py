@@ -1,7 +1,7 @@
 """The process that reads a config for a running service: `python -m gyrodrift.config PID PATH`.
 
-PID is the service, which this process does not outlive. What was read goes to stdout, pickled: the version of this
-program, and the config, or None and every mistake.
+PID is the service; this process ends with it. It writes to stdout, pickled: the version of this program, the config or
+None, and every mistake.
 """
 
 import pickle

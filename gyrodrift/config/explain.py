@@ -1,4 +1,4 @@
-"""What a value has to be and what it is instead, in words, from the annotations of a field."""
+"""Words for error messages: the values that a field accepts, from its annotations, and the value it has."""
 
 from typing import Any, Literal, get_args, get_origin
 
@@ -18,13 +18,13 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def unknown_key(name: str, known: list[str], where: str) -> str:
-    """Of a key that is none, with the nearest that is one."""
-    return f"is not {where}; {did_you_mean(name, known) or 'expected ' + (', '.join(known) or 'none')}"
+def unknown_key(name: str, names: list[str], where: str) -> str:
+    """Message for an unknown key, with the nearest name that exists."""
+    return f"is not {where}; {did_you_mean(name, names) or 'expected ' + (', '.join(names) or 'none')}"
 
 
 def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:
-    """What a field takes; its unit follows from its name where it is not given."""
+    """Values that a field accepts. Without `unit` the unit follows from the name."""
     kinds = [kind for kind in _kinds(info.annotation) if kind is not type(None)]
     for kind in kinds:
         if get_origin(kind) is Literal:
@@ -36,15 +36,15 @@ def expectation(name: str, info: FieldInfo, unit: str | None = None) -> str:
         return f"text of up to {LONGEST_SECRET} characters"
     if str in kinds:
         longest = next((bound.max_length for bound in bounds if isinstance(bound, MaxLen)), None)
-        if any(isinstance(bound, Predicate) for bound in bounds):  # a host is the only one
+        if any(isinstance(bound, Predicate) for bound in bounds):  # only hosts have a predicate
             return f"a name or an address of up to {longest} characters, without user, password and path"
         shortest = any(isinstance(bound, MinLen) for bound in bounds)
         return f"text{' that is not empty' if shortest else ''}{f' of up to {longest} characters' if longest else ''}"
     return f"{'a whole number' if int in kinds else 'a number'} {_range(bounds)}{_unit(name) if unit is None else unit}"
 
 
-def said(value: Any) -> str:
-    """A value as somebody wrote it, and of what kind it is."""
+def describe_value(value: Any) -> str:
+    """A value as written in a file, with its type."""
     match value:
         case None:
             return "empty"
@@ -80,7 +80,7 @@ def _unit(name: str) -> str:
 
 
 def _kinds(annotation: Any) -> list[Any]:
-    """The plain types of an annotation, out of unions and bounds."""
+    """Plain types of an annotation, without unions and bounds."""
     if hasattr(annotation, "__metadata__"):
         return _kinds(annotation.__origin__)
     if get_origin(annotation) is Literal or not get_args(annotation):
@@ -89,6 +89,6 @@ def _kinds(annotation: Any) -> list[Any]:
 
 
 def _bounds(info: FieldInfo) -> list[Any]:
-    """The bounds of a field; for an optional one they stand inside the union."""
+    """Bounds of a field; those of an optional field stand inside the union."""
     inner = [bound for option in get_args(info.annotation) for bound in getattr(option, "__metadata__", ())]
     return [*info.metadata, *inner]

@@ -1,4 +1,4 @@
-"""Reading a config in bounded time: one that takes longer is refused, whatever it is made of."""
+"""Reading a config within a limit of processor time."""
 
 import signal
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ TOO_LONG = "takes too long to read"
 
 
 class _TimeIsUpError(BaseException):
-    """Raised wherever the reading is; no handler of an ordinary exception takes it for one of its own."""
+    """The time limit. It is a BaseException, so that no handler inside the reading catches it."""
 
 
 def load_in_time(path: Path) -> Config:

@@ -1,4 +1,4 @@
-"""The config of `serve`: YAML in, a checked and frozen value out, or every mistake at once with its line."""
+"""The config of `serve`: YAML becomes a checked, frozen value, or a list of all mistakes with their lines."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from gyrodrift.calibration import Calibration
 from gyrodrift.config.calibration import CALIBRATION, calibration_in
-from gyrodrift.config.explain import Strict, expectation, said, unknown_key
+from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
@@ -25,34 +25,34 @@ from gyrodrift.public_yaml import public_yaml
 SAMPLE_RATE = "sample_rate_hz"
 
 LONGEST_COLUMNS = 4096
-"""Characters, as of a line of text; columns are read once more by the service, between two samples."""
+"""Characters, as in a line of text. The service parses them between two samples."""
 
 
 @dataclass(frozen=True, slots=True)
 class Config:
-    """What `serve` runs with.
+    """Settings of `serve`.
 
     filter
         Name of the filter.
     blocks
-        Parameters by the name of their filter, of those that the file gives.
+        Parameters by filter name, for the filters in the file.
     sample_rate_hz
-        The rate the parameters were tuned at, Hz; None where the file does not say.
+        Sample rate that the parameters were tuned at, Hz; None if the file does not say.
     columns
-        Of the text protocol, as `--columns` takes them; None where another one is spoken.
+        Columns of the text protocol, as `--columns` takes them; None for other protocols.
     outputs
-        Where corrected samples go beside stdout.
+        Outputs besides stdout.
     send
-        What a device is sent after its port was opened; empty for nothing.
+        Bytes that are sent to the device after its port was opened.
     calibration
-        What puts the rate right before the filter; None where the file gives none.
+        Calibration of the rate before the filter; None without one.
     completed
-        One `key: value` for each that the file leaves to its default, of the filter and of blocks that are begun; a
-        block says which filter is meant.
+        `key: value` of each default in use, of the filter and of the blocks in the file. A block without `filter:`
+        chooses the filter.
     text
-        The file as it was read, without secrets.
+        Text of the file, without secrets.
     mode
-        Who may read the file; nobody else may read what is recorded with it.
+        Permission bits of the file. Recordings get the same.
     """
 
     filter: str = DEFAULT.name
@@ -68,34 +68,37 @@ class Config:
 
     @property
     def chosen(self) -> Filter:
-        """The filter that is named."""
+        """The chosen filter."""
         return FILTERS[self.filter]
 
     @property
     def params(self) -> FilterParams:
-        """Its parameters."""
+        """Parameters of the chosen filter."""
         return self.params_of(self.chosen)
 
-    def params_of(self, known: Filter) -> FilterParams:
-        """Parameters of a filter; its defaults where the file gives none."""
-        given = self.blocks.get(known.name)
-        default: FilterParams = known.params()
-        return default if given is None else given
+    def params_of(self, filter_kind: Filter) -> FilterParams:
+        """Parameters of a filter; its defaults if the file has no block for it."""
+        params = self.blocks.get(filter_kind.name)
+        default: FilterParams = filter_kind.params()
+        return default if params is None else params
 
     def changes_from(self, old: "Config") -> list[str]:
-        """One `key: old → new` for each value that differs."""
+        """Differences, as `key: old → new`."""
         pairs: list[tuple[str, object, object]] = [
             ("filter", old.filter, self.filter),
             (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
             ("columns", old.columns, self.columns),
             ("send", old.send or None, self.send or None),
         ]
-        for name, known in FILTERS.items():
-            before, after = old.params_of(known), self.params_of(known)
-            pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in known.names]
+        for name, filter_kind in FILTERS.items():
+            before, after = old.params_of(filter_kind), self.params_of(filter_kind)
+            pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in filter_kind.names]
         changed = [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
         if self.calibration != old.calibration:
-            dates = ["none" if each is None else each.date for each in (old.calibration, self.calibration)]
+            dates = [
+                "none" if calibration is None else calibration.date
+                for calibration in (old.calibration, self.calibration)
+            ]
             changed.append(f"{CALIBRATION}: {dates[0]} → {dates[1]}")
         gone = [f"outputs: {spec} is closed" for spec in old.outputs if spec not in self.outputs]
         new = [f"outputs: {spec} is opened" for spec in self.outputs if spec not in old.outputs]
@@ -103,17 +106,17 @@ class Config:
 
 
 @cache
-def _block_of(known: Filter) -> type[Strict]:
+def _block_of(filter_kind: Filter) -> type[Strict]:
     """A model with the fields, bounds and defaults of a filter's parameters."""
-    hints, defaults = get_type_hints(known.params, include_extras=True), known.params()
-    content: dict[str, Any] = {name: (hints[name], getattr(defaults, name)) for name in known.names}
-    return create_model(known.params.__name__, __base__=Strict, **content)
+    hints, defaults = get_type_hints(filter_kind.params, include_extras=True), filter_kind.params()
+    content: dict[str, Any] = {name: (hints[name], getattr(defaults, name)) for name in filter_kind.names}
+    return create_model(filter_kind.params.__name__, __base__=Strict, **content)
 
 
 def _file() -> type[Strict]:
-    """The model of a file: every key may be left out, and a block may be empty."""
+    """The model of a file: every key is optional, and a block may be empty."""
     content: dict[str, Any] = {"filter": (Literal[tuple(FILTERS)], DEFAULT.name)}
-    content |= {name: (_block_of(known) | None, None) for name, known in FILTERS.items()}
+    content |= {name: (_block_of(filter_kind) | None, None) for name, filter_kind in FILTERS.items()}
     content |= {
         SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         "provenance": (dict[str, Any] | None, None),
@@ -128,19 +131,19 @@ def _file() -> type[Strict]:
 def load_config(path: Path) -> Config:
     """Read and check a config file.
 
-    A file without `filter` means that of its blocks which stands first in FILTERS, or the default.
+    Without `filter:` the first block by the order of FILTERS chooses the filter; without a block it is the default.
 
     Raises
     ------
     ConfigError
-        With every mistake, one line each: `file:line:column key: what is wrong and what is expected`.
+        With all mistakes as lines `file:line:column key: problem; expected value`.
     """
     read = read_yaml(path)
     named = " or ".join(f"filter: {name}" for name in FILTERS)
     if read.value is None and not read.problems:
         read.report((), f"is empty; expected at least {named}")
     elif read.value is not None and not isinstance(read.value, dict):
-        what = "text" if isinstance(read.value, str) else said(read.value)  # it may be a file with a password
+        what = "text" if isinstance(read.value, str) else describe_value(read.value)  # the text may be a password
         read.report((), f"holds {what}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
     given = read.value if isinstance(read.value, dict) else {}
@@ -161,14 +164,14 @@ def load_config(path: Path) -> Config:
     )
 
 
-def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
-    """Of the value of `columns:`, as `--columns` takes them or as a list of the entries; None where there are none."""
-    if given is None:
+def columns_in(value: Any, report: Callable[[str], None]) -> str | None:
+    """Columns from the value of `columns:`, text as `--columns` takes it or a list of its entries; None if absent."""
+    if value is None:
         return None
-    entries = given if isinstance(given, list) else [given]
+    entries = value if isinstance(value, list) else [value]
     if not all(isinstance(entry, str) for entry in entries):
         wrong = next(entry for entry in entries if not isinstance(entry, str))
-        report(f"is {said(wrong)}; expected text such as 't_ms, _, rate:lsb/131', or a list of its entries")
+        report(f"is {describe_value(wrong)}; expected text such as 't_ms, _, rate:lsb/131', or a list of its entries")
         return None
     from gyrodrift.columns.spec import parsed  # noqa: PLC0415 - few configs have columns
 
@@ -184,36 +187,36 @@ def columns_in(given: Any, report: Callable[[str], None]) -> str | None:
     return spec
 
 
-def send_in(given: Any, report: Callable[[str], None]) -> bytes:
-    """Of the value of `send:`, a text with escapes as `--send` takes it; empty where there is none."""
-    if given is None:
+def send_in(value: Any, report: Callable[[str], None]) -> bytes:
+    """Bytes from the value of `send:`, text with escapes as `--send` takes it; empty if absent."""
+    if value is None:
         return b""
-    if not isinstance(given, str):
-        report(rf"is {said(given)}; expected text in quotes such as '\r\n'")
+    if not isinstance(value, str):
+        report(rf"is {describe_value(value)}; expected text in quotes such as '\r\n'")
         return b""
     from gyrodrift.link.opening import bytes_to_send  # noqa: PLC0415 - few configs send anything
 
     try:
-        return bytes_to_send(given)
+        return bytes_to_send(value)
     except ValueError as error:
         report(str(error))
         return b""
 
 
 def _config(file: Strict, given: Mapping[str, Any]) -> Config:
-    """Of what stands in the file itself; blocks that have modules of their own are added by the caller."""
+    """Config from the keys that this module checks; the caller adds the blocks of other modules."""
     content = file.model_dump()
     begun = [name for name in FILTERS if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
     completed = [] if "filter" in given or begun else [f"filter: {chosen}"]
     blocks = {}
-    for name, known in FILTERS.items():
+    for name, filter_kind in FILTERS.items():
         values = content[name] or {}
         if name in begun:
-            blocks[name] = known.params(**values)
+            blocks[name] = filter_kind.params(**values)
         if name in begun or name == chosen:
-            left = [key for key in known.names if key not in (given.get(name) or {})]
-            completed += [f"{name}.{key}: {getattr(known.params(**values), key):g}" for key in left]
+            missing = [key for key in filter_kind.names if key not in (given.get(name) or {})]
+            completed += [f"{name}.{key}: {getattr(filter_kind.params(**values), key):g}" for key in missing]
     return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed))
 
 
@@ -229,21 +232,21 @@ def _check(read: YamlFile) -> Strict | None:
         for number, problem in enumerate(error.errors(include_url=False)):
             key: Key = problem["loc"]
             is_told = number < MOST_PROBLEMS
-            read.report(key, _explain(model, key, problem["type"], problem["input"]) if is_told else "is wrong too")
+            read.report(key, _explain(model, key, problem["type"], problem["input"]) if is_told else "is wrong, too")
         return None
 
 
-def _explain(file: type[Strict], key: Key, kind: str, given: Any) -> str:
+def _explain(file: type[Strict], key: Key, kind: str, value: Any) -> str:
     block, name = (FILTERS.get(str(key[0])) if len(key) > 1 else None), str(key[-1])
-    known = (_block_of(block) if block else file).model_fields
+    model_fields = (_block_of(block) if block else file).model_fields
     if kind == "extra_forbidden":
-        return unknown_key(name, list(known), "a key of this file")
-    meant = did_you_mean(given, FILTERS) if name == "filter" and isinstance(given, str) else ""
-    return f"is {said(given)}; {meant or 'expected ' + _expectation(block, name, known)}"
+        return unknown_key(name, list(model_fields), "a key of this file")
+    meant = did_you_mean(value, FILTERS) if name == "filter" and isinstance(value, str) else ""
+    return f"is {describe_value(value)}; {meant or 'expected ' + _expectation(block, name, model_fields)}"
 
 
-def _expectation(block: Filter | None, name: str, known: Mapping[str, FieldInfo]) -> str:
-    if name not in known:
+def _expectation(block: Filter | None, name: str, model_fields: Mapping[str, FieldInfo]) -> str:
+    if name not in model_fields:
         return "another value"
     if name in FILTERS:
         return f"a block with {', '.join(FILTERS[name].names)}"
@@ -251,4 +254,4 @@ def _expectation(block: Filter | None, name: str, known: Mapping[str, FieldInfo]
         return " or ".join(FILTERS)
     if name == "provenance":
         return "a block of keys"
-    return expectation(name, known[name], f" {block.parameter(name).unit}".rstrip() if block else None)
+    return expectation(name, model_fields[name], f" {block.parameter(name).unit}".rstrip() if block else None)

@@ -1,4 +1,4 @@
-"""A config that is read while samples come in: in a process of its own, which the service never waits for."""
+"""Reading a changed config in a process of its own, which the service never waits for."""
 
 import os
 import pickle
@@ -17,22 +17,22 @@ from gyrodrift.config.model import Config
 from gyrodrift.errors import ConfigError
 
 LONGEST_S = 20.0
-"""On the clock, of which the process itself uses `in_time.MOST_CPU_S` at most: others may have the processor."""
+"""Elapsed time. The process uses at most `in_time.MOST_CPU_S` of it; other programs may have the processor."""
 
 PIECE_BYTES = 1 << 16
 KILLED_S = 0.2
-"""That a killed process has to be gone at the end of the service."""
+"""Time for a killed process to end when the service ends, s."""
 
 AGAIN = "save it again, or ask for it with ctl reload"
 
 
 class ConfigReading:
-    """One reading of a file, under way from the constructor on.
+    """One reading of a file; it begins with the constructor.
 
     Raises
     ------
     ConfigError
-        From the constructor, where no process can be started.
+        From the constructor, if no process can be started.
     """
 
     def __init__(self, path: Path, monotonic: Callable[[], float] = time.monotonic) -> None:
@@ -47,11 +47,11 @@ class ConfigReading:
         except OSError as error:
             reason = f"no process can be started that reads it: {error.strerror}; {AGAIN}"
             raise ConfigError([f"{path}: {reason}"]) from error
-        said = self._file or self._process.stdout
-        assert said is not None  # noqa: S101 - it is a pipe, as was asked for
-        self._said: IO[bytes] = said
+        stream = self._file or self._process.stdout
+        assert stream is not None  # noqa: S101 - it is a pipe, as was asked for
+        self._stream: IO[bytes] = stream
         if self._file is None:
-            os.set_blocking(self._said.fileno(), False)
+            os.set_blocking(self._stream.fileno(), False)
         self._answer = bytearray()
         self._until_s = monotonic() + LONGEST_S
 
@@ -61,35 +61,35 @@ class ConfigReading:
         return self._process.poll() is not None
 
     def outcome(self) -> Config | None:
-        """The config; None while it is being read. After that the process may still be there for a moment.
+        """The config; None while it is being read. The process may end a moment later.
 
         Raises
         ------
         ConfigError
-            With every mistake, because it takes too long, or because its process died.
+            With all mistakes, if it takes too long, or if its process died.
         """
         if self._has_ended():
-            self._said.close()
+            self._stream.close()
             return self._config()
         if self._monotonic() < self._until_s:
             return None
         self._process.kill()
-        self._said.close()
+        self._stream.close()
         raise ConfigError([f"{self._path}: {TOO_LONG}: more than {LONGEST_S:g} s; {AGAIN}"])
 
     def close(self) -> None:
-        """End it; what it would have told is of no use any more."""
+        """Abort the reading."""
         self._process.kill()
-        self._said.close()
+        self._stream.close()
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(KILLED_S)
 
     def _has_ended(self) -> bool:
-        """Take what the process has said; whether that is all and it has ended."""
+        """Read the output of the process; whether it is complete and the process has ended."""
         if self._file is not None:
             return self.is_gone and self._take_file(self._file)
         try:
-            while piece := os.read(self._said.fileno(), PIECE_BYTES):
+            while piece := os.read(self._stream.fileno(), PIECE_BYTES):
                 self._answer += piece
         except BlockingIOError:
             return False
@@ -107,7 +107,7 @@ class ConfigReading:
             raise ConfigError([f"{self._path}: the process that reads it ended {how}; {AGAIN}"])
         version, config, problems = self._unpacked()
         if version != __version__:
-            reason = f"was read by gyrodrift {version}, this is {__version__}; start the service again"
+            reason = f"was read by gyrodrift {version}, this is {__version__}; restart the service"
             raise ConfigError([f"{self._path}: {reason}"])
         if config is None:
             raise ConfigError(problems)

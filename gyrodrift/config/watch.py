@@ -1,4 +1,4 @@
-"""A config file, watched: polled by `stat`, since editors save by renaming and that kills file watches."""
+"""A config file that is followed by polling `stat`: editors save by renaming, which ends file watches."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,41 +12,41 @@ from gyrodrift.errors import ConfigError
 FileVersion = tuple[int, int, int]
 
 GONE_LOOKS = 2
-"""A file that two looks in a row do not find is gone; between the halves of a careless save one may not find it."""
+"""Polls in a row that must miss a file before it counts as gone; some editors remove a file before they write it."""
 
 
 class PendingConfig(Protocol):
-    """One reading of a file, as `reading.ConfigReading` is one."""
+    """One reading of a file, such as `reading.ConfigReading`."""
 
     @property
     def is_gone(self) -> bool:
-        """Whether nothing of it is left."""
+        """Whether its process has ended."""
 
     def outcome(self) -> Config | None:
         """The config; None while it is being read. Raises ConfigError."""
 
     def close(self) -> None:
-        """End it."""
+        """Abort the reading."""
 
 
 class ConfigWatch:
-    """Loads the file at once, and again whenever its time, size or inode changes: then by a process of its own.
+    """Loads the file at once. When its time, size or inode changes, another process reads it again.
 
     Parameters
     ----------
     begin
-        Begins a reading.
+        Starts a reading.
 
     Raises
     ------
     ConfigError
-        From the constructor, and from `poll` for each changed file that has mistakes; the watch goes on.
+        From the constructor, and from `poll` for a changed file with mistakes; the watch goes on.
     """
 
     def __init__(self, path: Path, begin: Callable[[Path], PendingConfig] = ConfigReading) -> None:
         self.path = path
         self._begin = begin
-        self._seen = _version_of(path)
+        self._version = _version_of(path)
         self.config = load_in_time(path)
         self._in_vain = 0
         self._is_asked = False
@@ -56,33 +56,33 @@ class ConfigWatch:
 
     @property
     def is_gone(self) -> bool:
-        """Whether there is no such file any more."""
+        """Whether the file is missing."""
         return self._in_vain >= GONE_LOOKS
 
     @property
     def ended(self) -> int:
-        """How many readings have ended."""
+        """Number of readings that have ended."""
         return self._begun - self._is_under_way
 
     def ask(self) -> int:
-        """Have the file read again, changed or not; the count of `ended` when that is done."""
+        """Request another reading; returns the value of `ended` at which it is done."""
         self._is_asked = True
         return self._begun + 1
 
     def poll(self) -> Config | None:
-        """The new config where one has been read; None where nothing changed, or is not read yet, or the file is gone.
+        """The new config, once; None if nothing changed, the reading has not ended, or the file is missing.
 
-        It waits for nothing.
+        It never waits.
         """
-        found = _version_of(self.path)
-        self._in_vain = 0 if found else self._in_vain + 1
-        if self._reading is None and (self._is_asked or (found is not None and found != self._seen)):
-            self._seen = found
+        version = _version_of(self.path)
+        self._in_vain = 0 if version else self._in_vain + 1
+        if self._reading is None and (self._is_asked or (version is not None and version != self._version)):
+            self._version = version
             self._begin_reading()
         return None if self._reading is None else self._go_on(self._reading)
 
     def close(self) -> None:
-        """End a reading that is under way."""
+        """Abort a reading in progress."""
         if self._reading is not None:
             self._reading.close()
             self._reading = None
@@ -94,7 +94,7 @@ class ConfigWatch:
         self._is_under_way = True
 
     def _go_on(self, reading: PendingConfig) -> Config | None:
-        """The outcome once; another reading begins when the process of this one is gone."""
+        """The outcome, once. The next reading can begin when this process has ended."""
         new = None
         if self._is_under_way:
             try:

@@ -133,7 +133,7 @@ def test_a_calibration_of_another_device_is_warned_of_and_not_applied(tmp_path: 
     assert calibrated(session) is session
     with Command("filter", path, "--config", config) as run:
         assert run.end() == 0
-        assert "the calibration is one of gyro-17 and is not applied" in run.log
+        assert "the calibration is for gyro-17 and is not applied" in run.log
 
 
 def test_a_changed_calibration_is_followed_and_yaw_goes_on(tmp_path: Path) -> None:
