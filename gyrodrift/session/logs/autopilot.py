@@ -1,4 +1,4 @@
-"""Logs of ArduPilot (.bin, .log) and PX4 (.ulg): the first gyro, whose z axis points down there."""
+"""Logs of ArduPilot (.bin, .log) and PX4 (.ulg): the first gyro; its z axis points down."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +24,7 @@ TIMESTAMP = "timestamp"
 
 STDERR = 2
 ARDUPILOT_FORMAT, LENGTH_AT, HEAD_BYTES = b"\xa3\x95\x80", 4, 3
-"""Head of a message that declares another, where the length of that stands, and the least that it is."""
+"""Start of a message that declares another one, index of the declared length, and the smallest valid length."""
 
 ARDUPILOT_MAGIC, ARDUPILOT_TEXT, PX4_MAGIC = b"\xa3\x95", b"FMT, 128, 89, FMT,", b"ULog\x01\x12\x35"
 
@@ -42,11 +42,14 @@ ULOG_TOPICS = (
     UlogTopic("vehicle_angular_velocity", "xyz[2]"),
     UlogTopic("sensor_gyro", "z"),
 )
-"""In the order in which they are preferred (docs.px4.io, uORB messages)."""
+"""Best first (docs.px4.io, uORB messages)."""
+
+HOLE = bytes(1 << 16)
+"""No ULog message is longer than 64 KiB, and its size and type are not 0: so many zeros are a hole in the file."""
 
 
 def is_ardupilot_text(path: Path) -> bool:
-    """Whether a `.log` is one of ArduPilot."""
+    """Whether a `.log` is a log of ArduPilot."""
     with path.open("rb") as file:
         return file.read(len(ARDUPILOT_TEXT)) == ARDUPILOT_TEXT
 
@@ -57,7 +60,7 @@ def read_ardupilot(path: Path) -> Session:
     Raises
     ------
     DataError
-        Where it is none or damaged, has no gyro, or `pymavlink` is missing.
+        The file is no such log, is damaged or has no gyro, or `pymavlink` is missing.
     """
     with path.open("rb") as file:
         is_binary = file.read(2) == ARDUPILOT_MAGIC
@@ -68,7 +71,7 @@ def read_ardupilot(path: Path) -> Session:
     if is_binary:
         _check_formats(path)
     try:
-        with _silence():  # it prints what it cannot read, byte by byte
+        with _silence():  # it prints each byte that it cannot read
             opened = DFReader.DFReader_binary if is_binary else DFReader.DFReader_text
             with closing(opened(str(path))) as log:
                 rows = list(_imu_rows(log))
@@ -78,39 +81,39 @@ def read_ardupilot(path: Path) -> Session:
         raise DataError(f"{path}: has no messages IMU with TimeUS and GyrZ")
     gyros = sorted({row[0] for row in rows})
     table = np.array([row[1:] for row in rows if row[0] == gyros[0]])
-    more = [f"it has {len(gyros)} gyros, the first is taken"] if len(gyros) > 1 else []
-    return _session(path, "ArduPilot", table[:, 0], table[:, 1], table[:, 2], more)
+    remarks = [f"it has {len(gyros)} gyros, the first is used"] if len(gyros) > 1 else []
+    return _session(path, "ArduPilot", table[:, 0], table[:, 1], table[:, 2], remarks)
 
 
 def _check_formats(path: Path) -> None:
-    """See that every declared message has a length: of one without, the reader of pymavlink finds no end."""
-    at = -1
+    """See that every declared message has a length; without it pymavlink loops forever."""
+    start = -1
     with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
-        while (at := content.find(ARDUPILOT_FORMAT, at + 1)) >= 0:
-            if len(content) > at + LENGTH_AT and content[at + LENGTH_AT] < HEAD_BYTES:
-                raise DataError(f"{path}: is damaged: at byte {at} it declares a message without length")
+        while (start := content.find(ARDUPILOT_FORMAT, start + 1)) >= 0:
+            if len(content) > start + LENGTH_AT and content[start + LENGTH_AT] < HEAD_BYTES:
+                raise DataError(f"{path}: is damaged: at byte {start} it declares a message without length")
 
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Nothing is printed meanwhile, also not by what is no Python."""
+    """Discard all output of packages, also of their C code."""
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()), Path(os.devnull).open("w") as nowhere:
-        kept = os.dup(STDERR)
+        saved_fd = os.dup(STDERR)
         os.dup2(nowhere.fileno(), STDERR)
         try:
             yield
         finally:
-            os.dup2(kept, STDERR)
-            os.close(kept)
+            os.dup2(saved_fd, STDERR)
+            os.close(saved_fd)
 
 
 def _imu_rows(log: Any) -> Iterator[tuple[int, float, float, float]]:
     """Number of the gyro, time in µs, rate about z in rad/s, temperature in °C."""
     while (message := log.recv_match(type=["IMU", "IMU2", "IMU3"])) is not None:
-        found: Mapping[str, Any] = message.to_dict()
-        if "TimeUS" in found and "GyrZ" in found:
-            gyro = int(found.get("I", 0)) + max(0, ("IMU", "IMU2", "IMU3").index(found["mavpackettype"]))
-            yield gyro, float(found["TimeUS"]), float(found["GyrZ"]), float(found.get("T", np.nan))
+        fields: Mapping[str, Any] = message.to_dict()
+        if "TimeUS" in fields and "GyrZ" in fields:
+            gyro = int(fields.get("I", 0)) + max(0, ("IMU", "IMU2", "IMU3").index(fields["mavpackettype"]))
+            yield gyro, float(fields["TimeUS"]), float(fields["GyrZ"]), float(fields.get("T", np.nan))
 
 
 def read_px4(path: Path) -> Session:
@@ -119,39 +122,52 @@ def read_px4(path: Path) -> Session:
     Raises
     ------
     DataError
-        Where it is none or damaged, has no gyro, or `pyulog` is missing.
+        The file is no such log, is damaged or has no gyro, or `pyulog` is missing.
     """
     with path.open("rb") as file:
         if file.read(len(PX4_MAGIC)) != PX4_MAGIC:
             raise DataError(f"{path}: is no log of PX4: it does not begin as ULog")
     with packages_of(path, "logs"):
         from pyulog import ULog  # noqa: PLC0415 - an extra that few have
+    _check_holes(path)
     try:
         with _silence():
             log = ULog(str(path), [topic.name for topic in ULOG_TOPICS])
     except Exception as error:  # bytes from anywhere
         raise DataError(f"{path}: is damaged: {error}") from error
     for topic in ULOG_TOPICS:
-        for found in log.data_list:
-            if found.name == topic.name and found.multi_id == 0 and {TIMESTAMP, topic.rate} <= found.data.keys():
-                times, rates = found.data[TIMESTAMP].astype(np.float64), found.data[topic.rate].astype(np.float64)
+        for recorded in log.data_list:
+            fields = recorded.data
+            if recorded.name == topic.name and recorded.multi_id == 0 and {TIMESTAMP, topic.rate} <= fields.keys():
+                with np.errstate(all="ignore"):  # damaged bytes may be a signaling NaN
+                    times, rates = fields[TIMESTAMP].astype(np.float64), fields[topic.rate].astype(np.float64)
                 return _session(path, f"PX4, {topic.name}", times, rates, None, [])
     names = ", ".join(topic.name for topic in ULOG_TOPICS)
     raise DataError(f"{path}: has none of the topics {names} with a time and a rate")
 
 
+def _check_holes(path: Path) -> None:
+    """See that no zeros replace messages: pyulog would take minutes for some megabytes of them."""
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        start = content.find(HOLE)
+        if start >= 0:
+            raise DataError(
+                f"{path}: is damaged: only zeros from byte {start} to {start + len(HOLE)} and maybe further"
+            )
+
+
 def _session(
-    path: Path, form: str, times_us: Floats, rates_rads: Floats, temp_c: Floats | None, more: Sequence[str]
+    path: Path, form: str, times_us: Floats, rates_rads: Floats, temp_c: Floats | None, remarks: Sequence[str]
 ) -> Session:
     if not len(times_us):
         raise DataError(f"{path}: has no samples")
-    remarks = (DOWN, *more)
+    all_remarks = (DOWN, *remarks)
     return Session(
         name=path.stem,
         t_device_s=times_us / US_PER_S,
         rate_dps=-rates_rads * degrees(1.0),
         rate_scale=degrees(1.0),
         temp_c=None if temp_c is None or np.isnan(temp_c).all() else temp_c,
-        metadata={TABLE: {"form": form, "remarks": "; ".join(remarks)}},
-        remarks=remarks,
+        metadata={TABLE: {"form": form, "remarks": "; ".join(all_remarks)}},
+        remarks=all_remarks,
     )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from math import radians
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tables_support import TURN_DEG, filtered_yaw_deg, samples, written
 
@@ -73,7 +74,7 @@ def test_the_first_gyro_of_several_is_taken(tmp_path: Path) -> None:
     pytest.importorskip("pymavlink")
     session = load_session(written(tmp_path / "log.bin", dataflash(3)))
     assert len(session.rate_dps) == len(list(samples()))
-    assert "it has 3 gyros, the first is taken" in session.remarks
+    assert "it has 3 gyros, the first is used" in session.remarks
 
 
 def test_a_log_of_px4_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,3 +127,22 @@ def test_a_topic_of_px4_without_its_time_is_none(tmp_path: Path) -> None:
     columns = ULOG_COLUMNS.replace("timestamp", "timestbmp")
     with pytest.raises(DataError, match=r"none of the topics sensor_combined, .* with a time and a rate"):
         load_session(written(tmp_path / "a.ulg", ulog(columns)))
+
+
+def test_a_log_of_px4_with_signaling_nans_is_read_without_a_warning(tmp_path: Path) -> None:
+    """Damaged bytes may be any bit pattern; numpy warns of some when it converts them."""
+    pytest.importorskip("pyulog")
+    rate = struct.pack("<f", -radians(next(rate_dps for _, _, rate_dps in samples() if rate_dps)))
+    path = written(tmp_path / "a.ulg", ulog().replace(rate, b"\x01\x00\xa0\x7f"))
+    assert np.isnan(load_session(path).rate_dps).any()
+
+
+@pytest.mark.parametrize("place", ["definitions", "data"])
+def test_a_hole_in_a_log_of_px4_is_damage(tmp_path: Path, place: str) -> None:
+    """Zeros replace messages; pyulog alone takes a minute for 30 MB of them."""
+    path = tmp_path / "a.ulg"
+    path.write_bytes(ulog()[:16] if place == "definitions" else ulog())
+    with path.open("r+b") as file:
+        file.truncate(10_000_000_000)
+    with pytest.raises(DataError, match=r"a\.ulg: is damaged: only zeros from byte \d+ to \d+"):
+        load_session(path)
