@@ -1,4 +1,4 @@
-"""Arrays by what they hold, as every room that works with many samples at once names them."""
+"""Types of arrays, shared by all packages."""
 
 import numpy as np
 from numpy.typing import NDArray

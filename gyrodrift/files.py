@@ -1,4 +1,4 @@
-"""Reading a file that may be anything, and writing one so that it is there whole or not at all."""
+"""Safe reading of files of any kind, and atomic writing."""
 
 import os
 import stat
@@ -16,23 +16,23 @@ from gyrodrift.system import OPEN_AT_ONCE, set_mode, set_owner
 
 MCAP_MAGIC = b"\x89MCAP"
 COMMENT, LONGEST_LINE = b"#", 4096
-"""What a line of a table begins with that is not yet its header, and how much of a line is looked at."""
+"""First byte of a comment line of a table, and longest part of a line that is read."""
 
 FILTERED_COLUMN = b"yaw_deg"
-"""Of tables that a filter has written: they can be worked out again, other tables cannot."""
+"""Column of tables that a filter has written; these can be computed again, other tables cannot."""
 
 TABLES = (".csv", ".json", ".jsonl", ".parquet")
 LONGEST_PREFIX = 60
-"""Characters of a name that the file which is being written begins with."""
+"""Characters of the target name in the name of the temporary file."""
 
 NOT_ORDINARY = "is no ordinary file"
 
 NAMED = 3
-"""Of many files that a message is about."""
+"""Files that a message names, of many."""
 
 
 class UnreadableError(Exception):
-    """A file cannot be read as one; the text says why, for behind its name."""
+    """A file cannot be read; the text is the reason, to follow the name of the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +44,14 @@ class FileContent:
 
 
 def read_ordinary(path: Path, longest_bytes: int) -> FileContent:
-    """Read a whole file of a bounded size; a pipe, a device or a socket is not waited for, and not read.
+    """Read a whole file of limited size; never wait for or read a pipe, a device or a socket.
 
     Raises
     ------
     FileNotFoundError
-        Where there is none.
+        There is no such file.
     UnreadableError
-        Where it cannot be read, is no ordinary file or is larger.
+        It cannot be read, is no ordinary file, or is larger.
     """
     try:
         with open(path, "rb", buffering=0, opener=_without_waiting) as file:
@@ -67,34 +67,34 @@ def read_ordinary(path: Path, longest_bytes: int) -> FileContent:
 
 
 def check_ordinary(path: Path) -> None:
-    """See that a path can be opened without waiting: a file or a folder, or nothing.
+    """Check that a path can be opened without waiting: a file, a folder, or nothing.
 
     Raises
     ------
     UnreadableError
-        Where it is a pipe, a device or a socket.
+        It is a pipe, a device or a socket.
     """
     try:
         _check_openable(path)
-    except OSError:  # nothing is there, or nobody may look
+    except OSError:  # nothing is there, or it may not be read
         return
     except ValueError as error:
         raise UnreadableError(NOT_ORDINARY) from error
 
 
 def _check_openable(path: Path | str | int) -> None:
-    """See that it is a file or a folder; ValueError where it is not, OSError where there is none."""
+    """Check that it is a file or a folder; ValueError if not, OSError if nothing is there."""
     mode = os.stat(path).st_mode  # noqa: PTH116 - it may be a descriptor
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         raise ValueError(NOT_ORDINARY)
 
 
 def _without_waiting(name: str, flags: int) -> int:
-    """Open an ordinary file or a folder, which open() refuses itself; a device may do something when it is opened."""
+    """Open an ordinary file or a folder; opening a device could start something."""
     _check_openable(name)
     fd = os.open(name, flags | OPEN_AT_ONCE)
     try:
-        _check_openable(fd)  # another file may have taken the name
+        _check_openable(fd)  # another file may have the name now
     except ValueError:
         os.close(fd)
         raise
@@ -116,23 +116,23 @@ def _why_unreadable(error: OSError | ValueError) -> str:
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """A file to write bytes to, under another name until it is complete and on the disk.
+    """A file to write bytes to; it has a temporary name until it is complete and on the disk.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to; nothing is left behind then.
+        The file cannot be written; nothing is left behind.
     """
     before = _status_of(path)
-    if before is not None and not stat.S_ISREG(before.st_mode):  # a device or a pipe is written to, not replaced
+    if before is not None and not stat.S_ISREG(before.st_mode):  # write to a device or a pipe, do not replace it
         with path.open("wb") as file:
             yield file
         return
-    fresh = path.with_name(f".{path.name[:LONGEST_PREFIX]}.{token_hex(8)}")  # nobody can lay a link there before
+    fresh = path.with_name(f".{path.name[:LONGEST_PREFIX]}.{token_hex(8)}")  # an unpredictable name
     try:
-        with open(fresh, "xb", opener=None if before is None else _for_us_alone) as file:
+        with open(fresh, "xb", opener=None if before is None else _open_private) as file:
             if before is not None:
-                _let_the_same_read(file.fileno(), before)
+                _copy_permissions(file.fileno(), before)
             yield file
             file.flush()
             os.fsync(file.fileno())
@@ -145,22 +145,22 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def _status_of(path: Path) -> os.stat_result | None:
-    """What a file is, whose, and who may read and write it; None where there is none."""
+    """Status of a file; None if it does not exist."""
     try:
         return path.stat()
     except OSError:
         return None
 
 
-def _for_us_alone(name: str, flags: int) -> int:
-    """Open a new file that nobody else can open before its mode is set."""
+def _open_private(name: str, flags: int) -> int:
+    """Open a new file that no other user can open until its mode is set."""
     return os.open(name, flags, 0o600)
 
 
-def _let_the_same_read(fd: int, before: os.stat_result) -> None:
-    """Owner, group and mode of the file that is replaced; where its group cannot be given on, no group's rights."""
+def _copy_permissions(fd: int, before: os.stat_result) -> None:
+    """Set owner, group and mode of the replaced file; without its group, no rights for a group."""
     mode = stat.S_IMODE(before.st_mode)
-    with suppress(OSError):  # root alone gives files away
+    with suppress(OSError):  # only root may change the owner
         set_owner(fd, before.st_uid, -1)
     try:
         set_owner(fd, -1, before.st_gid)
@@ -170,51 +170,51 @@ def _let_the_same_read(fd: int, before: os.stat_result) -> None:
 
 
 def write_whole(path: Path, pieces: Iterable[str]) -> None:
-    """Write text to a file so that it is there whole or not at all.
+    """Write text to a file atomically: the whole file or nothing.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to; nothing is left behind then.
+        The file cannot be written; nothing is left behind.
     """
     with whole_file(path) as file:
         file.writelines(piece.encode() for piece in pieces)
 
 
 def check_kept(targets: Iterable[Path], inputs: Iterable[Path], *, force: bool) -> None:
-    """See that nothing recorded is lost: what is read is never written over, other sessions with force only.
+    """Check that no recording is lost: inputs are never overwritten, other recordings only with `force`.
 
     Raises
     ------
     UsageError
-        With the names of what would be lost.
+        With the names of the files that would be lost.
     """
-    places = list(targets)
-    check_inputs_kept(places, inputs)
-    there = [str(place) for place in places if _is_recorded(place)]
-    if there and not force:
-        more = f" and {len(there) - NAMED} more" if len(there) > NAMED else ""
-        raise UsageError(f"{', '.join(there[:NAMED])}{more}: already recorded; --force replaces what is there")
+    paths = list(targets)
+    check_inputs_kept(paths, inputs)
+    recorded = [str(path) for path in paths if _is_recorded(path)]
+    if recorded and not force:
+        rest = f" and {len(recorded) - NAMED} more" if len(recorded) > NAMED else ""
+        raise UsageError(f"{', '.join(recorded[:NAMED])}{rest}: already recorded; --force replaces it")
 
 
 def check_inputs_kept(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
-    """See that what is read is never written over, also through links and other spellings.
+    """Check that no input is overwritten, also through links and other spellings.
 
     Raises
     ------
     UsageError
-        With the name of what would be lost.
+        With the name of the file that would be lost.
     """
     sources = {_identity(source): source for source in reversed(list(inputs))}
     for target in targets:
         source = sources.get(_identity(target))
         if source is not None:
-            what = "the input itself" if target == source else f"the input {source} itself"
-            raise UsageError(f"{target}: is {what}, which is never written over: choose another name")
+            name = "the input itself" if target == source else f"the input {source} itself"
+            raise UsageError(f"{target}: is {name}, which is never written over: choose another name")
 
 
 def _identity(path: Path) -> tuple[int, int] | str:
-    """The same for every name of a file; where nothing is there yet, the name without links."""
+    """Device and inode of a file, equal for all its names; the name without links if it does not exist yet."""
     try:
         status = path.stat()
     except OSError:
@@ -223,7 +223,7 @@ def _identity(path: Path) -> tuple[int, int] | str:
 
 
 def _is_recorded(path: Path) -> bool:
-    """Whether it is an .mcap file or a table of numbers that no filter has written."""
+    """Whether it is an .mcap file, or a table that no filter has written."""
     if not path.is_file() or path.stat().st_size == 0:
         return False
     with path.open("rb") as file:
@@ -236,12 +236,12 @@ def _is_recorded(path: Path) -> bool:
 
 
 def check_writable(folder: Path) -> None:
-    """See that files can be made in a folder, by making one; the folder is made where it is not there.
+    """Check that files can be created in a folder by creating one; create the folder if needed.
 
     Raises
     ------
     UsageError
-        Where they cannot.
+        They cannot be created.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -252,6 +252,6 @@ def check_writable(folder: Path) -> None:
 
 
 def shipped_config(name: str) -> Path:
-    """A file of `config/`: beside the package in a checkout, inside it when installed from a wheel."""
+    """Path of a file of `config/`, in a checkout or in an installed wheel."""
     installed = Path(__file__).parent / "shipped"
     return (installed if installed.is_dir() else Path(__file__).parent.parent / "config") / name

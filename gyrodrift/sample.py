@@ -1,25 +1,24 @@
-"""The values everything passes on: a reading as the device spoke it, a sample with its time, a corrected sample."""
+"""Values that pass between packages: a decoded reading, a sample with its time, a corrected sample."""
 
 from math import nan
 from typing import NamedTuple
 
 
 class Reading(NamedTuple):
-    """One measurement as decoded from the wire, before it has a time.
+    """One measurement decoded from the wire, before it has a host time.
 
     t_us
-        Device clock in µs, 32 bits, wrapping; None where the device has no clock.
+        Device clock in µs, 32 bits, wraps; None if the device has no clock.
     seq
-        Device counter, 16 bits, wrapping; None where the device has none.
+        Device counter, 16 bits, wraps; None if the device has no counter.
     rate_dps
         Yaw rate, deg/s, counter-clockwise positive.
     encoder_deg, temp_c
-        Reference angle in degrees and temperature in °C; NaN where the device sends none.
+        Reference angle in deg and temperature in °C; NaN if the device does not send it.
     still
-        1 where something else than the rate knows that the device stands still, 0 that it moves; NaN where nobody says.
+        1 if another source than the rate says that the device is at rest, 0 if it moves, NaN if unknown.
     yaw_deg
-        Angle about the vertical of a device that sends no rate, counter-clockwise positive; NaN for all others. The
-        clock makes a rate of it.
+        Yaw angle of a device that sends no rate, deg, counter-clockwise positive; else NaN.
     """
 
     t_us: int | None
@@ -35,11 +34,11 @@ class Sample(NamedTuple):
     """One measurement on the unwrapped device clock.
 
     seq
-        Counter, unwrapped; samples that were lost leave a hole in it.
+        Unwrapped counter; lost samples leave a gap.
     t_device_s
-        The sensor's own clock in s, unwrapped.
+        Device clock, s, unwrapped.
     t_host_s
-        When it arrived, Unix time in s on a clock that never steps.
+        Arrival, Unix time in s on a clock that never steps.
     rate_dps, encoder_deg, temp_c, still
         As in `Reading`.
     """
@@ -54,22 +53,22 @@ class Sample(NamedTuple):
 
 
 class Corrected(NamedTuple):
-    """A sample with what the filter made of it; what every output is handed.
+    """A sample with the results of the filter; every output gets this.
 
     corrected_dps
-        Measured rate less the drift estimate, deg/s.
+        Measured rate minus the estimated drift, deg/s.
     yaw_deg
-        Unwrapped yaw in degrees, 0 at the first sample.
+        Unwrapped yaw, deg, 0 at the first sample.
     bias_dps
-        The drift estimate, deg/s.
+        Estimated drift, deg/s.
     yaw_sigma_deg, confidence
-        Standard deviation of yaw in degrees, and how probable what the filter believes is; NaN where it does not say.
+        Standard deviation of yaw, deg, and probability of the most probable hypothesis; NaN if the filter has none.
     bias_sigma_dps, rest_probability
-        Standard deviation of the drift estimate in deg/s, and how probable it is that the device is at rest; likewise.
+        Standard deviation of the estimated drift, deg/s, and probability of rest; NaN if the filter has none.
     raw_yaw_deg
-        The measured rate integrated as it is, unwrapped, in degrees, 0 where `yaw_deg` is.
+        Integral of the measured rate, unwrapped, deg, 0 where `yaw_deg` is 0.
     heading_deg
-        Compass heading, clockwise from north, 0 to 360; NaN until a reference was given.
+        Compass heading, deg, clockwise from north, 0 to 360; NaN without a reference.
     reference_deg
         Angle of the encoder, unwrapped, from where `yaw_deg` is 0, in degrees; NaN without an encoder.
     """

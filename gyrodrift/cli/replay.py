@@ -1,7 +1,7 @@
 """Play a recorded session through a pty that looks like the device.
 
 --raw plays the original bytes of the link, damage included, if the recording has them. Without it the samples are
-encoded again: csv (default) carries every digit of the recording, native rounds the rate to --lsb, witmotion rounds it
+encoded again. csv (default) carries every digit of the recording. native rounds the rate to --lsb. witmotion rounds it
 to the steps of a WT901 and has no clock.
 
 Playing starts when a reader opens the port. At --speed max the reader sets the pace and no sample is lost. At other

@@ -1,1 +1,1 @@
-"""What a recorded session holds: how its clock runs, what is missing, where the device rested, its noise."""
+"""Description of a recorded session: clocks, missing samples, rests, noise, yaw; as text, picture and page."""

@@ -1,4 +1,4 @@
-"""Allan deviation of a still stretch, and the noise that it shows."""
+"""Allan deviation of a rest, and the noise parameters that it shows."""
 
 from math import inf, sqrt
 
@@ -10,21 +10,21 @@ from gyrodrift.noise import FLICKER_FLOOR
 
 ALLAN_LEAST_S = 30.0
 CLUSTERS_LEAST = 9
-"""An Allan deviation of K independent clusters is good to 1/√(2(K − 1)), a quarter for nine (IEEE 952, C.1)."""
+"""Relative error of an Allan deviation over K independent clusters: 1/√(2(K − 1)), 0.25 for nine (IEEE 952, C.1)."""
 
 WHITE_CLUSTERS = 51
 WHITE_SLOPE_SLACK = 0.2
-"""White noise is read where the deviation is good to a tenth and falls with a slope of −1/2, to within the slack."""
+"""White noise is read where the relative error is at most 0.1 and the slope is −1/2 within the slack."""
 
 LOW_PASSED = 0.8
-"""Share of the white noise below which a deviation at short times is taken to have gone through a low-pass."""
+"""A deviation at short times below this share of the white noise is the effect of a low-pass."""
 
 FLAT_ERROR = 0.2
-"""The longest times say little; a floor shows where deviations are at least that good, over two octaves."""
+"""A flat minimum counts only where the relative error is at most this, over two octaves."""
 
 
 def allan_deviation(rate_dps: Floats, period_s: float) -> tuple[Floats, Floats]:
-    """Averaging times in octaves, s, and the overlapping Allan deviation there, deg/s; both of shape (k,).
+    """Averaging times in octaves, s, and overlapping Allan deviations, deg/s; both of shape (k,).
 
     The longest time leaves 9 clusters. Equation C.12 of IEEE Std 952-1997, on the integrated rate.
     """
@@ -49,14 +49,14 @@ def allan_errors(taus_s: Floats, span_s: float) -> Floats:
 
 
 def allan_of(stretch: Stretch, rate_dps: Floats) -> Allan | None:
-    """Over a stretch whose samples are taken as evenly spaced: single ones that are missing hardly show."""
+    """Allan deviation of a rest; None if it is shorter than 30 s. Samples are taken as evenly spaced."""
     period_s = (stretch.end_s - stretch.start_s) / max(len(rate_dps) - 1, 1)
     span_s = period_s * len(rate_dps)
     if not ALLAN_LEAST_S * 0.999 <= span_s < inf or len(rate_dps) < CLUSTERS_LEAST:
         return None
     taus_s, deviations_dps = allan_deviation(rate_dps, period_s)
     walk = _angle_random_walk(taus_s, deviations_dps, span_s)
-    lowest = _seen_minimum(taus_s, deviations_dps, span_s, walk or 0.0)
+    lowest = _minimum_index(taus_s, deviations_dps, span_s, walk or 0.0)
     return Allan(
         stretch=stretch,
         taus_s=taus_s,
@@ -68,7 +68,7 @@ def allan_of(stretch: Stretch, rate_dps: Floats) -> Allan | None:
 
 
 def _angle_random_walk(taus_s: Floats, deviations_dps: Floats, span_s: float) -> float | None:
-    """The first run of averaging times with a slope of −1/2, taken to 1 s; deg/√s."""
+    """Angle random walk, deg/√s: the first run of averaging times with a slope of −1/2, at 1 s."""
     if not (deviations_dps > 0.0).all():
         return None
     is_white = np.abs(np.diff(np.log2(deviations_dps)) + 0.5) <= WHITE_SLOPE_SLACK
@@ -77,14 +77,14 @@ def _angle_random_walk(taus_s: Floats, deviations_dps: Floats, span_s: float) ->
         return None
     first = int(is_white.argmax())
     length = int(np.argmin(np.append(is_white[first:], [False])))
-    white = slice(first + (first > 0), first + length + 1)  # what comes before the slope bends its first point
+    white = slice(first + (first > 0), first + length + 1)  # the curve before the slope bends its first point
     return float(np.exp(np.log(deviations_dps[white] * np.sqrt(taus_s[white])).mean()))
 
 
-def _seen_minimum(taus_s: Floats, deviations_dps: Floats, span_s: float, walk_deg_rts: float) -> int | None:
-    """Index of the minimum, if the curve rises behind it by more than its error, or lies flat above white noise.
+def _minimum_index(taus_s: Floats, deviations_dps: Floats, span_s: float, walk_deg_rts: float) -> int | None:
+    """Index of the minimum if the curve then rises by more than its error, or is flat above white noise; else None.
 
-    What is below the line of white noise at short times is a low-pass, and no minimum.
+    A deviation below the line of white noise at short times is the effect of a low-pass, not a minimum.
     """
     errors = allan_errors(taus_s, span_s)
     white_dps = walk_deg_rts / np.sqrt(taus_s)

@@ -1,4 +1,4 @@
-"""Small operations on arrays that the parts of a description share."""
+"""Array operations that several parts of a description use."""
 
 from math import inf
 from typing import TypeVar
@@ -13,17 +13,17 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def only(values: Floats, is_kept: Flags) -> Floats:
-    """What is kept; the values themselves where that is all of them, since copies are what takes time here."""
+    """Select values; without a copy if all are kept, because copies take most of the time here."""
     return values if is_kept.all() else values[is_kept]
 
 
 def blocks_of(values: NDArray[Scalar], size: int) -> NDArray[Scalar]:
-    """The values in rows of `size`; what is left over at the end stays out."""
+    """Arrange the values in rows of `size`; an incomplete last row is dropped."""
     return values[: len(values) // size * size].reshape(-1, size)
 
 
 def smallest_step(values: Floats) -> float | None:
-    """The smallest change between neighbours that is one; None where all are equal."""
+    """Smallest change between neighbors above 1e-9; None if all are equal."""
     steps = np.abs(np.diff(values))
     smallest = float(steps.min(initial=inf, where=steps > 1e-9))
     return smallest if smallest < inf else None

@@ -1,4 +1,4 @@
-"""Looking at a session as a whole."""
+"""Description of a session as values."""
 
 from math import inf
 
@@ -13,18 +13,18 @@ from gyrodrift.describe.values import Allan, Encoder, Gaps, Rates, RestSource, S
 from gyrodrift.session.session import Session
 
 NORMAL_MAD = 1.4826
-"""Standard deviation of normal scatter over its median absolute deviation."""
+"""Standard deviation of a normal distribution over its median absolute deviation."""
 
 GAP_PERIODS = 1.5
 MOST_MISSING = 1e15
 
 BREAK_S = 1.0
 BREAK_PERIODS = 10.0
-"""A hole in time that is longer than both ends a stretch."""
+"""A time step longer than both ends a rest."""
 
 
 def describe(session: Session) -> SessionDescription:
-    """Look at a session as a whole; linear in its length, whatever is in it."""
+    """Describe a session, whatever its values are; the time is linear in its length."""
     with np.errstate(over="ignore", invalid="ignore"):  # a file may hold numbers of any size
         return _describe(session)
 
@@ -57,39 +57,39 @@ def _describe(session: Session) -> SessionDescription:
 def _gaps(session: Session, forward_s: Floats, period_s: float | None) -> Gaps:
     if period_s is None:
         return Gaps(0, 0, 0.0)
-    holes_s = forward_s[forward_s > GAP_PERIODS * period_s]
+    gap_steps_s = forward_s[forward_s > GAP_PERIODS * period_s]
     if session.seq is None:
-        missing = int((np.minimum(np.rint(holes_s / period_s), MOST_MISSING) - 1.0).sum())
+        missing = int((np.minimum(np.rint(gap_steps_s / period_s), MOST_MISSING) - 1.0).sum())
     else:
         counted = session.seq[session.seq >= 0]
         missing = int(np.maximum(np.diff(counted) - 1, 0).sum())
-    return Gaps(len(holes_s), missing, float(holes_s.max(initial=0.0)))
+    return Gaps(len(gap_steps_s), missing, float(gap_steps_s.max(initial=0.0)))
 
 
 def _temperatures(temp_c: Floats | None) -> Temperatures | None:
-    known_c = np.empty(0) if temp_c is None else temp_c[np.isfinite(temp_c)]
-    if not len(known_c):
+    finite_c = np.empty(0) if temp_c is None else temp_c[np.isfinite(temp_c)]
+    if not len(finite_c):
         return None
-    return Temperatures(*map(float, (known_c.min(), known_c.max(), known_c[0], known_c[-1])))
+    return Temperatures(*map(float, (finite_c.min(), finite_c.max(), finite_c[0], finite_c[-1])))
 
 
 def _encoder(encoder_deg: Floats | None) -> Encoder | None:
-    known_deg = np.empty(0) if encoder_deg is None else encoder_deg[np.isfinite(encoder_deg)]
-    if not len(known_deg):
+    finite_deg = np.empty(0) if encoder_deg is None else encoder_deg[np.isfinite(encoder_deg)]
+    if not len(finite_deg):
         return None
-    return Encoder(float(known_deg.min()), float(known_deg.max()), smallest_step(known_deg))
+    return Encoder(float(finite_deg.min()), float(finite_deg.max()), smallest_step(finite_deg))
 
 
 def _rest(session: Session, period_s: float) -> tuple[list[Stretch], Allan | None]:
-    """Still stretches, and the noise over the longest of them."""
+    """Rests, and the Allan deviation of the longest one."""
     is_usable = np.isfinite(session.rate_dps) & np.isfinite(session.t_device_s)
     t_s, rate_dps = only(session.t_device_s, is_usable), only(session.rate_dps, is_usable)
     steps_s = np.diff(t_s, prepend=t_s[:1])
-    is_cut = (steps_s < 0.0) | (steps_s > max(BREAK_S, BREAK_PERIODS * period_s))
+    is_break = (steps_s < 0.0) | (steps_s > max(BREAK_S, BREAK_PERIODS * period_s))
     if session.encoder_deg is None:
-        runs = stationary_by_rate(rate_dps, is_cut, period_s)
+        runs = stationary_by_rate(rate_dps, is_break, period_s)
     else:
-        runs = stationary_by_encoder(only(session.encoder_deg, is_usable), is_cut, period_s)
+        runs = stationary_by_encoder(only(session.encoder_deg, is_usable), is_break, period_s)
     if not runs:
         return [], None
     first_s = float(session.t_device_s[np.isfinite(session.t_device_s)][0])

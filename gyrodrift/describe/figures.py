@@ -18,12 +18,12 @@ def panel_svgs(panels: Sequence[Panel], name: str) -> list[str]:
 def full_width_svg(panel: Panel, name: str) -> str:
     """A chart as wide as the page; `name` is unique within the page."""
     with styled():
-        figure = canvas(FULL_WIDE_IN, FULL_HIGH_IN, left=0.065, bottom=0.12, top=0.98, right=0.995)
+        figure = canvas(FULL_WIDE_IN, FULL_HIGH_IN, inset=0.065, bottom=0.12, top=0.98, right=0.995)
         panel.draw(figure.add_subplot())
         return as_svg(figure, name, panel.name)
 
 
 def _svg(panel: Panel, name: str) -> str:
-    figure = canvas(WIDE_IN, HIGH_IN, left=0.2, bottom=0.18, top=0.97, right=0.97)
+    figure = canvas(WIDE_IN, HIGH_IN, inset=0.2, bottom=0.18, top=0.97, right=0.97)
     panel.draw(figure.add_subplot())
     return as_svg(figure, name, panel.name)

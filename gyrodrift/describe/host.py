@@ -1,4 +1,4 @@
-"""The clock of the device against that of the host."""
+"""Clock of the device against the clock of the host."""
 
 from math import ceil, inf, sqrt
 
@@ -13,42 +13,41 @@ WINDOW_S = 1.0
 WINDOW_SAMPLES = 20
 WINDOWS_LEAST = 10
 WINDOWS_MOST = 60
-"""Delays of a link are one-sided: of each window only the sample that came soonest says where the host clock is."""
+"""Delays of a link are one-sided: only the earliest sample of a window shows the host clock."""
 
 STOPPED = -0.999
-"""A host clock that moves by less than a thousandth of the device's, in host − device time over device time."""
+"""Change of host − device time over device time of a host clock that moves by less than 0.1 % of the device clock."""
 
-SOME = 1_000_000
-"""Quantiles over more values than about this many are taken over an even choice of them."""
+QUANTILE_VALUES = 1_000_000
+"""Quantiles of more values than this use an evenly spaced selection."""
 
 
 def host_clock(session: Session, period_s: float | None) -> HostClock | None:
-    """Drift and delays; None without host times."""
+    """Drift and delays of the host clock; None without host times."""
     delays_s, drift = _against_host(session, period_s)
     if delays_s is None:
         return None
-    some_s = delays_s[:: len(delays_s) // SOME + 1]
-    some_s = some_s[np.isfinite(some_s)]
-    if not len(some_s):
+    sample_s = delays_s[:: len(delays_s) // QUANTILE_VALUES + 1]
+    sample_s = sample_s[np.isfinite(sample_s)]
+    if not len(sample_s):
         return None
-    delay_p95_s = float(np.quantile(some_s, 0.95))
+    delay_p95_s = float(np.quantile(sample_s, 0.95))
     slope, slope_sd = drift or (-1.0, 0.0)
-    if slope <= STOPPED:  # a host clock that stands still is none
+    if slope <= STOPPED:  # a host clock that stands still says nothing
         return HostClock(None, None, delay_p95_s)
     return HostClock(-1e6 * slope / (1.0 + slope), 1e6 * slope_sd, delay_p95_s)
 
 
 def host_delays_s(session: Session, period_s: float | None) -> Floats | None:
-    """How much later than the soonest possible each sample arrived, s, shape (n,); None without host times.
+    """Delay of each sample above the minimum, s, shape (n,); None without host times.
 
-    The soonest possible is the line under (device time, host time), or the soonest sample where there is too little
-    for a line.
+    The minimum is the line under (device time, host time), or the earliest sample if there are too few for a line.
     """
     return _against_host(session, period_s)[0]
 
 
 def _against_host(session: Session, period_s: float | None) -> tuple[Floats | None, tuple[float, float] | None]:
-    """Delays, and slope and its standard error of the line under host − device time over device time."""
+    """Delays, and the slope of the line under host − device time over device time with its standard error."""
     if session.t_host_s is None:
         return None, None
     is_timed = np.isfinite(session.t_host_s) & np.isfinite(session.t_device_s)
@@ -57,18 +56,20 @@ def _against_host(session: Session, period_s: float | None) -> tuple[Floats | No
     first = int(is_timed.argmax())
     device_s = session.t_device_s - session.t_device_s[first]
     behind_s = (session.t_host_s - session.t_host_s[first]) - device_s
-    soonest = _soonest(only(device_s, is_timed), only(behind_s, is_timed), period_s)
-    if soonest is None:
+    minimum = _minimum_line(only(device_s, is_timed), only(behind_s, is_timed), period_s)
+    if minimum is None:
         return behind_s - behind_s[is_timed].min(), None
-    (slope, intercept_s), slope_sd = soonest
+    (slope, intercept_s), slope_sd = minimum
     return behind_s - (intercept_s + slope * device_s), (slope, slope_sd)
 
 
-def _soonest(device_s: Floats, behind_s: Floats, period_s: float | None) -> tuple[tuple[float, float], float] | None:
-    """((slope, intercept), standard error of the slope) through the minimum of each window.
+def _minimum_line(
+    device_s: Floats, behind_s: Floats, period_s: float | None
+) -> tuple[tuple[float, float], float] | None:
+    """((slope, intercept), standard error of the slope) of the least-squares line through the window minima.
 
-    Least squares; neighbouring windows often err alike (a bunch beats with the period), so that the standard error
-    is that of as many independent windows as a first-order autocorrelation leaves.
+    The errors of neighboring windows are correlated when bunches beat with the period. The standard error therefore
+    counts only as many independent windows as the first-order autocorrelation leaves.
     """
     if period_s is None:
         return None
@@ -85,6 +86,6 @@ def _soonest(device_s: Floats, behind_s: Floats, period_s: float | None) -> tupl
     slope = float(dx @ y) / spread
     residuals = y - y.mean() - slope * dx
     square = float(residuals @ residuals)
-    alike = min(max(float(residuals[1:] @ residuals[:-1]) / square, 0.0), 0.9) if square else 0.0
-    slope_sd = sqrt(square / (len(x) - 2) / spread * (1.0 + alike) / (1.0 - alike))
+    correlation = min(max(float(residuals[1:] @ residuals[:-1]) / square, 0.0), 0.9) if square else 0.0
+    slope_sd = sqrt(square / (len(x) - 2) / spread * (1.0 + correlation) / (1.0 - correlation))
     return (slope, float(y.mean() - slope * x.mean())), slope_sd

@@ -114,7 +114,7 @@ def _noise(rows: Sequence[SessionRow]) -> Iterator[tuple[str, str]]:
 
 
 def _median_words(count: int, total: int) -> str:
-    """Which sessions a median is from."""
+    """Number of sessions behind a median."""
     return f"median of {_count(count, 'session')}{' that show it' * (1 < count < total)}"
 
 

@@ -1,4 +1,4 @@
-"""Values that no sensor gives: they are told, and left out of pictures, whose axes would show nothing else."""
+"""Values that no sensor can measure: they are reported, and left out because charts would show nothing else."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -15,27 +15,27 @@ LEAST_C, MOST_C = -273.15, 1000.0
 """Absolute zero, and far above what silicon survives (175 °C)."""
 
 MOST_DEG = 1e9
-"""Of an encoder: 2.8 million turns; a table at 33 turns a minute needs two months for them."""
+"""Angle of an encoder: 2.8 million turns, two months at 33 turns a minute."""
 
 
 MOST_S = 1e11
-"""A time, also since 1970: 3000 years."""
+"""A time, also one since 1970: 3000 years."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impossible:
-    """Values of a column that no sensor gives: how many, and what would be possible."""
+    """Values of a column that no sensor can measure: how many, and the possible range."""
 
     column: str
     count: int
     possible: str
 
     def __str__(self) -> str:
-        return f"{self.count} values outside of {self.possible}, which no sensor gives"
+        return f"{self.count} values outside of {self.possible}, which no sensor can measure"
 
 
 def impossible_values(session: Session) -> list[Impossible]:
-    """Of all columns, those that have any."""
+    """Impossible values by column; only columns that have any."""
     return [
         Impossible(name, int(np.count_nonzero(is_wrong)), possible)
         for name, _, is_wrong, possible in _columns(session)
@@ -44,7 +44,7 @@ def impossible_values(session: Session) -> list[Impossible]:
 
 
 def possible_part(session: Session) -> Session:
-    """The session with NaN for what no sensor gives."""
+    """The session with NaN for impossible values."""
     changed = {
         name: np.where(is_wrong, np.nan, values) for name, values, is_wrong, _ in _columns(session) if is_wrong.any()
     }
@@ -52,7 +52,7 @@ def possible_part(session: Session) -> Session:
 
 
 def _columns(session: Session) -> Iterator[tuple[str, Floats, np.ndarray, str]]:
-    """Name, values, which of them are impossible, and what is possible, in words."""
+    """Name, values, mask of the impossible ones, and the possible range in words."""
     yield "rate_dps", session.rate_dps, _is_beyond(session.rate_dps, -MOST_DPS, MOST_DPS), f"±{MOST_DPS:,.0f} deg/s"
     for name in ("t_device_s", "t_host_s"):
         times_s = getattr(session, name)
@@ -66,7 +66,7 @@ def _columns(session: Session) -> Iterator[tuple[str, Floats, np.ndarray, str]]:
 
 
 def _is_beyond(values: Floats, least: float, most: float) -> np.ndarray:
-    """NaN is a value that is not there, and is not among them."""
+    """NaN is a missing value and is not beyond."""
     with np.errstate(invalid="ignore"):
-        found: np.ndarray = (values < least) | (values > most)
-    return found
+        is_beyond: np.ndarray = (values < least) | (values > most)
+    return is_beyond

@@ -1,4 +1,4 @@
-"""Where the device stood still: by the encoder, or else where the rate is as quiet as it ever gets."""
+"""Rests of the device: by the encoder, or else where the rate is at its quietest."""
 
 from collections.abc import Iterator
 from math import inf, sqrt
@@ -18,16 +18,16 @@ STILL_LEAST_BLOCKS = 4
 RESTLESS = 0.75
 ENCODER_SCATTERS = 8.0
 ENCODER_SLACK_DEG = 0.15
-"""At rest an encoder may move by its smallest step, or by ENCODER_SCATTERS times what it moves within a block there
-where that is more, up to ENCODER_SLACK_DEG: an optical reference is never quite still."""
+"""At rest an encoder may move by its smallest step, or by ENCODER_SCATTERS times its movement within a block, whichever
+is larger, up to ENCODER_SLACK_DEG. An optical reference is never quite still."""
 
 CREEP_DPS = 0.01
 COMPARABLE = 4
-"""Stationary runs that follow upon each other without a turn between them may be a creeping turn; they count only where
-they last so long that it would be slower than this, or COMPARABLE times as long as what is beside them."""
+"""Adjacent stationary runs may be one slow turn. A run counts only if the turn would be slower than CREEP_DPS, or if it
+is COMPARABLE times as long as its neighbors."""
 
 QUIETEST = 0.1
-"""Share of the blocks that are taken to be quiet: the noise floor is the scatter of the loudest of them."""
+"""Share of the blocks taken as quiet; the noise floor is the largest scatter among them."""
 
 STEADY_BLOCK_S = 1.0
 STEADY_BLOCK_SAMPLES = 10
@@ -35,8 +35,8 @@ STEADY_LEAST_BLOCKS = 3
 QUIET = 1.5
 JUMP = 1.0
 SCATTERS = 5.0
-"""A block is quiet up to QUIET times the noise floor, and goes with the next one where their means differ by less
-than JUMP floors; short blocks scatter by themselves, and SCATTERS of that are allowed."""
+"""A block is quiet up to QUIET times the noise floor. It joins the next block if their means differ by less than JUMP
+floors. Short blocks scatter more; SCATTERS standard deviations of that are allowed."""
 
 
 class StationaryRun(NamedTuple):
@@ -48,29 +48,32 @@ class StationaryRun(NamedTuple):
 
     @property
     def blocks(self) -> int:
-        """How many."""
+        """Number of blocks."""
         return self.end - self.start
 
 
-def stationary_by_encoder(encoder_deg: Floats, is_cut: Flags, period_s: float) -> Runs:
-    """Where the angle stays within what the encoder does at rest, for 2 s."""
+def stationary_by_encoder(encoder_deg: Floats, is_break: Flags, period_s: float) -> Runs:
+    """Runs of at least 2 s in which the encoder moves no more than at rest."""
     size = _samples(ENCODER_BLOCK_S, period_s)
     blocks_deg = blocks_of(encoder_deg, size)
     lows_deg, highs_deg = np.fmin.reduce(blocks_deg, axis=1), np.fmax.reduce(blocks_deg, axis=1)
     ranges_deg = highs_deg - lows_deg
-    highs_deg[blocks_of(is_cut, size).any(axis=1)] = np.nan
+    highs_deg[blocks_of(is_break, size).any(axis=1)] = np.nan
     lows, highs = lows_deg.tolist(), highs_deg.tolist()
     step_deg = 1.001 * (smallest_step(encoder_deg) or 0.0)
     most_deg = max(step_deg, ENCODER_SLACK_DEG)
-    found: list[StationaryRun] = []
+    runs: list[StationaryRun] = []
     for start, end in _within(lows, highs, most_deg):
         noise_deg = ENCODER_SCATTERS * float(np.quantile(ranges_deg[start:end], RESTLESS))
         slack_deg = max(step_deg, min(noise_deg, most_deg))
         parts = _within(lows[start:end], highs[start:end], slack_deg)
-        found += [StationaryRun(start + first, start + last, slack_deg) for first, last in parts]
+        runs += [StationaryRun(start + first, start + last, slack_deg) for first, last in parts]
     return [
-        (size * (start + (start > 0)), size * (end - (end < len(blocks_deg))))  # motion begins before it is seen
-        for start, end, _ in _without_creep(found, size * period_s)
+        (
+            size * (start + (start > 0)),
+            size * (end - (end < len(blocks_deg))),
+        )  # motion begins before the encoder shows it
+        for start, end, _ in _without_creep(runs, size * period_s)
     ]
 
 
@@ -79,7 +82,7 @@ def _samples(seconds: float, period_s: float) -> int:
 
 
 def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tuple[int, int]]:
-    """Runs of blocks whose common range stays within the slack; a NaN belongs to none."""
+    """Runs of blocks whose common range stays within the slack; a NaN ends a run."""
     start, low, high = 0, inf, -inf
     for i, (block_low, block_high) in enumerate(zip(lows, highs, strict=True)):
         if max(high, block_high) - min(low, block_low) <= slack and block_high == block_high:  # noqa: PLR0124 - NaN
@@ -93,19 +96,20 @@ def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tup
         yield start, len(lows)
 
 
-def _without_creep(found: list[StationaryRun], block_s: float) -> Iterator[StationaryRun]:
-    """Those that last long enough, and longer where one follows upon another that lasted about as long."""
-    starts, ends = {one.start: one for one in found}, {one.end: one for one in found}
-    for one in found:
-        beside = [other.blocks for other in (ends.get(one.start), starts.get(one.end)) if other is not None]
-        is_creep = COMPARABLE * max(beside, default=0) >= one.blocks
-        least_s = max(STILL_LEAST_S, one.slack_deg / CREEP_DPS if is_creep else 0.0)
-        if one.blocks >= max(STILL_LEAST_BLOCKS, least_s / block_s):
-            yield one
+def _without_creep(runs: list[StationaryRun], block_s: float) -> Iterator[StationaryRun]:
+    """Runs that are long enough; a run beside one of comparable length may be a slow turn and must be longer."""
+    starts, ends = {run.start: run for run in runs}, {run.end: run for run in runs}
+    for run in runs:
+        neighbors = (ends.get(run.start), starts.get(run.end))
+        longest = max((neighbor.blocks for neighbor in neighbors if neighbor is not None), default=0)
+        is_creep = COMPARABLE * longest >= run.blocks
+        least_s = max(STILL_LEAST_S, run.slack_deg / CREEP_DPS if is_creep else 0.0)
+        if run.blocks >= max(STILL_LEAST_BLOCKS, least_s / block_s):
+            yield run
 
 
-def stationary_by_rate(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs:
-    """Where the rate is as quiet as it ever gets, block upon block of about a second."""
+def stationary_by_rate(rate_dps: Floats, is_break: Flags, period_s: float) -> Runs:
+    """Runs of blocks of about a second in which the rate is at its quietest."""
     size = max(STEADY_BLOCK_SAMPLES, _samples(STEADY_BLOCK_S, period_s))
     blocks_dps = blocks_of(rate_dps, size)
     if not len(blocks_dps):
@@ -115,7 +119,7 @@ def stationary_by_rate(rate_dps: Floats, is_cut: Flags, period_s: float) -> Runs
     step_dps = 0.5 * (smallest_step(rate_dps) or 0.0)
     own = SCATTERS / sqrt(size)
     is_quiet = scatters_dps <= max(QUIET, 1.0 + own / sqrt(2.0)) * floor_dps + step_dps
-    is_quiet &= ~blocks_of(is_cut, size).any(axis=1)
+    is_quiet &= ~blocks_of(is_break, size).any(axis=1)
     continues = is_quiet[1:] & is_quiet[:-1]
     continues &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
     ends = np.flatnonzero(np.diff(continues, prepend=False, append=False)).reshape(-1, 2).tolist()

@@ -7,7 +7,7 @@ from gyrodrift.arrays import Floats
 
 
 class RestSource(Enum):
-    """What tells that the device was stationary; the rate alone cannot tell rest from a constant spin."""
+    """Evidence of rest; the rate alone cannot distinguish rest from a constant spin."""
 
     ENCODER = "encoder"
     RATE = "rate"
@@ -15,9 +15,9 @@ class RestSource(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Gaps:
-    """Steps of device time of more than 1.5 periods: how many, the longest in s (0 without any).
+    """Steps of device time of more than 1.5 periods: their number, and the longest in s (0 for none).
 
-    `missing` samples are counted by `seq` where there is one, else by time.
+    `missing` samples are counted by `seq` if the session has it, else by time.
     """
 
     count: int
@@ -30,10 +30,10 @@ class HostClock:
     """The device clock against the host's.
 
     drift_ppm, drift_sd_ppm
-        How fast the device clock runs against the host's, parts per million, and the standard error of that; None
-        where the session is too short to say.
+        Rate of the device clock against the host clock, parts per million, and its standard error; None if the session
+        is too short.
     delay_p95_s
-        95 of 100 samples arrived within this time of the soonest possible, s.
+        95 % of the samples arrived within this time of the minimum delay, s.
     """
 
     drift_ppm: float | None
@@ -53,7 +53,7 @@ class Temperatures:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Measured rate, deg/s, over the finite ones."""
+    """Range and mean of the finite rates, deg/s."""
 
     min_dps: float
     max_dps: float
@@ -62,7 +62,7 @@ class Rates:
 
 @dataclass(frozen=True, slots=True)
 class Encoder:
-    """Reference angle, degrees; the smallest step seen is its resolution at best, None where it never moves."""
+    """Range of the reference angle, and its smallest step, deg; the step is None if it never moves."""
 
     min_deg: float
     max_deg: float
@@ -71,7 +71,7 @@ class Encoder:
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A time without motion: s after the first sample, mean rate (the bias there) and its scatter, deg/s."""
+    """A rest: start and end in s after the first sample, mean rate (the bias) and standard deviation in deg/s."""
 
     start_s: float
     end_s: float
@@ -81,14 +81,14 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Allan:
-    """Noise over one still stretch.
+    """Noise over one rest.
 
     taus_s, deviations_dps
         Overlapping Allan deviation, shape (k,), averaging times in octaves.
     angle_random_walk_deg_rts
-        N, deg/√s: the line of slope −1/2 at 1 s; None where there is no such slope.
+        N, deg/√s: the line of slope −1/2 at 1 s; None without this slope.
     bias_instability_dps, bias_instability_tau_s
-        B, deg/s: the minimum over 0.664, and where it lies; None where the stretch is too short to show one.
+        B, deg/s: the minimum over 0.664, and its averaging time, s; None if the rest is too short.
     """
 
     stretch: Stretch
@@ -101,18 +101,18 @@ class Allan:
 
 @dataclass(frozen=True, slots=True)
 class SessionDescription:
-    """What a session holds; None where it has no such column, or not enough of it.
+    """Description of a session; None for values that it does not have.
 
     duration_s
-        Device time that passed, s.
+        Elapsed device time, s.
     rate_hz, jitter_s
         Median sample rate, and robust standard deviation of the time steps.
     steps_not_forward, rates_not_finite
-        Samples that the filter passes by: time stands still, goes back or is no number; the rate is no number.
+        Samples that the filter skips: their time does not advance, or their rate is not finite.
     still_by, stretches
-        Where the device was stationary, in order of time, and what tells so.
+        Rests in order of time, and the evidence for them.
     allan
-        Over the longest stretch, if that has 30 s.
+        Noise over the longest rest, if it has 30 s.
     """
 
     samples: int

@@ -1,1 +1,1 @@
-"""A page for a person, whatever it tells of: one HTML file with its tables and figures."""
+"""Reports as one HTML file with tables and figures."""

@@ -1,4 +1,4 @@
-"""A page for a person: HTML in one file, with its style sheet and its one script, that asks the network for nothing."""
+"""Reports as HTML in one file: style sheet and scripts are inside, and nothing comes from the network."""
 
 import re
 from collections.abc import Sequence
@@ -11,10 +11,10 @@ SCRIPTS = {"data-curve=": Path(__file__).with_name("page.js"), 'class="chart"': 
 """Scripts, by the mark of the elements that need them."""
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-"""What a browser lets the page do: it holds all that it needs, and nothing is fetched."""
+"""Content security policy: the page has everything inside, and fetches nothing."""
 
 LISTED = 3
-"""From so many chapters on, they are listed at the top."""
+"""Least number of chapters that get a table of contents."""
 
 CHAPTER = re.compile(r'<section id="([^"]+)">\n<h2>(.*?)</h2>')
 HEADING = re.compile(r"<th[^>]*>(.*?)</th>", re.DOTALL)
@@ -24,16 +24,20 @@ NARROW = 4
 """Tables with more columns than this become lists on a narrow screen."""
 
 FORBIDDEN = ("Cc", "Cs", "Cn")
-"""Control characters, halves of characters, and what is no character."""
+"""Unicode categories: control characters, surrogates, and unassigned code points."""
 
 
 def text(value: str) -> str:
-    """Text as HTML; characters that no page may hold, such as escape codes in a name, are replaced."""
-    return escape("".join("\ufffd" if category(one) in FORBIDDEN and one not in "\n\t" else one for one in value))
+    """Escape text for HTML; forbidden characters, such as escape codes in a name, are replaced."""
+    return escape("".join(_allowed(letter) for letter in value))
+
+
+def _allowed(letter: str) -> str:
+    return "\ufffd" if category(letter) in FORBIDDEN and letter not in "\n\t" else letter
 
 
 def page(title: str, body: Sequence[str]) -> str:
-    """The file, of a title and the HTML of its parts: the head of the page, then its chapters, which are listed."""
+    """HTML of a whole page; `body` is its header and then its chapters."""
     style = STYLE_SHEET.read_text(encoding="utf-8")
     head, *chapters = body
     parts = "\n".join(part for part in (head, _contents(chapters), *chapters) if part)
@@ -63,22 +67,22 @@ def _scripts(parts: str) -> str:
 
 
 def _contents(chapters: Sequence[str]) -> str:
-    """The list of the chapters; nothing of a few."""
-    found = CHAPTER.findall("\n".join(chapters))
-    if len(found) < LISTED:
+    """Table of contents; empty for few chapters."""
+    chapter_headings = CHAPTER.findall("\n".join(chapters))
+    if len(chapter_headings) < LISTED:
         return ""
-    inside = "".join(f'<li><a href="#{name}">{heading}</a></li>' for name, heading in found)
+    inside = "".join(f'<li><a href="#{name}">{heading}</a></li>' for name, heading in chapter_headings)
     return f'<nav class="contents" aria-label="Contents"><ol>{inside}</ol></nav>'
 
 
 def header(kicker: str, headline: str, *parts: str) -> str:
-    """What a page opens with: a line above its headline, the headline, and HTML."""
+    """Header of a page: a small line, the headline, and HTML."""
     inside = "\n".join(parts)
     return f'<header>\n<p class="kicker">{text(kicker)}</p>\n<h1>{text(headline)}</h1>\n{inside}\n</header>'
 
 
 def section(heading: str, *parts: str) -> str:
-    """A chapter, to be linked to by its heading, of which no two of a page are the same."""
+    """A chapter; its heading is unique within the page, because links use it."""
     inside = "\n".join(part for part in parts if part)
     name = re.sub(r"[^a-z0-9]+", "-", heading.lower()).strip("-")
     return f'<section id="{name}">\n<h2>{text(heading)}</h2>\n{inside}\n</section>'
@@ -95,7 +99,7 @@ def span(html: str, kind: str) -> str:
 
 
 def warnings(heading: str, sentences: Sequence[str]) -> str:
-    """A box that cannot be overlooked; nothing where there is nothing to say."""
+    """A conspicuous box; empty without sentences."""
     if not sentences:
         return ""
     items = "".join(f"<li>{text(sentence)}</li>" for sentence in sentences)
@@ -103,26 +107,26 @@ def warnings(heading: str, sentences: Sequence[str]) -> str:
 
 
 def tiles(parts: Sequence[str]) -> str:
-    """Tiles side by side, as many in a row as there is room for."""
+    """Tiles side by side, as many per row as fit."""
     inside = "\n".join(parts)
     return f'<div class="tiles">\n{inside}\n</div>'
 
 
 def tile(heading: str, rows: Sequence[tuple[str, str]], large: int = 1) -> str:
-    """A few values under their names, which are HTML, the first ones large: one, or as many as are said."""
+    """A box with names and values, which are HTML; the first `large` values are large."""
     kinds = [*[' class="main"'] * large, *[""] * len(rows)]
     inside = "".join(f"<dt>{name}</dt><dd{kind}>{value}</dd>" for (name, value), kind in zip(rows, kinds, strict=False))
     return f'<div class="tile"><h3>{text(heading)}</h3><dl>{inside}</dl></div>'
 
 
 def columns(parts: Sequence[str]) -> str:
-    """Parts of words below each other, in two columns where there is room."""
+    """Parts below each other, in two columns if they fit."""
     inside = "\n".join(f"<div>{part}</div>" for part in parts)
     return f'<div class="columns">\n{inside}\n</div>'
 
 
 def facts(rows: Sequence[tuple[str, str]]) -> str:
-    """Names, and what is to be said of each, which is HTML."""
+    """A list of names with their descriptions, which are HTML."""
     inside = "\n".join(f"<dt>{name}</dt><dd>{words}</dd>" for name, words in rows)
     return f'<dl class="facts">\n{inside}\n</dl>'
 
@@ -134,15 +138,15 @@ def folded(heading: str, *parts: str) -> str:
 
 
 def command_line(command: str) -> str:
-    """A command to be copied; nothing where there is none."""
+    """A command to copy; empty without one."""
     return f"<pre><code>{text(command)}</code></pre>" if command else ""
 
 
 def table(caption: str, head: str, rows: Sequence[Sequence[str]], foot: Sequence[str] = (), words: int = 0) -> str:
-    """A table of cells, which are HTML, with its rows of headings; the first cell of a row names it.
+    """A table; cells are HTML, `head` has the rows of headings, and the first cell of a row is its name.
 
-    The last `words` columns hold words, all others numbers. On a narrow screen a table of many columns becomes a list
-    of its rows, each value under the heading of its column: those of the last row of headings.
+    The last `words` columns hold words, the other ones numbers. On a narrow screen a table with many columns becomes a
+    list of rows. Every value then has the heading of its column, from the last row of headings.
     """
     labels = [TAG.sub(" ", cell).strip() for cell in HEADING.findall(head.splitlines()[-1])]
     body = "\n".join(_row(row, words, labels) for row in rows)
@@ -155,17 +159,17 @@ def table(caption: str, head: str, rows: Sequence[Sequence[str]], foot: Sequence
 
 
 def headings(cells: Sequence[str], words: int = 0) -> str:
-    """A row of headings, the first one over names and the last `words` over words."""
+    """A row of headings; the first is above names, the last `words` are above words."""
     kinds = _kinds(len(cells), words)
     inside = "".join(f'<th scope="col"{kind}>{cell}</th>' for cell, kind in zip(cells, kinds, strict=True))
     return f"<tr>{inside}</tr>"
 
 
 def _row(cells: Sequence[str], words: int, labels: Sequence[str]) -> str:
-    first, *others = cells
+    first, *values = cells
     kinds, names = _kinds(len(cells), words)[1:], [*labels[1:], *[""] * len(cells)]
     inside = "".join(
-        f'<td{kind} data-label="{name}">{cell}</td>' for cell, kind, name in zip(others, kinds, names, strict=False)
+        f'<td{kind} data-label="{name}">{cell}</td>' for cell, kind, name in zip(values, kinds, names, strict=False)
     )
     return f'<tr><th scope="row">{first}</th>{inside}</tr>'
 
@@ -175,7 +179,7 @@ def _kinds(cells: int, words: int) -> list[str]:
 
 
 def figure(caption: str, inside: str, kind: str = "") -> str:
-    """A figure with its caption, which are HTML; with a class of the style sheet.
+    """A figure with its caption, both HTML; `kind` is a class of the style sheet.
 
     `compact` drawings fit any screen, `full` ones are as wide as the page.
     """
@@ -184,7 +188,7 @@ def figure(caption: str, inside: str, kind: str = "") -> str:
 
 
 def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:
-    """Small multiples side by side, as many in a row as there is room for."""
+    """Small charts side by side, as many per row as fit."""
     inside = "\n".join(
         f'<div class="panel"><div class="name">{caption}</div>\n{svg}</div>'
         for caption, svg in zip(captions, svgs, strict=True)
@@ -193,13 +197,13 @@ def panels(captions: Sequence[str], svgs: Sequence[str]) -> str:
 
 
 def legend(marks: Sequence[tuple[str, str, str]]) -> str:
-    """What the marks of a figure are: of each its colour and its shape, as classes of the style sheet, and its name."""
-    return " &#160; ".join(span(f"{span('', shape)} {name}", colour) for colour, shape, name in marks)
+    """Legend of a figure; each mark has a color and a shape, which are classes of the style sheet, and a text."""
+    return " &#160; ".join(span(f"{span('', shape)} {name}", color) for color, shape, name in marks)
 
 
 def switches(marks: Sequence[tuple[str, str, str, str]]) -> str:
-    """A legend whose names switch curves: of each the key of its curves (see `svg.switched`), and as in `legend`."""
+    """Legend whose entries switch curves; each mark begins with the key of its curves (see `svg.switched`)."""
     return " ".join(
-        f'<span class="switch {colour}" data-switch="{key}">{span("", shape)} {name}</span>'
-        for key, colour, shape, name in marks
+        f'<span class="switch {color}" data-switch="{key}">{span("", shape)} {name}</span>'
+        for key, color, shape, name in marks
     )

@@ -1,4 +1,4 @@
-"""Numbers as a person reads them: without exponents, with three digits, in a column with equally many decimals."""
+"""Numbers for readers: without exponents, with three digits; equally many decimals within a column."""
 
 from collections.abc import Sequence
 from math import floor, isfinite, log10
@@ -11,12 +11,12 @@ Numbers = Sequence[float]
 
 
 def mean(values: Numbers) -> float:
-    """NaN of nothing."""
+    """Mean; NaN without values."""
     return float(np.mean(values)) if len(values) else float("nan")
 
 
 def significant(value: float, digits: int) -> str:
-    """A number without an exponent, where it can be read so."""
+    """A number with so many significant digits, without an exponent if it is between 1e-7 and 1e9."""
     if not isfinite(value):
         return _no_number(value)
     if value != 0.0 and not 1e-7 <= abs(value) < 1e9:
@@ -30,7 +30,7 @@ def degrees(value: float) -> str:
 
 
 def even(values: Numbers) -> list[str]:
-    """Numbers of one column with equally many decimals: three digits at the column's middle."""
+    """Numbers of a column with equally many decimals, three digits at the median."""
     sizes = [abs(value) for value in values if isfinite(value) and value != 0.0]
     middle = float(np.median(sizes)) if sizes else 1.0
     if middle >= 1e9:
@@ -44,7 +44,7 @@ def _no_number(value: float) -> str:
 
 
 def factor_label(value: float) -> str:
-    """100 and 0.01 as they are, and 10⁶ where noughts would have to be counted."""
+    """Label of a logarithmic scale: 100 and 0.01 as they are, but 10⁶ instead of many zeros."""
     if value <= 0.0 or 1e-3 <= value < 1e4:
         return f"{value:g}"
     power = int(np.floor(np.log10(value) + 1e-9))

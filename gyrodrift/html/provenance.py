@@ -1,4 +1,4 @@
-"""Where a page comes from, as its last section: when, by which version and command, from which files."""
+"""Provenance of a page, its last section: date, version, command and files."""
 
 import platform
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from gyrodrift import __version__
 from gyrodrift.html.html import command_line, facts, headings, section, table, text
 
 NAMED = 3
-"""So many folders or files name a set; of more their folders do, or the first of them."""
+"""At most this many folders or files name a set; for more, their folders do, or the first of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,9 +18,9 @@ class UsedFile:
     """A file that a page was made from.
 
     sha256
-        Of its content, in hexadecimal digits; empty where it is not known.
+        Hash of its content in hexadecimal digits; empty if unknown.
     use
-        What for, in a word or two; empty where there is one use only.
+        Purpose in a word or two; empty if all files have the same.
     """
 
     name: str
@@ -30,20 +30,20 @@ class UsedFile:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a page comes from.
+    """Provenance of a page.
 
     set_name
-        What its sessions are called together; see `set_name`.
+        Common name of its sessions; see `set_name`.
     command
-        That made it, to be copied.
+        Command that wrote the page, to copy.
     date
-        When; see `date_now`.
+        Date and time; see `date_now`.
     sessions
-        That it was made from.
+        Sessions of the page.
     config
-        Which parameters were used, as words.
+        Parameters in words.
     config_text
-        The parameters themselves, as they stand in the file.
+        Parameters as the text of their file.
     """
 
     set_name: str = ""
@@ -55,12 +55,12 @@ class Provenance:
 
 
 def date_now() -> str:
-    """Date and time of day, by UTC."""
+    """Date and time of day, UTC."""
     return f"{datetime.now(UTC):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def set_name(paths: Sequence[Path]) -> str:
-    """What sessions are called together, by the paths that a command was given: folders, and files without suffix."""
+    """Common name of sessions, from the paths given to a command: folders, and files without suffix."""
     names = list(dict.fromkeys(_name(path) for path in paths))
     if len(names) > NAMED:
         names = list(dict.fromkeys(_name(path if path.is_dir() else path.parent) for path in paths))
@@ -70,12 +70,12 @@ def set_name(paths: Sequence[Path]) -> str:
 
 
 def _name(path: Path) -> str:
-    whole = path.resolve()
-    return whole.name if path.is_dir() else whole.stem
+    resolved = path.resolve()
+    return resolved.name if path.is_dir() else resolved.stem
 
 
 def provenance(made: Provenance) -> str:
-    """The section."""
+    """HTML of the section."""
     rows = [
         ("Date", text(made.date)),
         ("Version", f"gyrodrift {text(__version__)}, Python {platform.python_version()}, {text(platform.machine())}"),
@@ -83,23 +83,24 @@ def provenance(made: Provenance) -> str:
         ("Config", text(made.config)),
         ("Command", command_line(made.command)),
     ]
-    known = [(name, words) for name, words in rows if words]
-    return section("Provenance", facts(known), command_line(made.config_text), _files(made.sessions))
+    filled = [(name, words) for name, words in rows if words]
+    return section("Provenance", facts(filled), command_line(made.config_text), _files(made.sessions))
 
 
 def _counted(made: Provenance) -> str:
     count = len(made.sessions)
-    said = f"{count} session{'s' * (count != 1)}" if count else ""
-    return f"{made.set_name} ({said})" if made.set_name and said else made.set_name or said
+    words = f"{count} session{'s' * (count != 1)}" if count else ""
+    return f"{made.set_name} ({words})" if made.set_name and words else made.set_name or words
 
 
 def _files(files: Sequence[UsedFile]) -> str:
-    """The table of what it was made from, with hashes where there are any; nothing of nothing."""
+    """Table of the files with their hashes, if known; empty without files."""
     if not files:
         return ""
-    has_use, has_hash = any(one.use for one in files), any(one.sha256 for one in files)
+    has_use, has_hash = any(file.use for file in files), any(file.sha256 for file in files)
     head = ["session", *["used for"] * has_use, *["SHA-256"] * has_hash]
     rows = [
-        [text(one.name), *[text(one.use)] * has_use, *[f"<code>{text(one.sha256)}</code>"] * has_hash] for one in files
+        [text(file.name), *[text(file.use)] * has_use, *[f"<code>{text(file.sha256)}</code>"] * has_hash]
+        for file in files
     ]
     return table("The sessions.", headings(head, words=len(head) - 1), rows, words=len(head) - 1)

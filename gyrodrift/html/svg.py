@@ -1,4 +1,4 @@
-"""Figures as inline SVG, in colours that the page around them sets; matplotlib comes with `[lab]`."""
+"""Figures as inline SVG, with the colors of the page; matplotlib comes with `[lab]`."""
 
 import json
 import re
@@ -34,7 +34,7 @@ ROLES = {
     FIVE: "five",
     SIX: "six",
 }
-"""Each colour stands for a variable of the page's style sheet, so that figures follow light, dark and paper."""
+"""Every color stands for a variable of the style sheet, so that figures follow light, dark and paper."""
 
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
@@ -62,43 +62,43 @@ STYLE: dict[Any, Any] = {
 }
 
 UNDATED = {"Date": None, "Creator": None, "Format": None, "Type": None}
-"""The same figure gives the same bytes."""
+"""Without dates, the same figure gives the same bytes."""
 
 LINE_POINTS = 600
-"""Two or three to a pixel of a small panel."""
+"""Points of a curve: two or three per pixel of a small panel."""
 
 STEPS = (1, 2, 5, 10)
-"""Between marks of a scale that is not logarithmic, times a power of ten."""
+"""Steps between ticks of a linear scale, times a power of ten."""
 
 
 CURVE, LINE = "curve.", "line."
-"""What the ids of switched curves and of other lines begin with; keys are of letters, figures, _ and -."""
+"""Prefixes of the ids of switched curves and of other lines; keys consist of letters, digits, _ and -."""
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Our style, whatever matplotlib is set to here; afterwards that again."""
+    """Use the style of the pages, and restore the settings of matplotlib afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(STYLE)
         yield
 
 
-def canvas(wide_in: float, high_in: float, left: float, bottom: float, top: float, right: float = 0.99) -> Figure:
-    """An empty figure with these margins, the same in all of a kind, so that panels side by side stand level."""
+def canvas(wide_in: float, high_in: float, *, inset: float, bottom: float, top: float, right: float = 0.99) -> Figure:
+    """An empty figure; `inset` (left), bottom, top and right are the edges of its axes as shares of its size."""
     figure = Figure(figsize=(wide_in, high_in), facecolor="none")
-    figure.subplots_adjust(left=left, right=right, bottom=bottom, top=top, hspace=0.14)
+    figure.subplots_adjust(left=inset, right=right, bottom=bottom, top=top, hspace=0.14)
     return figure
 
 
 def label_steps(scale: Scale, labels: int) -> None:
-    """Plain steps, at most about that many."""
+    """Label a scale in plain steps, at most about `labels` of them."""
     scale.set_major_locator(MaxNLocator(labels, steps=STEPS))
     scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
 
 
 def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
-    """Decades, as many as there is room for; plain steps where there is less than one and a half."""
+    """Label a logarithmic scale by decades, or in plain steps if it spans less than one and a half."""
     if high < 30.0 * low:
         scale.set_major_locator(MaxNLocator(labels, steps=STEPS))
     else:
@@ -108,24 +108,24 @@ def label_factors(scale: Scale, low: float, high: float, labels: int) -> None:
 
 
 def switched(curve: Artist, key: str) -> None:
-    """Let the names with this key (see `html.switches`) switch a curve, and make its panel one to zoom into."""
+    """Let legend entries with this key (see `html.switches`) switch a curve; its panel can be zoomed."""
     curve.set_gid(f"{CURVE}{key}")
 
 
 def follows(line: Artist) -> None:
-    """Let a line that is no curve, such as that at 0, follow where its panel is zoomed into."""
+    """Let a line that is no curve, such as the zero line, follow the zoom of its panel."""
     line.set_gid(f"{LINE}0")
 
 
 class Polyline(NamedTuple):
-    """What is drawn of a curve, shape (m,)."""
+    """Drawn points of a curve, shape (m,)."""
 
     x: Floats
     y: Floats
 
 
 def thinned(x: Floats, y: Floats) -> Polyline:
-    """At most about `LINE_POINTS` points; of each stretch the lowest and the highest, so that peaks stay."""
+    """Reduce a curve to about `LINE_POINTS` points: the lowest and the highest of each part, so that peaks stay."""
     y = np.where(np.isfinite(y), y, np.nan)
     pieces = np.array_split(np.arange(len(y)), LINE_POINTS // 2)
     if len(y) <= LINE_POINTS:
@@ -136,7 +136,7 @@ def thinned(x: Floats, y: Floats) -> Polyline:
 
 
 def _extremes(y: Floats) -> Iterable[int]:
-    """Where the lowest and the highest values stand; the middle of what has none."""
+    """Indices of the lowest and the highest value; the middle if none is finite."""
     if not np.isfinite(y).any():
         return (len(y) // 2,)
     return (int(np.nanargmin(y)), int(np.nanargmax(y)))
@@ -151,22 +151,22 @@ def as_svg(figure: Figure, name: str, says: str) -> str:
     Parameters
     ----------
     figure
-        Drawn in the colours above.
+        Drawn in the colors above.
     name
-        That no other figure of the page has: ids are made from it, and no two elements of a page may share one.
+        Unique within the page, because ids are made from it.
     says
-        For who cannot see it.
+        Description for screen readers.
     """
     svg = _named(_armed(_saved(figure, name), figure))
     svg = re.sub(r'(?<= d=")[^"]+', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), svg)  # 0.01 pt
     svg = re.sub(r"\s*\n\s*", "\n", svg)
-    for colour, role in ROLES.items():
-        svg = svg.replace(colour, f"var(--{role})")
+    for color, role in ROLES.items():
+        svg = svg.replace(color, f"var(--{role})")
     return svg.replace("<svg", f'<svg role="img" aria-label="{says}" class="chart"', 1).strip()
 
 
 def _saved(figure: Figure, name: str) -> str:
-    """The element alone, without comments, dates, and a style that would hold for all of the page."""
+    """The element alone, without comments, dates, and a style that would apply to the whole page."""
     mpl.rcParams["svg.hashsalt"] = name
     file = StringIO()
     figure.savefig(file, format="svg", metadata=UNDATED)
@@ -176,13 +176,13 @@ def _saved(figure: Figure, name: str) -> str:
 
 
 def _named(svg: str) -> str:
-    """Only with ids that are referred to: the others are the same in every figure."""
+    """Remove ids that nothing refers to, because they are the same in every figure."""
     called = set(re.findall(r"#([\w-]+)[\")]", svg))
-    return re.sub(r' id="([\w.-]+)"', lambda found: found[0] if found[1] in called else "", svg)
+    return re.sub(r' id="([\w.-]+)"', lambda match: match[0] if match[1] in called else "", svg)
 
 
 def _armed(svg: str, figure: Figure) -> str:
-    """With what the page's script needs to know of panels that have curves to be switched."""
+    """Add the attributes that the script of the page needs: scales, axes, ticks and curves."""
     wide_pt, high_pt = (72.0 * float(inches) for inches in figure.get_size_inches())
     for number, axes in enumerate(figure.axes, 1):
         if any((line.get_gid() or "").startswith(CURVE) for line in axes.lines):
@@ -197,9 +197,9 @@ def _armed(svg: str, figure: Figure) -> str:
 
 
 def _scales(axes: Axes, wide_pt: float, high_pt: float) -> dict[str, Any]:
-    """Where a panel lies, in the units of the drawing: left, top, right, bottom; and its two scales."""
-    place = axes.get_position()
-    box = (place.x0 * wide_pt, high_pt * (1.0 - place.y1), place.x1 * wide_pt, high_pt * (1.0 - place.y0))
+    """Edges of a panel in units of the drawing (left, top, right, bottom), and its two scales."""
+    edges = axes.get_position()
+    box = (edges.x0 * wide_pt, high_pt * (1.0 - edges.y1), edges.x1 * wide_pt, high_pt * (1.0 - edges.y0))
     return {
         "box": [round(edge_pt, 3) for edge_pt in box],
         "x": _scale(axes.get_xscale(), axes.get_xlim()),

@@ -1,1 +1,1 @@
-"""Recording: samples, link events and raw bytes into files that survive a kill, without ever waiting for a disk."""
+"""Recording of samples, link events and raw bytes into files that survive a kill, without waiting for the disk."""

@@ -1,4 +1,4 @@
-"""A file written and synced by a thread of its own: a slow disk never keeps the reader of a serial port waiting."""
+"""A file with its own writer thread: a slow disk never delays the thread that reads the serial port."""
 
 import os
 import shutil
@@ -14,18 +14,18 @@ from gyrodrift.errors import DataError
 from gyrodrift.system import lock_file, sync_folder
 
 SYNC_S = 3.0
-"""At least this often the file is on the disk itself and not only in the system's memory."""
+"""Longest time from one fsync to the next, s."""
 
 LOOK_S = 0.5
-"""How often the thread looks whether the file is still there, and how much the disk has left, s."""
+"""Time between two checks of the file and of the free space, s."""
 
 MOST_WAITING_BYTES = 64 << 20
 
 HANGS_S = 5.0
-"""A disk that has taken nothing for so long is not waited for when everything ends."""
+"""At the end a disk that has written nothing for this long is not waited for, s."""
 
 JOIN_S = 0.1
-"""How often one who waits for the disk looks whether it takes something."""
+"""Time between two checks while waiting for the disk, s."""
 
 
 class RecordingError(DataError):
@@ -33,23 +33,23 @@ class RecordingError(DataError):
 
 
 class ChangedFileError(RecordingError):
-    """Another program removed, replaced or truncated the file; the disk itself is well."""
+    """Another program removed, replaced or truncated the file; the disk works."""
 
 
 class DiskFile:
-    """A new file; what is written to it is handed to the system at once and synced every few seconds.
+    """A new file; bytes go to the system at once and are synced every few seconds.
 
-    `mode` says who may read it beside the umask. `other_path` gives another free path where somebody else has just
-    taken `path`. `left_bytes` is what the disk has left for this user, as of the last look; None where the folder is
-    gone, or before the first look. Nobody but the thread asks a disk that may hang, not even for the file itself.
+    `mode` limits who may read it, besides the umask. `other_path` gives another free path if another program has just
+    taken `path`. `left_bytes` is the free space for this user at the last check, None before the first check or if the
+    folder is gone. Only the thread touches the disk, because a disk may hang.
 
-    A file into which not a byte could be written is taken away again: a full disk is tried again and again.
+    A file without a byte in it is removed again: a full disk would collect empty files.
 
     Raises
     ------
     RecordingError
-        From `write`, `check` and `join`, where the disk is full or gone, too slow, or another program has removed,
-        replaced or changed the file.
+        From `write`, `check` and `join`: the disk is full, gone or too slow, or another program has removed, replaced
+        or changed the file.
     """
 
     def __init__(self, path: Path, other_path: Callable[[], Path], mode: int = 0o666) -> None:
@@ -58,7 +58,7 @@ class DiskFile:
         self.failure: RecordingError | None = None
         self.left_bytes: int | None = None
         self._other_path = other_path
-        self._mode = mode | 0o600  # whoever records may repair it
+        self._mode = mode | 0o600  # the user who records may repair it
         self._queue: SimpleQueue[bytes | None] = SimpleQueue()
         self._handed_over = self._written = 0
         self._looked_s = self._synced_s = time.monotonic()
@@ -68,16 +68,16 @@ class DiskFile:
 
     @property
     def is_taking(self) -> bool:
-        """Whether something has been written."""
+        """Whether any byte is written."""
         return self._written > 0
 
     @property
     def waiting_bytes(self) -> int:
-        """Handed over and not yet written."""
+        """Bytes that are not written yet."""
         return self._handed_over - self._written
 
     def write(self, content: bytes) -> None:
-        """Hand over bytes; this never waits."""
+        """Queue bytes for writing without waiting."""
         self.check()
         if self.waiting_bytes > MOST_WAITING_BYTES:
             raise RecordingError(f"{self.path}: recording stopped: the disk is too slow for this stream")
@@ -85,12 +85,12 @@ class DiskFile:
         self._queue.put(content)
 
     def check(self) -> None:
-        """Learn of a failure where nothing is there to be written."""
+        """Raise the failure of the thread, if it has failed."""
         if self.failure is not None:
             raise self.failure
 
     def finish(self) -> None:
-        """No more will come; everything is written, synced and closed in its own time."""
+        """Let the thread write, sync and close the file without waiting for it."""
         self._queue.put(None)
 
     @property
@@ -99,7 +99,7 @@ class DiskFile:
         return not self._thread.is_alive()
 
     def join(self, patience_s: float | None = None) -> None:
-        """Wait until everything is on the disk, for as long as it takes anything; HANGS_S where it takes nothing."""
+        """Wait until everything is on the disk; give up after `patience_s` (HANGS_S) without a byte written."""
         patience_s = HANGS_S if patience_s is None else patience_s
         written, since_s = self._written, time.monotonic()
         while self._thread.is_alive() and time.monotonic() - since_s < patience_s:
@@ -117,12 +117,12 @@ class DiskFile:
                 while self._take():
                     pass
         except OSError as error:
-            kept = f"; {self._written} bytes of it are written and stay readable" if self._written else ""
-            kept += f", {self.waiting_bytes} behind them are lost" if self._written and self.waiting_bytes else ""
+            outcome = f"; the {self._written} bytes written stay readable" if self._written else ""
+            outcome += f", {self.waiting_bytes} bytes are lost" if self._written and self.waiting_bytes else ""
             if not self._written and self.is_there:
                 with suppress(OSError):
                     self.path.unlink()
-            self.failure = RecordingError(f"{self.path}: recording stopped: {error.strerror}{kept}")
+            self.failure = RecordingError(f"{self.path}: recording stopped: {error.strerror}{outcome}")
         except RecordingError as error:
             self.failure = error
 
@@ -134,19 +134,19 @@ class DiskFile:
             except FileExistsError:
                 self.path = self._other_path()
                 continue
-            lock_file(file, wait=True)  # who looks for interrupted files holds it for a moment
+            lock_file(file, wait=True)  # a search for interrupted files holds the lock for a moment
             self.left_bytes, self.is_there = disk_left_bytes(self.path.parent), True
             return file
 
     def _open(self, name: str, flags: int) -> int:
-        """Open a new file that nobody may read who may not; the umask takes away more.
+        """Open a new file with `mode`, less the umask, for appending.
 
-        Each write goes to its end, so that a file that another program truncates has no hole that hides it.
+        With appending, a file that another program truncates gets no hole that would hide the truncation.
         """
         return os.open(name, flags | os.O_APPEND, self._mode)
 
     def _take(self) -> bool:
-        """Write one piece if there is one; False when it was the last."""
+        """Write the next piece if there is one; False after the last."""
         try:
             content = self._queue.get(timeout=LOOK_S)
         except Empty:
@@ -171,38 +171,38 @@ class DiskFile:
         self._is_dirty = True
 
     def _look(self) -> None:
-        """See that the file still has a name, and the bytes that were written and no others."""
+        """Check that the file still has a name, and exactly the bytes that were written."""
         status = os.fstat(self._file.fileno())
         if status.st_nlink == 0:
             self._save_again()
         why = f"{self.path}: recording stopped: another program has"
         if status.st_size < self._written:
             lost = self._written - status.st_size
-            raise ChangedFileError(f"{why} truncated it while it was being written: {lost} bytes of it are lost")
+            raise ChangedFileError(f"{why} truncated it while it was being written: {lost} bytes are lost")
         if status.st_size > self._written:
-            raise ChangedFileError(f"{why} written to it, too; gyrodrift info tells what of it is whole")
+            raise ChangedFileError(f"{why} written to it, too; gyrodrift info says which samples are whole")
 
     def _save_again(self) -> None:
-        """The file was removed while it is open: its bytes are still here, and are put back."""
+        """Restore a file that was removed while open: its bytes can still be read."""
         before, why = self.path, f"{self.path}: recording stopped: the file was removed while it was being written"
         while not self._queue.empty():
             self._write(self._queue.get() or b"")
         try:
             try:
                 self._put_back()
-            except OSError:  # the folder went away meanwhile: removing a tree takes a moment
+            except OSError:  # the folder disappeared meanwhile: removing a tree takes a moment
                 self._put_back()
         except OSError as error:
-            raise RecordingError(f"{why}, and could not be put back: {error.strerror}") from error
+            raise RecordingError(f"{why}, and could not be restored: {error.strerror}") from error
         size = os.fstat(self._file.fileno()).st_size
         if size < self._written:
-            raise ChangedFileError(f"{why}; it was truncated before: {self._written - size} bytes of it are lost")
+            raise ChangedFileError(f"{why}; it was truncated before: {self._written - size} bytes are lost")
         where = "" if self.path == before else f" as {self.path}"
-        raise ChangedFileError(f"{why}; it was put back{where} with all that was recorded")
+        raise ChangedFileError(f"{why}; it was restored{where} with everything that was recorded")
 
     def _put_back(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        if os.path.lexists(self.path):  # another program has put a file in its place
+        if os.path.lexists(self.path):  # another program has created a file with its name
             self.path = self._other_path()
         with open(self.path, "xb", opener=self._open) as copy:
             self._file.seek(0)
@@ -212,7 +212,7 @@ class DiskFile:
 
 
 def disk_left_bytes(folder: Path) -> int | None:
-    """What the disk has left for this user; None where the folder is gone."""
+    """Free space for this user, bytes; None if the folder is gone."""
     try:
         return shutil.disk_usage(folder).free
     except OSError:

@@ -1,4 +1,4 @@
-"""Ending a recording by itself after some seconds of device time."""
+"""End of a recording after some seconds of device time."""
 
 import time
 from collections.abc import Callable
@@ -8,17 +8,17 @@ from gyrodrift.recording.recorder import Recorder
 from gyrodrift.sample import Sample
 
 GRACE_S = 1.0
-"""A device that falls silent before its time is over does not keep a recording open for longer than this."""
+"""A device that falls silent keeps a recording open no longer than this, s."""
 
 
 class Stop(Protocol):
-    """What ends the loop."""
+    """Flag that ends the loop."""
 
     is_set: bool
 
 
 class Duration:
-    """A recorder that is handed the samples of the first `seconds` from the first one on, then asks to stop."""
+    """Passes the samples of the first `seconds` to a recorder, then sets the stop flag."""
 
     def __init__(
         self, recorder: Recorder, seconds: float, stop: Stop, monotonic: Callable[[], float] = time.monotonic
@@ -34,7 +34,7 @@ class Duration:
         self._first_host_s = self._last_host_s = 0.0
 
     def take(self, samples: list[Sample]) -> None:
-        """Record what lies inside the time."""
+        """Record the samples within the duration."""
         if not samples or self._is_over:
             return
         self._last_host_s = self._monotonic()
@@ -47,7 +47,7 @@ class Duration:
             self._end()
 
     def tick(self, now_s: float) -> None:
-        """Look at the clock of the host too, for devices that fell silent."""
+        """End by the host clock if the device is silent."""
         self._recorder.tick(now_s)
         if self._first_s is None or now_s - self._last_host_s < GRACE_S:
             return
@@ -55,5 +55,5 @@ class Duration:
             self._end()
 
     def _end(self) -> None:
-        """Never set back: a signal sets the same, and what came with it is still recorded."""
+        """Set the flag and never reset it: a signal sets it too, and the samples of that moment are still recorded."""
         self._is_over = self._stop.is_set = True

@@ -1,4 +1,4 @@
-"""One line on the terminal that says how a recording goes."""
+"""Status line of a recording on the terminal."""
 
 import io
 import os
@@ -15,7 +15,7 @@ CLEAR = "\r\x1b[K"
 
 
 class LiveLine:
-    """Time, yaw, rate, gaps, damaged frames, size, and for how long the disk will do; rewritten with every tick."""
+    """Time, yaw, sample rate, gaps, damaged frames, size and free space; rewritten with every tick."""
 
     def __init__(self, link: Link, recorder: Recorder, yaw: LiveYaw, stream: TextIO = sys.stderr) -> None:
         self._link = link
@@ -26,18 +26,18 @@ class LiveLine:
         self._marks: list[tuple[float, int, int]] = []
 
     def take(self, samples: list[Sample]) -> None:
-        """For yaw; of all else the counters tell."""
+        """Filter samples for yaw; the rest comes from counters."""
         self._yaw.take(samples, self._link)
 
     def tick(self, now_s: float) -> None:
-        """Write the line anew."""
+        """Rewrite the line."""
         self._marks = [*self._marks[-8:], (now_s, self._recorder.samples, self._recorder.size_bytes)]
         if self._recorder.samples and self._first_s is None:
             self._first_s = now_s
         self._show(self.text(now_s))
 
     def text(self, now_s: float) -> str:
-        """What the line says."""
+        """Text of the line."""
         if self._first_s is None:
             return f"waiting for samples on {self._link.name}"
         (then_s, samples, size), (_, samples_now, size_now) = self._marks[0], self._marks[-1]
@@ -56,22 +56,22 @@ class LiveLine:
         return "   ".join(parts)
 
     def stats(self) -> dict[str, Any]:
-        """Nothing of its own."""
+        """No fields for the log."""
         return {}
 
     def close(self) -> None:
-        """Leave the terminal as it was."""
+        """Clear the line."""
         self._show("")
 
     def _show(self, text: str) -> None:
-        """As much as fits: a line that wraps is not cleared."""
-        with suppress(OSError):  # a terminal that is gone does not end a recording
+        """Show as much as fits, because a line that wraps cannot be cleared."""
+        with suppress(OSError):  # a closed terminal does not end a recording
             self._stream.write(CLEAR + text[: _columns(self._stream)])
             self._stream.flush()
 
 
 def _columns(stream: TextIO) -> int | None:
-    """How much a line of the terminal takes without wrapping; None where it does not say."""
+    """Width of the terminal without wrapping; None if unknown."""
     try:
         columns = os.get_terminal_size(stream.fileno()).columns
     except OSError:
@@ -85,29 +85,29 @@ def _clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{seconds:02d}"
 
 
-def _disk(left: int | None, bytes_per_s: float) -> str:
-    if left is None:
+def _disk(left_bytes: int | None, bytes_per_s: float) -> str:
+    if left_bytes is None:
         return "disk gone"
-    text = f"{left / 1e9:.1f} GB left"
+    text = f"{left_bytes / 1e9:.1f} GB left"
     if bytes_per_s <= 0.0:
         return text
-    hours = left / bytes_per_s / 3600.0
+    hours = left_bytes / bytes_per_s / 3600.0
     return f"{text} for {hours:.0f} h" if hours < 72 else f"{text} for {hours / 24:.0f} days"
 
 
 class AboveLine(io.TextIOBase):
-    """A stream for the log that makes room for itself where the live line stands."""
+    """A stream for the log that first clears the live line."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write over the live line; it comes back with the next tick."""
-        with suppress(OSError):  # likewise
+        """Write in place of the live line, which the next tick shows again."""
+        with suppress(OSError):  # as above
             self._stream.write(text if text == "\n" else CLEAR + text)
         return len(text)
 
     def flush(self) -> None:
-        """Hand on what has been written."""
+        """Flush the terminal."""
         with suppress(OSError):
             self._stream.flush()

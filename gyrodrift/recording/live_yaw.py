@@ -1,4 +1,4 @@
-"""Yaw of what is being recorded, for the person who looks on; the file has the samples as they came."""
+"""Yaw for the live line of a recording; the file has the samples as measured."""
 
 from gyrodrift.calibration import NO_CALIBRATION, Calibration, of_this_device
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
@@ -7,7 +7,7 @@ from gyrodrift.sample import Sample
 
 
 class LiveYaw:
-    """Runs a filter over the samples, put right by a calibration where that is one of their device."""
+    """Runs a filter over the samples, after the calibration if it belongs to their device."""
 
     def __init__(self, chosen: Filter, params: FilterParams, calibration: Calibration | None = None) -> None:
         self._calibration = calibration
@@ -17,9 +17,9 @@ class LiveYaw:
     def take(self, samples: list[Sample], link: Link) -> None:
         """Filter samples of a link."""
         step, coefficients, state = self._step, self._coefficients, self._state
-        right = self._applied_to(link)
+        calibration = self._applied_to(link)
         for sample in samples:
-            rate_dps = right.rate_dps(sample.rate_dps, sample.temp_c)
+            rate_dps = calibration.rate_dps(sample.rate_dps, sample.temp_c)
             step(coefficients, state, sample.t_device_s, rate_dps, sample.still, sample.temp_c)
 
     def _applied_to(self, link: Link) -> Calibration:
@@ -27,5 +27,5 @@ class LiveYaw:
 
     @property
     def text(self) -> str:
-        """What the live line says of it."""
+        """Yaw as the live line shows it."""
         return f"yaw {round(self._state.yaw_deg, 1) + 0.0:+.1f} deg"  # no −0.0

@@ -1,4 +1,4 @@
-"""Names of recordings: when, which device, which motion, as far as known."""
+"""Names of recordings: date, device and profile."""
 
 import os
 import re
@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 
 LONGEST_WORD = 80
-"""Characters of a word; file systems take names of 255 bytes."""
+"""Characters of a word; names of files have at most 255 bytes."""
 
 
 def recording_path(
@@ -15,7 +15,7 @@ def recording_path(
 ) -> Path:
     """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC.
 
-    Those in `taken` are as good as there.
+    Paths in `taken` count as existing.
     """
     words = [f"{begun:%Y-%m-%dT%H-%M-%SZ}", _plain(device), _plain(profile)]
     stem = "_".join(word for word in words if word)
@@ -27,5 +27,5 @@ def recording_path(
 
 
 def _plain(text: str) -> str:
-    """What any file system takes, the beginning of what is longer."""
+    """Text as a part of a file name for any file system, shortened."""
     return re.sub(r"[^A-Za-z0-9.-]+", "-", text)[:LONGEST_WORD].strip("-.")

@@ -1,6 +1,6 @@
-"""What writes a recording while it happens: samples, raw bytes and link events, one file after the other.
+"""Write a recording as it happens: samples, raw bytes and link events, one file after another.
 
-Everything here runs in the thread that reads the port and never waits; a `DiskFile` does the waiting.
+Everything here runs in the thread that reads the port and never waits; only a `DiskFile` waits.
 """
 
 import platform
@@ -24,26 +24,26 @@ from gyrodrift.secret import without_secrets
 from gyrodrift.session.mcap.write import McapWriter
 
 NAMELESS_S = 2.0
-"""How long raw bytes wait for samples, and with them for the name of the device, before a file is begun without."""
+"""Raw bytes wait this long for the first sample, which brings the name of the device; then a file begins without it."""
 
 MOST_EVENTS = 1000
-"""That are kept, the last of them, while no file has begun."""
+"""Events kept before the first file begins, the latest ones."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordOptions:
-    """What a person says of a recording.
+    """Options of a recording.
 
     rotate_bytes, rotate_s
-        Begin a new file at this size or after this time; None for never.
+        Size or time after which a new file begins; None for never.
     keeps_raw
-        Whether the bytes of the link are kept beside the samples.
+        Whether the raw bytes of the link are recorded too.
     about
-        More named tables for the metadata of each file: the config of a service, as it is at first.
+        Further tables for the metadata of each file: the config of the service at the start.
     beginning
-        Others that are asked for when a file begins: what its filter knows then.
+        Gives further tables when a file begins: the state of the filter at that moment.
     mode
-        Who may read a file at most; the umask takes away more.
+        Permissions of a file, less the umask.
     """
 
     folder: Path
@@ -58,16 +58,15 @@ class RecordOptions:
 
 
 class Recorder:
-    """Records a link into a folder; `gyrodrift.files.check_writable` says before whether that can be.
+    """Records a link into a folder; check the folder before with `gyrodrift.files.check_writable`.
 
-    `unflushed` counts the samples that no file has yet.
-
-    A file begins with the first sample, so that it can carry the name of the device.
+    `unflushed` counts the samples that are in no file yet. A file begins with the first sample, because its name has
+    the name of the device.
 
     Raises
     ------
     RecordingError
-        From everything but the constructor, where the recording cannot go on.
+        From every method: the recording cannot go on.
     """
 
     def __init__(self, options: RecordOptions, link: Link, monotonic: Callable[[], float] = time.monotonic) -> None:
@@ -92,28 +91,28 @@ class Recorder:
 
     @property
     def paths(self) -> list[Path]:
-        """The files so far, in the order of time."""
+        """Files so far, in order of time."""
         current = [] if self._disk is None else [self._disk]
         return self._ended_paths + [disk.path for disk in self._finishing + current]
 
     @property
     def is_writing(self) -> bool:
-        """Whether a file is there and takes what comes."""
+        """Whether a file exists and bytes are written to it."""
         return self._disk is not None and self._disk.is_taking
 
     @property
     def is_over(self) -> bool:
-        """Whether no file is left that a disk has yet to take."""
+        """Whether all files are on the disk."""
         return self._disk is None and all(disk.is_finished for disk in self._finishing)
 
     @property
     def size_bytes(self) -> int:
-        """How much has been written, all files together."""
+        """Size of all files together."""
         return self._finished_bytes + (self._writer.size if self._writer else 0)
 
     @property
     def left_bytes(self) -> int | None:
-        """What the disk has left, as of the last file's last look; None where the folder is gone."""
+        """Free space at the last check, bytes; None if the folder is gone."""
         if self._disk is not None and self._disk.is_there:
             self._left_bytes = self._disk.left_bytes
         return self._left_bytes
@@ -134,7 +133,7 @@ class Recorder:
             self._writer.add_read(content, t_host_s)
 
     def on_event(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Record something that happened; where the host's clock was set, the next sample begins another file."""
+        """Record a link event; after the host clock was set, the next sample begins a new file."""
         t_host_s = self._link.unix_s()
         if self._writer is None:
             self._events.append((event, t_host_s, dict(fields)))
@@ -144,14 +143,14 @@ class Recorder:
             self._end()
 
     def set_about(self, about: Mapping[str, dict[str, str]], mode: int) -> None:
-        """Other tables for this file and those that follow, and another mode for those: the config has changed."""
+        """Change the tables of this and later files, and the permissions of later files, after a new config."""
         self._about_tables, self._mode = about, mode
         if self._writer is not None:
             for name, table in about.items():
                 self._writer.add_metadata(name, table)
 
     def tick(self, _now_s: float) -> None:
-        """What is due a few times a second: hand over what has come, begin a new file."""
+        """Flush the file, and begin a new one if it is full; call this a few times a second."""
         while self._finishing and _is_over(self._finishing[0]):
             self._ended_paths.append(self._finishing.pop(0).path)
         if self._writer is None:
@@ -167,9 +166,9 @@ class Recorder:
             self._end()
 
     def stats(self) -> dict[str, Any]:
-        """For the log."""
-        left = self.left_bytes
-        left_mb = None if left is None else round(left / 1e6)
+        """Fields for the log."""
+        left_bytes = self.left_bytes
+        left_mb = None if left_bytes is None else round(left_bytes / 1e6)
         return {"recorded": self.samples, "recorded_bytes": self.size_bytes, "disk_left_mb": left_mb}
 
     def close(self) -> None:
@@ -183,18 +182,18 @@ class Recorder:
             self._join_all()
 
     def abandon(self) -> None:
-        """Let go of the file as it is."""
+        """Stop recording; the file stays as it is."""
         self._link.tap = None
         if self._disk is not None:
-            self._let_go(self._disk)
+            self._release(self._disk)
 
-    def _let_go(self, disk: DiskFile) -> None:
+    def _release(self, disk: DiskFile) -> None:
         disk.finish()
         self._finishing.append(disk)
         self._disk = self._writer = None
 
     def _join_all(self) -> None:
-        """Wait for each file, whatever became of the others; a disk that hangs is waited for once."""
+        """Wait for every file, also after a failure; a disk that hangs is waited for only once."""
         failures = []
         hung: list[DiskFile] = []
         for disk in self._finishing:
@@ -205,17 +204,17 @@ class Recorder:
                 hung += [] if disk.is_finished else [disk]
         if len(hung) > 1:
             lost = sum(disk.waiting_bytes for disk in hung)
-            place = self.options.folder
-            raise RecordingError(f"{place}: the disk hangs: {lost} bytes of {len(hung)} files are not written")
+            folder = self.options.folder
+            raise RecordingError(f"{folder}: the disk hangs: {lost} bytes of {len(hung)} files are not written")
         if failures:
             raise failures[0]
 
     def _begun(self) -> McapWriter:
-        """The file that is being written; a new one where there is none."""
+        """The open file; a new one if none is open."""
         if self._writer is not None:
             return self._writer
         device = self._device = self._link.decoder.device if self._link.decoder else DeviceDescription()
-        about = self._about()  # what it continues is the file before
+        about = self._about()  # before the new file, because `continues` names the previous one
         self._disk = self._new_file(device.device_id or "", datetime.now(UTC))
         self._begun_s = self._monotonic()
         self._writer = McapWriter(
@@ -246,7 +245,7 @@ class Recorder:
         return DiskFile(path(), path, self._mode)
 
     def _about(self) -> dict[str, str]:
-        """What is known of this recording when a file begins."""
+        """Metadata of the recording when a file begins."""
         decoder = self._link.decoder
         table = {
             "program": f"gyrodrift {__version__}",
@@ -264,7 +263,7 @@ class Recorder:
         return {key: value for key, value in table.items() if value}
 
     def _keep_device(self, writer: McapWriter) -> None:
-        """A device may say who it is later, or turn out to be another one."""
+        """Record the identity of the device, which it may send late or change."""
         device = self._link.decoder.device if self._link.decoder else None
         if device is not None and device is not self._device:
             if device != self._device:
@@ -286,10 +285,10 @@ class Recorder:
         self._writer.finish()
         self.unflushed = 0
         self._finished_bytes += self._writer.size
-        self._let_go(self._disk)
+        self._release(self._disk)
 
     def _link_counters(self) -> dict[str, str]:
-        """What the link has seen up to now."""
+        """Counters of the link up to now."""
         counters, decoder = self._link.counters, self._link.decoder
         drift_ppm = self._link.clock.drift_ppm if self._link.clock else None
         table: dict[str, object] = {name: getattr(counters, name) for name in counters.__slots__}
@@ -301,12 +300,12 @@ class Recorder:
 
 
 def _is_over(disk: DiskFile) -> bool:
-    """Whether a file is on the disk; a failure on the way is raised."""
+    """Whether a file is on the disk; raises its failure."""
     if disk.is_finished:
         disk.join()
     return disk.is_finished
 
 
 def _device_tables(device: DeviceDescription) -> dict[str, dict[str, str]]:
-    known = {name: str(getattr(device, name)) for name in device.__slots__ if getattr(device, name) is not None}
-    return {"device": known} if known else {}
+    table = {name: str(getattr(device, name)) for name in device.__slots__ if getattr(device, name) is not None}
+    return {"device": table} if table else {}

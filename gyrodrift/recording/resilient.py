@@ -1,4 +1,4 @@
-"""Recording beside the filter: when it fails, the service goes on, and tries again later."""
+"""Recording in the service: a failure does not stop the filter, and recording is tried again later."""
 
 import time
 from collections.abc import Mapping
@@ -21,14 +21,14 @@ RETRY_S = 10.0
 
 @dataclass(slots=True)
 class ResilientRecorder:
-    """Takes samples like a `Recorder`, but a failure ends up in the log and not with the caller.
+    """A `Recorder` whose failures go to the log instead of the caller.
 
-    `unrecorded` counts the samples that came while nothing could be recorded.
+    `unrecorded` counts the samples that could not be recorded.
 
     Raises
     ------
     UsageError
-        From the constructor, where the folder cannot be written to.
+        From the constructor: the folder cannot be written to.
     """
 
     options: RecordOptions
@@ -37,7 +37,7 @@ class ResilientRecorder:
     recorder: Recorder | None = field(init=False)
     unrecorded: int = 0
     _failed_s: float = -inf
-    _given_up: Recorder | None = None
+    _abandoned: Recorder | None = None
     _is_tried: bool = False
 
     def __post_init__(self) -> None:
@@ -55,7 +55,7 @@ class ResilientRecorder:
             self._fail(self.recorder, error)
 
     def on_event(self, event: str, fields: dict[str, Any]) -> None:
-        """Record something that happened on the link."""
+        """Record a link event."""
         if self.recorder is not None:
             try:
                 self.recorder.on_event(event, fields)
@@ -63,7 +63,7 @@ class ResilientRecorder:
                 self._fail(self.recorder, error)
 
     def set_about(self, about: Mapping[str, dict[str, str]], mode: int) -> None:
-        """Other tables for the metadata from now on: the config has changed."""
+        """Change the metadata tables and the permissions, after a new config."""
         self.options = replace(self.options, about=about, mode=mode)
         if self.recorder is not None:
             try:
@@ -72,7 +72,7 @@ class ResilientRecorder:
                 self._fail(self.recorder, error)
 
     def tick(self, now_s: float) -> None:
-        """Hand over what has come; after a failure, begin again when the time has come."""
+        """Flush the recording; after a failure, try again when `RETRY_S` has passed."""
         if self.recorder is None:
             if now_s - self._failed_s >= RETRY_S:
                 self._retry(now_s)
@@ -87,7 +87,7 @@ class ResilientRecorder:
             self.log.info("recording_resumed", folder=str(self.options.folder), unrecorded=self.unrecorded)
 
     def stats(self) -> dict[str, Any]:
-        """For the log."""
+        """Fields for the log."""
         stats = self.recorder.stats() if self.recorder else {"recorded": None}
         return stats | ({"unrecorded": self.unrecorded} if self.unrecorded else {})
 
@@ -101,28 +101,28 @@ class ResilientRecorder:
 
     def _fail(self, recorder: Recorder, error: RecordingError) -> None:
         now_s = time.monotonic()
-        is_disk_well = isinstance(error, ChangedFileError) and now_s - self._failed_s >= RETRY_S
-        self.log.error("recording_failed", reason=str(error), next_try_s=0.0 if is_disk_well else RETRY_S)
+        is_disk_working = isinstance(error, ChangedFileError) and now_s - self._failed_s >= RETRY_S
+        self.log.error("recording_failed", reason=str(error), next_try_s=0.0 if is_disk_working else RETRY_S)
         self._failed_s = now_s
         self.unrecorded += recorder.unflushed
         recorder.abandon()
-        self._given_up, self.recorder = recorder, None
-        if is_disk_well:
-            self.recorder, self._given_up, self._is_tried = Recorder(self.options, self.link), None, True
+        self._abandoned, self.recorder = recorder, None
+        if is_disk_working:
+            self.recorder, self._abandoned, self._is_tried = Recorder(self.options, self.link), None, True
 
     def _retry(self, now_s: float) -> None:
-        """Another recorder, which tells on its own where it cannot go on; none while a disk still hangs."""
+        """Start another recorder; wait while a disk still hangs."""
         self._failed_s = now_s
-        if self._given_up is not None and not self._given_up.is_over:
+        if self._abandoned is not None and not self._abandoned.is_over:
             self.log.error("recording_failed", reason=f"{self.options.folder}: the disk hangs", next_try_s=RETRY_S)
             return
-        self.recorder, self._given_up, self._is_tried = Recorder(self.options, self.link), None, True
+        self.recorder, self._abandoned, self._is_tried = Recorder(self.options, self.link), None, True
 
 
 def repair_interrupted(folder: Path, log: FilteringBoundLogger) -> None:
-    """Close what an earlier recording into the folder left open; what cannot be mended is told and left alone."""
+    """Close the files that an interrupted recording left open; a file that cannot be repaired is only logged."""
     for path in interrupted(folder):
-        from gyrodrift.session.mcap.repair import repair  # noqa: PLC0415 - brings numpy, for who needs it
+        from gyrodrift.session.mcap.repair import repair  # noqa: PLC0415 - imports numpy
 
         try:
             repaired = repair(path, rebuilds=False)

@@ -1,9 +1,9 @@
-"""The hard cases: what drift reducers fail at, as a standard set of simulated sessions.
+"""The hard cases: a standard set of simulated sessions at which drift reducers fail.
 
-Each case stands for one thing that real motions, parts or surroundings do, and comes in two versions: `still` rests for
-the first ten seconds, `moving` moves from its first sample on. Every session has a part of its own, with a bias at
-power-on, noise and bias instability drawn like those of real parts, and a motion of its own; both versions of a session
-have the same ones. The same seed gives the same bytes.
+Each case has one difficulty of real motions, sensors or surroundings, in two versions: `still` rests for the first ten
+seconds, `moving` moves from its first sample on. Every session has its own motion and its own sensor, whose power-on
+bias, noise and bias instability are drawn like those of real parts. Both versions of a session share them. The same
+seed gives the same bytes.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -27,7 +27,7 @@ from gyrodrift.simulation.hard_motions import (
     RAMP_S,
     Motions,
     either_sign,
-    gentle_curves,
+    slow_curves,
     spin,
     turns_with_rests,
     turns_without_rests,
@@ -40,14 +40,14 @@ VERSIONS = 2
 MINUTES = 10.0
 
 BIAS_DPS = 0.5
-"""Standard deviation of the bias at power-on: parts of a few dollars after a coarse calibration."""
+"""Standard deviation of the power-on bias of low-cost parts after a coarse calibration."""
 
 NOISE_DPS_RTHZ = (0.003, 0.01)
 FLOOR_DPH = (4.0, 40.0)
-"""Ranges of noise and bias instability that data sheets of such parts span."""
+"""Ranges of noise and bias instability in data sheets of low-cost parts."""
 
 MOVES_DPS = 1.0
-"""What counts as moving where a drive is entered on its way."""
+"""A drive counts as moving above this rate."""
 
 Effects = Callable[[Rng], Sequence[Effect]]
 
@@ -57,15 +57,15 @@ class Case:
     """One hard case.
 
     about
-        What is hard about it.
+        Its difficulty.
     motion
-        What the table does.
+        Motion of the table.
     effects
-        What the part has beyond its bias, noise and bias instability.
+        Effects of the sensor besides bias, noise and bias instability.
     bias_dps
-        Size of the bias at power-on, of either sign; None: drawn like that of real parts.
+        Absolute power-on bias with a random sign; None draws it like that of real parts.
     swing_c
-        The air warms and cools by this over a session, °C.
+        Change of the air temperature over a session, °C.
     """
 
     name: str
@@ -78,18 +78,18 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Later:
-    """A profile that is entered on its way, with a device that is switched on at that moment."""
+    """A profile from `start_s` on, with a device that is switched on at that moment."""
 
     profile: Profile
     start_s: float
 
     @property
     def powered_s(self) -> float:
-        """Time since power-on at the beginning, s."""
+        """Time since power-on at the start, s."""
         return self.profile.powered_s
 
     def at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """Angle in degrees, from 0, and rate in deg/s."""
+        """Angle in deg, 0 at the start, and rate in deg/s."""
         angle_deg, rate_dps = self.profile.at(t_s + self.start_s)
         return angle_deg - self.profile.at(np.array([self.start_s]))[0], rate_dps
 
@@ -101,7 +101,7 @@ class Later:
 CASES = (
     Case("turntable", "a turntable with rests: the usual case", turns_with_rests),
     Case("few-rests", "almost no rests", turns_without_rests),
-    Case("spin-0.5", "a constant spin of 0.5 deg/s, which is no bias", spin(0.5)),
+    Case("spin-0.5", "a constant spin of 0.5 deg/s, which looks like a bias", spin(0.5)),
     Case("spin-1.5", "a constant spin of 1.5 deg/s", spin(1.5)),
     Case("spin-20", "a constant spin of 20 deg/s", spin(20.0)),
     Case("bias-3", "a bias of 3 deg/s at power-on", turns_with_rests, bias_dps=3.0),
@@ -113,18 +113,18 @@ CASES = (
     ),
     Case(
         "warmup",
-        "a warm-up of half a degree a second within minutes",
+        "a warm-up by 0.5 deg/s within minutes",
         turns_with_rests,
         lambda rng: [Warmup(amplitude_dps=0.5 * either_sign(rng), time_constant_s=60.0)],
     ),
     Case(
         "temperature",
-        "air that warms by 20 °C, and cools",
+        "air that warms by 20 °C and cools again",
         turns_with_rests,
         lambda rng: [TempBias(slope_dps_per_c=0.03 * either_sign(rng))],
         swing_c=20.0,
     ),
-    Case("drive", "a drive with long gentle curves", gentle_curves),
+    Case("drive", "a drive with long, slow curves", slow_curves),
     Case(
         "random-walk",
         "a bias that walks",
@@ -149,12 +149,12 @@ CASES = (
 def write_hard_cases(
     folder: Path, seed: int, sessions: int = SESSIONS, minutes: float = MINUTES, ending: str = "mcap"
 ) -> Iterator[Path]:
-    """Write `folder/CASE-still/session-01` and so on, each with its rig, and tell each path when it is there.
+    """Write `folder/CASE-still/session-01` and so on, each with its rig, and yield the path of each written session.
 
     Raises
     ------
     UsageError
-        Where a place cannot be written to.
+        A file cannot be written.
     """
     for case in CASES:
         for is_still in (True, False):
@@ -165,7 +165,7 @@ def write_hard_cases(
 
 
 def hard_case_paths(folder: Path, sessions: int = SESSIONS, ending: str = "mcap") -> list[Path]:
-    """Where the sessions of `write_hard_cases` go."""
+    """Paths of the sessions of `write_hard_cases`."""
     versions = [(case, is_still) for case in CASES for is_still in (True, False)]
     return [
         _path(folder, case, number, ending, is_still=is_still)
@@ -185,7 +185,7 @@ def _write(path: Path, simulated: Simulation) -> None:
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:
-    """One session of a case, with a realisation of its own that does not depend on the version."""
+    """One session of a case; its random numbers are the same in both versions."""
     rng = np.random.default_rng([seed, crc32(case.name.encode()), number])
     rig, seconds = _part(case, rng), 60.0 * minutes
     body = case.motion(rng, seconds)
@@ -196,7 +196,7 @@ def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, 
 
 
 def _part(case: Case, rng: Rng) -> Rig:
-    """A gyro of a few dollars."""
+    """A low-cost gyro."""
     drawn_dps = BIAS_DPS * float(rng.standard_normal())
     bias_dps = drawn_dps if case.bias_dps is None else case.bias_dps * float(np.copysign(1.0, drawn_dps))
     noise, floor = (float(np.exp(rng.uniform(*np.log(ends)))) for ends in (NOISE_DPS_RTHZ, FLOOR_DPH))
@@ -207,13 +207,13 @@ def _part(case: Case, rng: Rng) -> Rig:
 
 
 def _ambient(swing_c: float, seconds: float) -> tuple[Ambient, ...]:
-    """From 25 °C up by a swing, down to half of it below, and back."""
+    """Air temperature: 25 °C, up by the swing, down to half the swing below, and back."""
     points = [(0.0, 0.0), (0.4, swing_c), (0.8, -0.5 * swing_c), (1.0, 0.0)]
     return tuple(Ambient(at_s=share * seconds, temp_c=25.0 + above_c) for share, above_c in points)
 
 
 def _under_way_s(profile: Profile) -> float:
-    """When it has set out: a ramp is over, or a drive moves; s."""
+    """Time at which the motion has started, s: the end of a ramp, or the first movement of a drive."""
     if isinstance(profile.segments[0], Ramp):
         return RAMP_S
     t_s = np.arange(0.0, profile.seconds, 0.1)

@@ -1,4 +1,4 @@
-"""The motions of the hard cases: turns with rests, turns without, a constant spin, a drive with gentle curves."""
+"""The motions of the hard cases: turns with rests, turns without, a constant spin, a drive with slow curves."""
 
 from collections.abc import Callable
 
@@ -11,24 +11,24 @@ from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest
 RAMP_S = 1.0
 SLOWEST_DPS, FASTEST_DPS = 5.0, 180.0
 STOP_EVERY = 15
-"""Moves between the stops of a motion that hardly has any: one in a minute and a half."""
+"""Moves between two stops of a motion with few rests: a stop every 1.5 minutes."""
 
 Motions = Callable[[Rng, float], tuple[Segment, ...]]
-"""Segments of at least so many seconds, the first of which sets out from rest."""
+"""Gives segments of at least so many seconds in all; the first starts from rest."""
 
 
 def either_sign(rng: Rng) -> float:
-    """1 or −1, as likely."""
+    """1 or −1 with equal probability."""
     return float(rng.choice([-1.0, 1.0]))
 
 
 def _speed_dps(rng: Rng) -> float:
-    """Of either sign, slow ones as often as fast ones."""
+    """A log-uniform speed with a random sign, deg/s."""
     return either_sign(rng) * float(np.exp(rng.uniform(np.log(SLOWEST_DPS), np.log(FASTEST_DPS))))
 
 
 def turns_with_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """A turntable: a turn of some seconds, a rest of some seconds, and so on."""
+    """A turntable: turns and rests of some seconds."""
     segments: list[Segment] = []
     while sum(segment.seconds for segment in segments) < seconds:
         segments += [
@@ -41,7 +41,7 @@ def turns_with_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
 
 
 def turns_without_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """From speed to speed; a stop of two seconds now and then."""
+    """Changing speeds with rare stops of two seconds."""
     segments: list[Segment] = []
     while sum(segment.seconds for segment in segments) < seconds:
         for _ in range(STOP_EVERY):
@@ -54,7 +54,7 @@ def turns_without_rests(rng: Rng, seconds: float) -> tuple[Segment, ...]:
 
 
 def spin(rate_dps: float) -> Motions:
-    """One speed, either way, to the end."""
+    """A constant speed in a random direction."""
 
     def motion(rng: Rng, seconds: float) -> tuple[Segment, ...]:
         to_dps = either_sign(rng) * rate_dps
@@ -63,7 +63,7 @@ def spin(rate_dps: float) -> Motions:
     return motion
 
 
-def gentle_curves(rng: Rng, seconds: float) -> tuple[Segment, ...]:
-    """A vehicle whose curves last half a minute, and which hardly ever stops."""
+def slow_curves(rng: Rng, seconds: float) -> tuple[Segment, ...]:
+    """A vehicle whose curves last half a minute, with few stops."""
     minutes, seed = seconds / 60.0 + 1.0, int(rng.integers(2**31))
     return (Drive(kind="drive", minutes=minutes, rms_dps=4.0, curve_seconds=30.0, rest_share=0.03, seed=seed),)

@@ -1,8 +1,8 @@
-"""A twin of a published data set: simulated sessions of the same lengths whose drift without correction is the same.
+"""A simulated twin of a published data set: sessions of the same lengths with the same drift without correction.
 
-The table has a row a session: split, session, minutes, and E of Euler integration (the mean absolute yaw error in
-degrees). For each row a rig is found whose bias track (a constant, a 1/f part and a walk, all of one strength) gives
-that very E; everything else of the rig stays as it is.
+The table has a row per session: split, session, minutes, and E of Euler integration (the mean absolute yaw error in
+degrees). For each row a search finds the bias track that gives this E: a constant, a 1/f part and a random walk, all
+scaled by one strength. The rest of the rig does not change.
 """
 
 import csv
@@ -26,10 +26,10 @@ from gyrodrift.simulation.sessions import Simulation, euler_error_deg, rig_yaml
 BIAS_DPS = 0.1
 FLOOR_DPH = 40.0
 WALK_DPS_RTS = 0.001
-"""The bias track at strength 1: what is left of a low-cost gyro's bias after a calibration at the start of the day."""
+"""Bias track at strength 1: the bias of a low-cost gyro some hours after a calibration."""
 
 CLOSE_ENOUGH_DEG = 5e-4
-"""E moves in steps of about 0.0001 deg, as single samples round to the next count; this is a few of them."""
+"""A few steps of E: rounding of single samples to counts moves it by about 0.0001 deg."""
 
 MOST_TRIES = 20
 
@@ -37,7 +37,7 @@ TABLE = "twin.csv"
 
 SHORTEST_MINUTES, LONGEST_MINUTES = 0.01, 1440.0
 LONGEST_WORD = 60
-"""Of a name of a file, in characters."""
+"""Characters of a file name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Twin:
-    """A session that drifts as a published one does."""
+    """A simulated session with the drift of a published one."""
 
     row: Row
     path: Path
@@ -66,7 +66,7 @@ def read_rows(path: Path) -> list[Row]:
     Raises
     ------
     DataError
-        Where it cannot be read or lacks one of them.
+        The table cannot be read or lacks a column.
     """
     try:
         with path.open(encoding="utf-8") as file:
@@ -85,13 +85,13 @@ def read_rows(path: Path) -> list[Row]:
         if not (SHORTEST_MINUTES <= row.minutes <= LONGEST_MINUTES and 0.0 <= row.e_euler_deg < inf):
             raise DataError(
                 f"{path}: {row.name}: {row.minutes:g} minutes with {row.e_euler_deg:g} deg; expected "
-                f"{SHORTEST_MINUTES:g} to {LONGEST_MINUTES:g} minutes and an error that is no less than 0"
+                f"{SHORTEST_MINUTES:g} to {LONGEST_MINUTES:g} minutes and an error of at least 0"
             )
     return rows
 
 
 def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str = "mcap") -> Iterator[Twin]:
-    """Write each row's session and rig to `folder/SPLIT/`, and the table of what came out to `folder/twin.csv`."""
+    """Write the session and the rig of each row to `folder/SPLIT/`, and the table of results to `folder/twin.csv`."""
     twins: list[Twin] = []
     for number, row in enumerate(rows):
         profile = load_profile("rest" if "still" in row.name else "turntable")
@@ -111,7 +111,7 @@ def write_twins(rows: list[Row], rig: Rig, folder: Path, seed: int, ending: str 
 
 
 def twin_paths(rows: list[Row], folder: Path, ending: str = "mcap") -> list[Path]:
-    """Where the sessions of `write_twins` and their table go."""
+    """Paths of the sessions of `write_twins` and of their table."""
     return [*(_path(folder, number, row, ending) for number, row in enumerate(rows)), folder / TABLE]
 
 
@@ -120,34 +120,34 @@ def _path(folder: Path, number: int, row: Row, ending: str) -> Path:
 
 
 def _plain(text: str) -> str:
-    """A word of a table as a name of a file or folder, which leads nowhere else."""
+    """A word of a table as a safe name of a file or folder."""
     return re.sub(r"[^0-9A-Za-z]+", "-", text)[:LONGEST_WORD].strip("-")
 
 
 def find_strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session]:
-    """The strength of the bias track that gives the row's E, and its session.
+    """Strength of the bias track that gives the E of a row, and its session.
 
-    The error is a straight line in the strength at every moment, but for the rounding to counts: so two simulations
-    give a first answer, and a few steps of Newton's the last digits.
+    At every moment the error is linear in the strength, except for the rounding to counts. Two simulations therefore
+    give a first value, and a few Newton steps refine it.
 
     Raises
     ------
     DataError
-        Where no strength does: the noise alone drifts further.
+        No strength gives this E, because the noise alone drifts further.
     """
     try:
-        found = _strength(row, rig, profile, seed, number)
-    except (ArithmeticError, ValueError):  # it leaves what a rig may be, or the floats
-        found = None
-    if found is None:
+        solution = _strength(row, rig, profile, seed, number)
+    except (ArithmeticError, ValueError):  # beyond the limits of a rig, or of floats
+        solution = None
+    if solution is None:
         raise DataError(
             f"{row.name}: no bias track of this rig gives E = {row.e_euler_deg:g} deg; is its noise too high?"
         )
-    return found
+    return solution
 
 
 def _strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> tuple[float, Session] | None:
-    """The same; None where a few steps do not lead there."""
+    """Strength and session; None if a few steps do not converge."""
 
     def simulated(strength: float) -> Session:
         return Simulation(drifting(rig, strength), profile, seed, number, row.minutes).whole()
@@ -170,7 +170,7 @@ def _strength(row: Row, rig: Rig, profile: Profile, seed: int, number: int) -> t
 
 
 def _solve(predicted_deg: Callable[[float], float], e_deg: float) -> float:
-    """Where the prediction reaches e, from below."""
+    """Strength at which the predicted error reaches `e_deg`, by bisection."""
     low, high = 0.0, 1.0
     while predicted_deg(high) < e_deg:
         low, high = high, 2.0 * high
@@ -181,7 +181,7 @@ def _solve(predicted_deg: Callable[[float], float], e_deg: float) -> float:
 
 
 def drifting(rig: Rig, strength: float) -> Rig:
-    """The rig with the bias track of a strength."""
+    """The rig with a bias track of this strength."""
     base = rig.base.model_copy(update={"bias_dps": BIAS_DPS * strength})
     track = [
         BiasInstability(floor_dph=FLOOR_DPH * strength),

@@ -1,7 +1,4 @@
-"""A recording as a device would speak it: the frames that `replay` plays on a pty.
-
-The simulator's encoders turn its samples into frames.
-"""
+"""A recording as frames of a device, for `replay`; the encoders of the simulator make the frames."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -15,27 +12,27 @@ from gyrodrift.session.mcap.raw import Read
 from gyrodrift.session.session import Session
 
 ENCODER_CPR = 3_600_000
-"""Counts per turn that stand for the angles of a recording: a ten-thousandth of a degree, as recordings have."""
+"""Counts per turn for the angles of a recording: steps of 0.0001 deg."""
 
 LATEST_S = 1e12
-"""Thirty thousand years: no clock of a device shows more."""
+"""30,000 years; no clock of a device shows more."""
 
-LONGEST_HOLE = 1e9
-"""Samples that a hole may stand for; counters of devices begin again long before."""
+MOST_MISSING = 1e9
+"""Largest step of the counter; counters of devices wrap long before."""
 
 
 class PlayedSession:
-    """The samples of a session, once or for ever; a second pass goes on in time where the first one ended."""
+    """The samples of a session, once or forever; each pass continues the time of the previous one."""
 
     def __init__(self, session: Session, *, is_looping: bool) -> None:
-        self.session = session = _said(session)
+        self.session = session = _timed_part(session)
         self._is_looping = is_looping
         steps_s = np.diff(session.t_device_s)
         self.period_s = float(np.median(steps_s[steps_s > 0])) if np.any(steps_s > 0) else 0.01
-        # A device whose samples were lost would have counted them: holes in time are holes in the counter.
-        with np.errstate(over="ignore"):  # a step of years among steps of nothing
-            moved = np.clip(np.rint(steps_s / self.period_s), 1.0, LONGEST_HOLE)
-        self._counter = np.concatenate([[0], np.cumsum(moved)]).astype(np.int64).tolist()
+        # A device counts lost samples too: a gap in time is a gap in the counter.
+        with np.errstate(over="ignore"):  # a step of years among tiny steps
+            steps = np.clip(np.rint(steps_s / self.period_s), 1.0, MOST_MISSING)
+        self._counter = np.concatenate([[0], np.cumsum(steps)]).astype(np.int64).tolist()
 
     def __iter__(self) -> Iterator[Measurement]:
         once_s = float(np.max(self.session.t_device_s) - self.session.t_device_s[0]) + self.period_s
@@ -63,33 +60,33 @@ class PlayedSession:
             yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c, still)
 
 
-def _said(session: Session) -> Session:
-    """The samples with a time that a clock shows: a device cannot say that it does not know it.
+def _timed_part(session: Session) -> Session:
+    """The samples with a possible device time, because a protocol cannot carry an unknown time.
 
     Raises
     ------
     DataError
-        Where there is none.
+        No sample has one.
     """
-    is_said = np.abs(session.t_device_s) < LATEST_S
-    if is_said.all():
+    is_timed = np.abs(session.t_device_s) < LATEST_S
+    if is_timed.all():
         return session
-    if not is_said.any():
-        raise DataError(f"{session.name}: no sample has a time that a device could say")
+    if not is_timed.any():
+        raise DataError(f"{session.name}: no sample has a possible device time")
     columns = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
-    found = {name: getattr(session, name) for name in columns}
-    return replace(session, **{name: each[is_said] for name, each in found.items() if each is not None})
+    values = {name: getattr(session, name) for name in columns}
+    return replace(session, **{name: column[is_timed] for name, column in values.items() if column is not None})
 
 
 def base_of(recording: PlayedSession, dps_per_lsb: float) -> Base:
-    """A device that measures as the recording did, in steps of `dps_per_lsb`, deg/s."""
+    """Base values of a device that would have recorded this, in steps of `dps_per_lsb`, deg/s."""
     cpr = ENCODER_CPR if recording.session.encoder_deg is not None else 0
     rate_hz = min(65535.0, max(1.0, 1.0 / recording.period_s))
     return Base(sample_rate_hz=rate_hz, dps_per_lsb=dps_per_lsb, encoder_cpr=cpr)
 
 
 def raw_frames(reads: Iterable[Read]) -> Iterator[Frame]:
-    """The bytes of a link as they came, damage and all."""
+    """Frames of the original bytes of a link, damage included."""
     first_s: float | None = None
     for t_host_s, content in reads:
         first_s = t_host_s if first_s is None else first_s

@@ -1,4 +1,4 @@
-"""Sessions from the simulated rig, as the host would have recorded them, without waiting for real time."""
+"""Sessions of the simulated rig, as the host would have recorded them, without waiting for real time."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
 RIG = "rig.yaml"
-"""Beside the sessions that were simulated with it."""
+"""Name of the rig file beside the sessions simulated with it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """What determines a simulated session to the last byte."""
+    """Everything that determines a simulated session, to the last byte."""
 
     rig: Rig
     profile: Motion
@@ -31,13 +31,13 @@ class Simulation:
     minutes: float = 10.0
 
     def chunks(self) -> Iterator[Session]:
-        """The session in pieces of a few thousand samples: any length in the same memory."""
-        wanted = sample_count(self.rig, self.minutes)
+        """The session in pieces of a few thousand samples, so that memory does not grow with its length."""
+        count = sample_count(self.rig, self.minutes)
         for block in measure(self.rig, self.profile, self.seed, self.number):
-            kept = block.seq < wanted
-            if not kept.all():
-                if kept.any():
-                    yield as_recorded(block.only(kept), self.rig.base, str(self.number))
+            is_inside = block.seq < count
+            if not is_inside.all():
+                if is_inside.any():
+                    yield as_recorded(block.only(is_inside), self.rig.base, str(self.number))
                 return
             yield as_recorded(block, self.rig.base, str(self.number))
 
@@ -52,7 +52,7 @@ class Simulation:
 
 
 def as_recorded(block: Block, base: Base, name: str) -> Session:
-    """Measurements as the host decodes them: the scale goes over the wire as a 32-bit float."""
+    """Measurements as the host decodes them; the wire has the scale as a 32-bit float."""
     rate_dps = block.rate_raw.astype(np.float64) * float(np.float32(base.dps_per_lsb))
     angle_deg = block.encoder_counts.astype(np.float64) * (360.0 / base.encoder_cpr) if base.encoder_cpr else None
     return Session(
@@ -76,7 +76,7 @@ def write_sessions(
     ending: str = "mcap",
     progress: OnProgress = untold,
 ) -> Iterator[Path]:
-    """Write `session-01` and so on and the rig they come from, and tell each path when it is there."""
+    """Write the rig, `session-01`, `session-02` and so on, and yield the path of each written session."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / RIG, [rig_yaml(rig)])
     samples = sample_count(rig, minutes)
@@ -90,21 +90,21 @@ def write_sessions(
 
 
 def simulated_paths(folder: Path, sessions: int, ending: str = "mcap") -> list[Path]:
-    """Where the sessions of `write_sessions` go."""
+    """Paths of the sessions of `write_sessions`."""
     return [folder / f"session-{number + 1:02d}.{ending}" for number in range(sessions)]
 
 
 def write_simulation(
     path: Path, simulated: Simulation, device_id: str | None = None, progress: OnProgress = untold
 ) -> None:
-    """Write one session, with all that it takes to simulate it again."""
+    """Write one session, with everything that is needed to simulate it again."""
     rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)
-    about = {"simulation": {"rig": rig, "seed": seed, "session": number}}
+    tables = {"simulation": {"rig": rig, "seed": seed, "session": number}}
     if device_id is not None:
-        about["device"] = {"device_id": device_id}
+        tables["device"] = {"device_id": device_id}
     samples = sample_count(simulated.rig, simulated.minutes)
     chunks = counted("samples", simulated.chunks(), samples, progress, lambda chunk: len(chunk.t_device_s))
-    write_session(path, chunks, about)
+    write_session(path, chunks, tables)
 
 
 def sample_count(rig: Rig, minutes: float) -> int:
@@ -113,14 +113,14 @@ def sample_count(rig: Rig, minutes: float) -> int:
 
 
 def rig_yaml(rig: Rig) -> str:
-    """The rig as a file that `simulate` and `firmware_sim` take."""
+    """The rig as text of a file for `simulate` and `firmware_sim`."""
     text: str = yaml.safe_dump(rig.model_dump(), sort_keys=False)
     return text
 
 
 def euler_error_deg(session: Session) -> Floats:
-    """Yaw error of the integrated rate against the encoder, degrees, both 0 at the first sample; shape (n,)."""
-    assert session.encoder_deg is not None  # noqa: S101 - simulated rigs without one are not asked
+    """Yaw error of the integrated rate against the encoder, deg, 0 at the first sample; shape (n,)."""
+    assert session.encoder_deg is not None  # noqa: S101 - callers simulate rigs with an encoder
     steps_s = np.diff(session.t_device_s, prepend=session.t_device_s[0])
     error_deg: Floats = np.cumsum(session.rate_dps * steps_s) - (session.encoder_deg - session.encoder_deg[0])
     return error_deg

@@ -53,7 +53,7 @@ return result;
 
 
 def _svg(name: str) -> str:
-    drawing = canvas(3.0, 2.0, left=0.1, bottom=0.2, top=0.9)
+    drawing = canvas(3.0, 2.0, inset=0.1, bottom=0.2, top=0.9)
     axes = drawing.add_subplot()
     for key, slope, color in (("low", 1.0, TUNED), ("high", 2.0, TWO)):
         (line,) = axes.plot(np.arange(5.0), slope * np.arange(5.0), color=color)

@@ -35,7 +35,7 @@ def two_curves() -> str:
     """A panel of ten minutes with a curve up to 1 and one up to 100."""
     minutes = np.linspace(0.0, 10.0, 101)
     with styled():
-        drawing = canvas(3.0, 2.0, left=0.1, bottom=0.2, top=0.9)
+        drawing = canvas(3.0, 2.0, inset=0.1, bottom=0.2, top=0.9)
         axes = drawing.add_subplot()
         for key, highest, colour in (("small", 1.0, TUNED), ("large", 100.0, TWO)):
             (line,) = axes.plot(minutes, highest * minutes / 10.0, color=colour)

@@ -26,7 +26,7 @@ from gyrodrift.html.svg import (
 
 def drawn(name: str = "waves") -> str:
     with styled():
-        figure = canvas(3.0, 2.0, left=0.1, bottom=0.2, top=0.9)
+        figure = canvas(3.0, 2.0, inset=0.1, bottom=0.2, top=0.9)
         axes = figure.add_subplot()
         axes.plot(np.linspace(-5.0, 5.0, 50), np.linspace(0.01, 1e6, 50), color=TUNED)
         axes.set_yscale("log")

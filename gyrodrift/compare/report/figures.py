@@ -66,7 +66,7 @@ def session_svgs(sessions: Sequence[ComparedSession], entries: Sequence[Entry], 
 
 
 def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Entry]], name: str) -> str:
-    figure = canvas(3.1, 2.7, left=0.22, bottom=0.13, top=0.97, right=0.97)
+    figure = canvas(3.1, 2.7, inset=0.22, bottom=0.13, top=0.97, right=0.97)
     above, below = figure.subplots(2, 1, sharex=True)
     follows(below.axhline(0.0, color=QUIET, linewidth=0.6))
     errors_deg = curves.errors_deg

@@ -81,7 +81,7 @@ def feature_svgs(compared: Sequence[FeatureComparison], *, has_causes: bool) -> 
 
 
 def _feature_svg(compared: FeatureComparison, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
-    figure = canvas(WIDE_IN, 1.6, left=0.15, bottom=0.2, top=0.88, right=0.98)
+    figure = canvas(WIDE_IN, 1.6, inset=0.15, bottom=0.2, top=0.88, right=0.98)
     axes = figure.add_subplot()
     sessions = np.arange(1.0, len(compared.real) + 1.0)
     _draw_band(axes, sessions, compared.before, BEFORE, WIDE_BAR)
@@ -113,7 +113,7 @@ def dependence_svgs(every: Sequence[Dependence], *, has_causes: bool, name: str 
 
 
 def _dependence_svg(one: Dependence, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
-    figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
+    figure = canvas(WIDE_IN, 2.5, inset=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
     lines = _lines(one.real, one.before, one.after, has_causes)
     _draw_cloud(above, one.x, one.real_dps, [line.y for line, _ in lines])
@@ -186,7 +186,7 @@ def over_time_svgs(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> l
 
 
 def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: FBT001 - handed on
-    figure = canvas(WIDE_IN, 2.5, left=0.22, bottom=0.15, top=0.97, right=0.97)
+    figure = canvas(WIDE_IN, 2.5, inset=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
     switched(below.lines[0], ZERO)
     for values, colour in _lines(session.real_dps, session.before_dps, session.after_dps, has_causes):
@@ -226,7 +226,7 @@ def spectrum_svgs(parts: Sequence[Spectra], *, has_causes: bool) -> list[str]:
 
 
 def _spectrum(one: Spectra, has_causes: bool) -> Figure:  # noqa: FBT001 - handed on
-    figure = canvas(WIDE_IN, 2.2, left=0.22, bottom=0.16, top=0.97, right=0.97)
+    figure = canvas(WIDE_IN, 2.2, inset=0.22, bottom=0.16, top=0.97, right=0.97)
     axes = figure.add_subplot(xscale="log", yscale="log")
     for values, colour in _lines(one.real, one.before, one.after, has_causes):
         (line,) = axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, **_stroke(colour))

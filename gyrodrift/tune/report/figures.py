@@ -54,7 +54,7 @@ WORTH_A_ZOOM = 0.5
 def search_svg(tuning: Tuning) -> str:
     """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
     with styled():
-        figure = canvas(5.4, 3.0, left=0.11, bottom=0.135, top=0.98, right=0.97)
+        figure = canvas(5.4, 3.0, inset=0.11, bottom=0.135, top=0.98, right=0.97)
         axes = figure.add_subplot()
         axes.set_yscale("log")
         _draw_costs(axes, tuning)
@@ -122,7 +122,7 @@ def density_svgs(tuning: Tuning) -> list[str]:
 
 
 def _density_svg(tuning: Tuning, number: int, axis: Axis) -> str:
-    figure = canvas(3.1, 1.9, left=0.09, bottom=0.17, top=0.97, right=0.95)
+    figure = canvas(3.1, 1.9, inset=0.09, bottom=0.17, top=0.97, right=0.95)
     axes = figure.add_subplot()
     x, height = preference(tuning.run, number, axis)
     axes.fill_between(x, height, color=TUNED, alpha=0.22, linewidth=0.0)
@@ -167,7 +167,7 @@ def slice_svgs(tuning: Tuning) -> list[str]:
 
 
 def _slice_svg(tuning: Tuning, number: int, axis: Axis) -> str:
-    figure = canvas(3.1, 2.0, left=0.16, bottom=0.17, top=0.97, right=0.95)
+    figure = canvas(3.1, 2.0, inset=0.16, bottom=0.17, top=0.97, right=0.95)
     axes = figure.add_subplot()
     axes.set_yscale("log")
     evaluations, costs = dots(tuning.run, SLICE_DOTS)
@@ -229,7 +229,7 @@ def drift_svgs(curves: Sequence[YawCurves], split: Split, scales: Heights) -> li
 
 
 def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
-    figure = canvas(3.1, 2.1 if scales.zoom_deg else 1.5, left=0.15, bottom=0.16, top=0.97, right=0.97)
+    figure = canvas(3.1, 2.1 if scales.zoom_deg else 1.5, inset=0.15, bottom=0.16, top=0.97, right=0.97)
     ratios = (5, 4) if scales.zoom_deg else (1,)
     grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)
     panels = list(grid[:, 0])
