@@ -117,7 +117,7 @@ class DiskFile:
                 while self._take():
                     pass
         except OSError as error:
-            outcome = f"; the {self._written} bytes written stay readable" if self._written else ""
+            outcome = f"; {self._written} bytes are written and stay readable" if self._written else ""
             outcome += f", {self.waiting_bytes} bytes are lost" if self._written and self.waiting_bytes else ""
             if not self._written and self.is_there:
                 with suppress(OSError):

@@ -213,7 +213,7 @@ def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -
         device.send_all(lines(2000), record.poll)  # type: ignore[arg-type]  # None while it runs
         _, error = record.communicate(timeout=20)
     assert record.returncode == 4
-    assert "recording stopped: File too large; 40000 bytes of it are written and stay readable" in error
+    assert "recording stopped: File too large; 40000 bytes are written and stay readable" in error
     assert "Traceback" not in error
     (session,) = recorded(out)
     assert session.rate_dps.tolist() == [i / 4.0 for i in range(len(session.rate_dps))]
@@ -230,7 +230,7 @@ def test_a_folder_that_vanishes_is_told_and_the_file_is_put_back(port: Path, out
             path.unlink()
         out.rmdir()
         assert record.end() == 4
-    assert "was removed while it was being written; it was put back with all that was recorded" in record.log
+    assert "was removed while it was being written; it was restored with everything that was recorded" in record.log
     (session,) = recorded(out)
     assert len(session.rate_dps) >= 299
 

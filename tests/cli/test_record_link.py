@@ -241,7 +241,7 @@ def test_a_full_disk_ends_it_with_one_line(port: Path, out: Path) -> None:
             assert record.end() == 4
         told = [line for line in record.log.splitlines() if line.startswith("gyrodrift: ")]
         assert len(told) == 1
-        assert "recording stopped: No space left on device; 65536 bytes of it are written and stay readable" in told[0]
+        assert "recording stopped: No space left on device; 65536 bytes are written and stay readable" in told[0]
         assert "Traceback" not in record.log
         assert record.out.splitlines() == [str(path) for path in out.glob("*.mcap")]
         rates = rates_in(out)

@@ -166,7 +166,7 @@ def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) ->
         file._file = full
         file.write(b"bad")
         until(lambda: file.is_finished)
-    with pytest.raises(RecordingError, match="No space left on device; 4 bytes of it are written"):
+    with pytest.raises(RecordingError, match="No space left on device; 4 bytes are written"):
         file.write(b"more")
     with pytest.raises(RecordingError, match="No space left"):
         file.join()
@@ -188,7 +188,7 @@ def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     else:
         path.unlink()
     until(lambda: file.is_finished)
-    with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
+    with pytest.raises(RecordingError, match="it was restored with everything that was recorded"):
         file.join()
     assert path.read_bytes() == b"all of it"
 
@@ -268,14 +268,12 @@ def test_a_removed_file_is_put_back_with_what_was_still_waiting(
     (tmp_path / "f").unlink()
     go_on.set()
     until(lambda: file.is_finished)
-    with pytest.raises(RecordingError, match="it was put back"):
+    with pytest.raises(RecordingError, match="it was restored"):
         file.join()
     assert (tmp_path / "f").read_bytes() == b"0123456789" * 5
 
 
-@pytest.mark.parametrize(
-    ("size", "said"), [(4, "has truncated it .* 6 bytes of it are lost"), (99, "has written to it")]
-)
+@pytest.mark.parametrize(("size", "said"), [(4, "has truncated it .* 6 bytes are lost"), (99, "has written to it")])
 def test_a_file_that_another_program_changes_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, said: str
 ) -> None:
@@ -302,7 +300,7 @@ def test_a_truncated_file_is_told_also_where_it_is_written_to_at_once(
     os.truncate(tmp_path / "f", 0)
     file.write(b"abc")
     until(lambda: file.is_finished)
-    with pytest.raises(ChangedFileError, match="10 bytes of it are lost"):
+    with pytest.raises(ChangedFileError, match="10 bytes are lost"):
         file.join()
     assert (tmp_path / "f").read_bytes() == b"abc"
 
@@ -318,7 +316,7 @@ def test_a_file_whose_name_was_taken_meanwhile_is_put_back_under_another(
     (tmp_path / "g").write_bytes(b"another's")
     (tmp_path / "g").replace(tmp_path / "f")
     until(lambda: file.is_finished)
-    with pytest.raises(ChangedFileError, match="it was put back as"):
+    with pytest.raises(ChangedFileError, match="it was restored as"):
         file.join()
     assert (tmp_path / "f").read_bytes() == b"another's"
     assert (tmp_path / "f_2").read_bytes() == b"ours"

@@ -104,7 +104,7 @@ def test_a_failure_is_noticed_while_the_device_is_silent(
     until(lambda: file._written == file._handed_over)
     recording.paths[0].unlink()
     until(lambda: file.is_finished)
-    with pytest.raises(RecordingError, match="it was put back with all that was recorded"):
+    with pytest.raises(RecordingError, match="it was restored with everything that was recorded"):
         recording.tick(1.0)
     with pytest.raises(RecordingError):
         recording.close()
@@ -168,7 +168,7 @@ def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> Non
     """With every whole sample, and it says how many bytes."""
     with small_disk(out, "64k"):
         recording = Recorder(RecordOptions(out), link)
-        with pytest.raises(RecordingError, match="No space left on device; 65536 bytes of it are written"):
+        with pytest.raises(RecordingError, match="No space left on device; 65536 bytes are written"):
             record_until_it_fails(recording, 3000)
         with pytest.raises(RecordingError):
             recording.close()

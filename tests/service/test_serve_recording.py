@@ -114,7 +114,7 @@ def test_a_file_that_must_not_grow_is_told_and_every_sample_is_still_a_line(
         resource.prlimit(serve.process.pid, resource.RLIMIT_FSIZE, (SMALL, SMALL))
         device.wait_for_reader(never)
         check_that_lines_go_on(serve, device, send_until_it_fails(serve, device))
-    assert f"recording stopped: File too large; {SMALL} bytes of it are written and stay readable" in serve.log
+    assert f"recording stopped: File too large; {SMALL} bytes are written and stay readable" in serve.log
     rates = rates_in(next(out.glob("*.mcap")))
     assert len(rates) > 400
     assert rates == [i / 4.0 for i in range(len(rates))]
@@ -126,7 +126,7 @@ def test_a_full_disk_is_told_and_every_sample_is_still_a_line(port: Path, out: P
         with Command("serve", "--port", port, "--record", out) as serve:
             device.wait_for_reader(never)
             check_that_lines_go_on(serve, device, send_until_it_fails(serve, device))
-        assert "recording stopped: No space left on device; 262144 bytes of it are written" in serve.log
+        assert "recording stopped: No space left on device; 262144 bytes are written" in serve.log
         rates = rates_in(next(out.glob("*.mcap")))
         assert len(rates) > 3000
         assert rates == [i / 4.0 for i in range(len(rates))]

@@ -32,7 +32,7 @@ FAULTS = (
     Fault(
         "recording/no-lock",
         f"{RECORDING}/disk.py",
-        "            lock_file(file, wait=True)  # who looks for interrupted files holds it for a moment\n",
+        "            lock_file(file, wait=True)  # a search for interrupted files holds the lock for a moment\n",
         "",
         "Another program takes a file that is being written for an interrupted one.",
         (f"{TESTS}/test_disk.py",),
