@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device in real time, so three processes are needed to keep two cores busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests bench evaluate faults soak overload crash fuzz mutate audit pictures clean
+.PHONY: demo test types tests docs links build lock bench evaluate faults soak overload crash fuzz mutate audit pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -18,6 +18,26 @@ test: $(VENV)/ready-to-test
 
 types: $(VENV)/ready-to-test
 	$(BIN)/mypy
+
+# The documentation as a site: build/docs/index.html. A warning is an error, and so is a link to a page, heading or file
+# that does not exist. `make links` also asks the servers that the pages link to.
+SITE := -m sphinx --fail-on-warning --keep-going --nitpicky --quiet --conf-dir docs
+docs: $(VENV)/ready-to-test
+	$(BIN)/python $(SITE) . build/docs
+
+links: $(VENV)/ready-to-test
+	$(BIN)/python $(SITE) --builder linkcheck . build/links
+
+# The sdist and the wheel in dist/, checked as an index checks them.
+build: $(VENV)/ready-to-test
+	rm -rf dist
+	$(BIN)/python -m hatchling build
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/check-wheel-contents dist/*.whl
+
+# uv.lock: the newest versions that pyproject.toml allows. Run it after each change of a dependency.
+lock: $(VENV)/ready-to-test
+	$(BIN)/uv lock --upgrade --default-index https://pypi.org/simple
 
 # Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
 tests: $(VENV)/ready-to-test
@@ -92,7 +112,7 @@ $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clie
 	@{ ! command -v npm > /dev/null || for place in tests/clients tests/clients/signalk; do \
 	  npm ci --silent --no-audit --no-fund --ignore-scripts --omit=optional --prefix $$place > /dev/null || \
 	  echo "no clients of npm in $$place: their tests are skipped" >&2; done; } & npm=$$!; \
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,websocket,test]'; failed=$$?; \
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,docs,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,websocket,test]'; failed=$$?; \
 	$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2; \
 	wait $$npm; exit $$failed
 	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) $(CLIENTS) > /dev/null 2>&1; then \

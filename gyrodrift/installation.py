@@ -1,17 +1,52 @@
-"""How this program is installed: where it runs from, and the command that adds a package to it."""
+"""How this copy of gyrodrift is installed, and the command that adds a package to it.
 
+A message never names `gyrodrift[extra]` alone unless this copy came from an index: on an index, that name may belong to
+another project. It names the clone, the wheel or the address that this copy came from (PEP 610).
+"""
+
+import json
 import platform
+import re
 import shlex
 import sys
+from dataclasses import dataclass
+from enum import Enum
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, distribution
+from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 from gyrodrift import __version__
 from gyrodrift.errors import UsageError
 
+NAME = "gyrodrift"
 PACKAGE = Path(__file__).parent
+
+
+class Installer(Enum):
+    """Tool that made the environment of this process."""
+
+    PIP = "pip"
+    PIPX = "pipx"
+    UV_PIP = "uv pip"
+    UV_TOOL = "uv tool"
+    UVX = "uvx"
+
+
+@dataclass(frozen=True, slots=True)
+class InstallSource:
+    """Source that this copy was installed from: a folder, a wheel, an address, or the name in an index."""
+
+    source: str
+    is_editable: bool = False
+
+    def with_extra(self, extra: str) -> str:
+        """The requirement that stands for this source with an extra."""
+        if "://" in self.source:
+            return f"{NAME}[{extra}] @ {self.source}"
+        return f"{self.source}[{extra}]"
 
 
 def version_line() -> str:
@@ -20,42 +55,92 @@ def version_line() -> str:
 
 
 def extra_command(extra: str) -> str:
-    """The command that installs what an extra needs, into this very environment.
-
-    An installer takes `gyrodrift[extra]` for what is installed already, from a clone as well as from a wheel, and adds
-    what the extra lacks.
-    """
-    try:
-        distribution("gyrodrift")
-    except PackageNotFoundError:  # a clone on PYTHONPATH
-        return f"{_installer()} --editable {shlex.quote(f'{PACKAGE.parent}[{extra}]')}"
-    return package_command(f"gyrodrift[{extra}]")
-
-
-def package_command(requirement: str) -> str:
-    """The command that installs a package into this very environment."""
-    return f"{_installer()} {shlex.quote(requirement)}"
+    """The command that adds the packages of an extra to this copy, or runs this copy with them."""
+    origin, installer = _origin(), _installer()
+    if origin is None:
+        return package_command(*_packages_of(extra))
+    requirement = shlex.quote(origin.with_extra(extra))
+    if installer is Installer.UVX:
+        return f"uvx --from {requirement} {NAME}"
+    editable = "--editable " if origin.is_editable else ""
+    commands = {Installer.PIPX: "pipx install --force", Installer.UV_TOOL: "uv tool install --force"}
+    return f"{commands.get(installer) or _pip(installer)} {editable}{requirement}"
 
 
-def need_packages(what: str, *names: str) -> None:
-    """Refuse to begin where a package of the workstation is missing, rather than break off half way.
+def package_command(*requirements: str) -> str:
+    """The command that adds packages to the environment of this process."""
+    words, installer = shlex.join(requirements), _installer()
+    if installer is Installer.UVX:
+        origin = _origin()
+        source = shlex.quote(origin.source if origin else NAME)
+        return f"uvx --from {source} {' '.join(f'--with {shlex.quote(word)}' for word in requirements)} {NAME}"
+    if installer is Installer.PIPX:
+        return f"pipx inject {Path(sys.prefix).name} {words}"
+    return f"{_pip(installer)} {words}"
+
+
+def need_packages(purpose: str, *names: str) -> None:
+    """Check that packages of the extra `lab` are installed before the work begins.
 
     Raises
     ------
     UsageError
-        With the command that installs what `what` needs.
+        With the command that installs them.
     """
     try:
         for name in names:
             import_module(name)
     except ImportError as error:
-        raise UsageError(f"{what} needs the package {error.name}: {extra_command('lab')}") from error
+        raise UsageError(f"{purpose} needs the package {error.name}: {extra_command('lab')}") from error
 
 
-def _installer() -> str:
-    """Of the tool that made the environment: pipx and uv make some without pip."""
+def _installer() -> Installer:
     prefix = Path(sys.prefix)
     if (prefix / "pipx_metadata.json").exists():
-        return f"pipx runpip {shlex.quote(prefix.name)} install"
+        return Installer.PIPX
+    if (prefix / "uv-receipt.toml").exists():
+        return Installer.UV_TOOL
+    if prefix.parent.name.startswith("archive-v") and find_spec("pip") is None:  # in the cache of uv
+        return Installer.UVX
+    return Installer.PIP if find_spec("pip") else Installer.UV_PIP
+
+
+def _pip(installer: Installer) -> str:
     python = shlex.quote(sys.executable)
-    return f"{python} -m pip install" if find_spec("pip") else f"uv pip install --python {python}"
+    return f"{python} -m pip install" if installer is Installer.PIP else f"uv pip install --python {python}"
+
+
+def _origin() -> InstallSource | None:
+    """Source of this copy; None if it is not there any more."""
+    try:
+        installed = distribution(NAME)
+    except PackageNotFoundError:
+        return InstallSource(str(PACKAGE.parent), is_editable=True)
+    direct_url = installed.read_text("direct_url.json")
+    if direct_url is None:
+        return InstallSource(NAME) if _is_this_copy(installed) else InstallSource(str(PACKAGE.parent), is_editable=True)
+    stated = json.loads(direct_url)
+    is_editable = bool(stated.get("dir_info", {}).get("editable"))
+    if is_editable or not _is_this_copy(installed):  # or a clone on PYTHONPATH
+        return InstallSource(str(PACKAGE.parent), is_editable=True)
+    return _origin_at(stated["url"], stated.get("vcs_info", {}))
+
+
+def _origin_at(url: str, vcs: dict[str, str]) -> InstallSource | None:
+    if vcs:
+        return InstallSource(f"{vcs['vcs']}+{url}@{vcs['commit_id']}")
+    if not url.startswith("file:"):
+        return InstallSource(url)
+    path = url2pathname(urlsplit(url).path)
+    return InstallSource(path) if Path(path).exists() else None
+
+
+def _is_this_copy(installed: Distribution) -> bool:
+    return Path(str(installed.locate_file(NAME))).resolve() == PACKAGE.resolve()
+
+
+def _packages_of(extra: str) -> list[str]:
+    """Requirements of an extra as the metadata of this copy states them."""
+    marked = re.compile(rf"""(.*?)\s*;.*\bextra\s*==\s*['"]{extra}['"]""")
+    matches = (marked.fullmatch(requirement) for requirement in distribution(NAME).requires or ())
+    return [match[1] for match in matches if match]

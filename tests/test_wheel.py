@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from distribution_support import built_distributions
 
 import gyrodrift
 
@@ -74,11 +75,7 @@ def commands_without_parts(link: Path) -> list[list[str]]:
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     """From a wheel that was just built; what it depends on is that of the tests."""
-    pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
-    folder = tmp_path_factory.mktemp("wheel")
-    build = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
-    subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
-    (wheel,) = folder.glob("*.whl")
+    folder, wheel = tmp_path_factory.mktemp("wheel"), built_distributions().wheel
     venv.create(folder / "venv", with_pip=False)
     python = folder / "venv" / "bin" / "python"
     install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)]
@@ -108,7 +105,8 @@ def test_its_types_are_for_others_too(installed: Installed) -> None:
 def test_rigs_profiles_and_config_are_inside(installed: Installed) -> None:
     """A simulated session is filtered, and the demo runs with what is shipped."""
     simulated = installed.run("gyrodrift", "simulate", "--out", "s", "--minutes", "0.05", "--profile", "identify")
-    assert (simulated.returncode, simulated.stderr) == (0, "s/session-01.mcap\n")
+    assert simulated.returncode == 0
+    assert "s/session-01.mcap" in simulated.stderr
     filtered = installed.run("gyrodrift", "filter", "s/session-01.mcap", "--out", "yaw.csv")
     assert (filtered.returncode, filtered.stderr) == (0, "")
     assert "yaw_sigma_deg" in (installed.folder / "yaw.csv").read_text().splitlines()[0]
@@ -119,15 +117,16 @@ def test_rigs_profiles_and_config_are_inside(installed: Installed) -> None:
 
 @pytest.mark.parametrize("where", ["wheel", "clone"])
 def test_the_command_that_a_message_gives_installs_the_extra(where: str, installed: Installed) -> None:
-    """Asking no index for gyrodrift itself; here its packages are there already."""
+    """It names the wheel or the clone, never a name of an index; here all packages are installed already."""
     one = installed if where == "wheel" else Installed(Path(sys.executable).parent, installed.folder)
     done = one.run("python", "-c", WITHOUT_CMA, "tune", "s", "--out", "found.yaml")
     assert done.returncode == 2
     said, _, command = done.stderr.rstrip("\n").partition(": ")[2].partition(": ")
     assert said == "tune needs the package cma"
-    tried = subprocess.run([*shlex.split(command), "--no-index"], capture_output=True, text=True, check=False)
+    offline = ["--no-index", "--no-build-isolation", "--dry-run"]
+    tried = subprocess.run([*shlex.split(command), *offline], capture_output=True, text=True, check=False)
     assert tried.returncode == 0, tried.stderr
-    assert "Requirement already satisfied: gyrodrift[lab]" in tried.stdout
+    assert re.search(r"/\S+\[lab\]'?$", command)
 
 
 def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Packages of extras that logs need: imported by the first log that is read."""
+"""Imports of packages that only logs and bags need."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,5 +20,4 @@ def packages_of(path: Path, extra: str) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
-        how = f"pip install 'gyrodrift[{extra}]', here {extra_command(extra)}"
-        raise DataError(f"{path}: needs the package {error.name}: {how}") from error
+        raise DataError(f"{path}: needs the package {error.name}: {extra_command(extra)}") from error

@@ -11,6 +11,7 @@ from tables_support import TURN_DEG, filtered_yaw_deg, samples, written
 
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError
+from gyrodrift.installation import extra_command
 from gyrodrift.session.files import load_session
 
 IMU_COLUMNS = "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T"
@@ -118,7 +119,7 @@ def test_the_extra_is_named_where_its_package_is_missing(
         ("a.bag", b"#ROSBAG", "ros"),
     ):
         assert main(["info", str(written(tmp_path / name, content))]) == 4
-        assert f"pip install 'gyrodrift[{extra}]'" in capsys.readouterr().err
+        assert extra_command(extra) in capsys.readouterr().err
 
 
 def test_a_topic_of_px4_without_its_time_is_none(tmp_path: Path) -> None:

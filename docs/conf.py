@@ -1,0 +1,81 @@
+"""Build of the documentation site: `make docs`. The pages are the Markdown files of the repository, as they are."""
+
+import re
+import sys
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT))  # the code beside these pages
+
+from gyrodrift import __version__  # noqa: E402 - after its folder is on the path
+
+project = "gyrodrift"
+author = "The gyrodrift authors"
+copyright = f"2026, {author}"  # noqa: A001 - Sphinx names it so
+release = version = __version__
+
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc"]
+root_doc = "README"
+include_patterns = ["*.md", "docs/**"]
+exclude_patterns = [".*", "build", "config", "firmware_sim", "gyrodrift", "tests", "**/__pycache__"]
+suppress_warnings = [
+    "myst.header",  # headings may skip a level
+]
+
+myst_heading_anchors = 4
+myst_enable_extensions = ["attrs_inline", "dollarmath"]
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc describes the types of parameters
+numpydoc_show_class_members = False
+
+html_theme = "furo"
+html_title = f"gyrodrift {__version__}"
+html_copy_source = False
+linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
+
+LINK = re.compile(r"\]\(([\w./-]+\.md)\)")
+ANCHOR = re.compile(r'<a id="([\w-]+)"></a>')
+API = "docs/api"
+
+
+def contents() -> str:
+    """Hidden tables of contents: one for each section of docs/README.md, and one for pages beside README.md."""
+    sections = re.split(r"^## ", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    listed = {heading: _pages_in(body) for heading, _, body in (section.partition("\n") for section in sections)}
+    linked = {page for pages in listed.values() for page in pages} | {"README"}
+    listed["Project"] = ["docs/README", *(page.stem for page in sorted(ROOT.glob("*.md")) if page.stem not in linked)]
+    return "".join(_table(heading, pages) for heading, pages in listed.items())
+
+
+def _pages_in(section: str) -> list[str]:
+    pages = dict.fromkeys((ROOT / "docs" / target).resolve() for target in LINK.findall(section))
+    names = [page.relative_to(ROOT).with_suffix("").as_posix() for page in pages]
+    return [*names, *([API] if "docs/library" in names else [])]
+
+
+def _table(heading: str, pages: list[str]) -> str:
+    lines = "\n".join(pages)
+    return f"\n```{{toctree}}\n:hidden:\n:caption: {heading}\n\n{lines}\n```\n"
+
+
+def adapt(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Add the contents to the front page, and turn anchors of HTML into anchors that Sphinx can check."""
+    source[0] = ANCHOR.sub(r"[]{#\1}", source[0])
+    if docname == app.config.root_doc:
+        source[0] += contents()
+
+
+def redirect(app: Sphinx, error: Exception | None) -> None:
+    """Let the address of the site show the front page."""
+    if error is None and app.builder.format == "html":
+        page = f'<!doctype html><meta http-equiv="refresh" content="0; url={app.config.root_doc}.html">\n'
+        (app.outdir / "index.html").write_text(page, encoding="utf-8")
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", adapt)
+    app.connect("build-finished", redirect)
