@@ -1,4 +1,4 @@
-"""What a check is: a name, what it looks at, and a function from the evidence to one finding."""
+"""Check: an id, a description, and a function from the evidence to a finding."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from gyrodrift.doctor.finding import DeviceFinding
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One of them.
+    """A check of a device or a recording.
 
     id
-        As `--json` calls its finding.
+        Id of its finding in `--json`.
     about
-        What it looks at, in a few words.
+        Description, as in docs/doctor.md.
     look
-        Gives the finding; None where the evidence says nothing of it.
+        Function that returns the finding, or None without data.
     """
 
     id: str

@@ -1,7 +1,7 @@
-"""How far yaw will be off after a while without any rest, from what is known of bias and noise.
+"""Expected error of yaw after a time without any rest, from bias and noise.
 
-With the variance P of the bias that is left, white noise N (deg/√s) and a rate random walk K (deg/s/√s), the variance
-of yaw after t seconds is P·t² + N²·t + K²·t³/3.
+The variance of yaw after t seconds is P·t² + N²·t + K²·t³/3. P is the variance of the remaining bias, N white noise
+(deg/√s), and K a rate random walk (deg/s/√s).
 """
 
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from gyrodrift.session.session import Session
 
 MINUTE_S, HOUR_S = 60.0, 3600.0
 START_S = 3.0
-"""How long a start calibration takes: as in `compare`."""
+"""Length of a start calibration, s, as in `compare`."""
 
-MOST_SAMPLES = 200_000
-"""Of a long recording a filter is run over the last of its samples."""
+SAMPLES_MAX = 200_000
+"""A filter runs over the last samples of a long recording only."""
 
 
 @dataclass(frozen=True, slots=True)
 class YawDrift:
-    """Degrees after a minute and after an hour."""
+    """Drift of yaw after a minute and after an hour, degrees."""
 
     minute_deg: float
     hour_deg: float
@@ -33,12 +33,12 @@ class YawDrift:
 
 
 def of_bias(bias_dps: float) -> YawDrift:
-    """A bias that is left as it is."""
+    """Drift by a constant bias."""
     return YawDrift(abs(bias_dps) * MINUTE_S, abs(bias_dps) * HOUR_S)
 
 
 def of_uncertainty(bias_sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: float = 0.0) -> YawDrift:
-    """One standard deviation of yaw where the bias is known to within its own."""
+    """Standard deviation of yaw for a bias of known standard deviation."""
 
     def sigma_deg(t_s: float) -> float:
         walked_deg = walk_dps_rts * sqrt(t_s**3 / 3.0)
@@ -48,15 +48,15 @@ def of_uncertainty(bias_sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: f
 
 
 def of_start_calibration(at_rest: StillRate) -> YawDrift:
-    """The mean of the first seconds is taken off; bias instability comes on top where the rest has shown it."""
+    """Standard deviation of yaw after subtracting the mean of the first seconds, with a known bias instability."""
     sigma_dps = hypot(at_rest.noise_dps_rthz / sqrt(START_S), at_rest.instability_dps or 0.0)
     return of_uncertainty(sigma_dps, at_rest.noise_dps_rthz)
 
 
 def after(session: Session, chosen: Filter, params: Any) -> FilterState:
-    """The state of a filter that has seen the samples."""
+    """State of a filter after the samples of a session."""
     kept = accepted(session.t_device_s, session.rate_dps)
-    t_s, rate_dps = session.t_device_s[kept][-MOST_SAMPLES:], session.rate_dps[kept][-MOST_SAMPLES:]
+    t_s, rate_dps = session.t_device_s[kept][-SAMPLES_MAX:], session.rate_dps[kept][-SAMPLES_MAX:]
     state: FilterState = chosen.state()
     coefficients, step = chosen.coefficients(params), chosen.step
     for time_s, dps in zip(t_s.tolist(), rate_dps.tolist(), strict=True):

@@ -1,4 +1,4 @@
-"""What was seen of a device, before anything is made of it: its port, its link, its samples."""
+"""Evidence about a device: its port, its link, its samples."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,19 +16,19 @@ from gyrodrift.session.session import Session
 
 BY_ID = "/dev/serial/by-id/"
 NO_LINE_DRIVERS = frozenset({"cdc_acm"})
-"""USB all the way to the chip: the line rate that is set there means nothing."""
+"""Drivers of native USB devices, which have no line rate."""
 
 
 @dataclass(frozen=True, slots=True)
 class PortEvidence:
-    """A port from outside.
+    """A port, seen without opening it.
 
     access
         Mode, owner and group, such as `crw-rw---- root:dialout`.
     driver
-        Of the kernel, such as `ftdi_sio`; None where sysfs knows none.
+        Kernel driver, such as `ftdi_sio`; None if sysfs has none.
     latency_ms
-        How long the adapter may hold bytes back, ms; None where it has no such timer.
+        Latency timer of the adapter, ms; None without such a timer.
     """
 
     port: SerialPort
@@ -40,31 +40,31 @@ class PortEvidence:
 
     @property
     def has_line_rate(self) -> bool:
-        """Whether bytes go over a line at some baud rate."""
+        """Whether the port has a line with a baud rate."""
         return self.driver not in NO_LINE_DRIVERS if self.driver else not self.is_pty
 
     @property
     def has_stable_name(self) -> bool:
-        """Whether it comes back under its name after it was unplugged."""
+        """Whether the port keeps its name after it was unplugged."""
         return self.port.name.startswith(BY_ID)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceEvidence:
-    """All of it; None for what there is none of.
+    """All evidence; missing parts are None.
 
     source
         Port or file.
     recording
-        The file, where it was no port.
+        File, if it is not a port.
     failure
-        Why the port could not be listened to, or not any further; `search` says why no port was chosen.
+        Error that ended listening; `search` is the reason why no port was chosen.
     is_angle
-        Whether the rate was made of an angle that the device sends.
+        Whether the rate comes from an angle that the device sends.
     units
-        Fields of the event that the rate has another unit than it is taken for; empty without one.
+        Fields of the event `rate_unit_differs`; empty without one.
     checked
-        What the checks of a recording found of its clock and its rates.
+        Findings about clock and rates of a recording.
     """
 
     source: str
@@ -84,22 +84,22 @@ class DeviceEvidence:
 
     @property
     def is_in_deg_s(self) -> bool:
-        """Whether nothing says that the rates have another unit, sign or axis."""
+        """Whether no finding says that the rates have another unit, sign or axis."""
         return not self.units and not any(finding.is_error for finding in self.checked)
 
     @property
     def rest(self) -> Stretch | None:
-        """The longest stretch without motion."""
+        """Longest stretch without motion; None without one."""
         stretches = self.description.stretches if self.description else ()
-        return max(stretches, key=lambda each: each.end_s - each.start_s, default=None)
+        return max(stretches, key=lambda stretch: stretch.end_s - stretch.start_s, default=None)
 
     @property
     def holds_zero(self) -> bool:
-        """Whether a healthy device of this kind says exactly 0 at rest."""
+        """Whether a healthy device of this kind sends exactly 0 at rest."""
         protocol = PROTOCOLS.get(self.link.protocol)
         return self.is_angle or (protocol is not None and protocol.holds_zero)
 
     @property
     def is_understood(self) -> bool:
-        """Whether samples came."""
+        """Whether samples arrived."""
         return self.session is not None

@@ -1,4 +1,4 @@
-"""Listening to a device for a while, as `serve` does it, and keeping all of it."""
+"""Listen to a device like `serve`, and keep all samples."""
 
 import select
 import time
@@ -23,7 +23,7 @@ from gyrodrift.session.session import Session
 
 BITS_PER_BYTE = 10
 SURE_PPM = 100.0
-"""The drift of a clock is told when its standard error is below that."""
+"""Largest standard error of a reported clock drift, ppm."""
 
 
 @dataclass(slots=True)
@@ -46,7 +46,7 @@ def listen(
     port: Port | None = None,
     monotonic: Callable[[], float] = time.monotonic,
 ) -> DeviceEvidence:
-    """What is seen of a device within `seconds` from its first sample; `port` is open already, None to open it."""
+    """Evidence from `seconds` after the first sample; `port` is an open port, or None to open it."""
     outside = look_at_port(options.port)
     heard = _Heard()
     try:
@@ -55,7 +55,7 @@ def listen(
         return DeviceEvidence(options.port, port=outside, failure=error)
     try:
         _hear(link, seconds, heard, progress, monotonic)
-        if outside is not None:  # opening it has set the timer
+        if outside is not None:  # opening the port changes the timer
             outside = replace(outside, latency_ms=latency_ms(outside.port.device))
         return _evidence(options.port, outside, link, heard)
     finally:
@@ -109,9 +109,9 @@ def _wait(link: Link) -> None:
 
 
 def session_of(samples: list[Sample]) -> Session:
-    """Samples as a session that was never written."""
-    seq, t_device_s, t_host_s, rate_dps, *known = (np.array(column) for column in zip(*samples, strict=True))
-    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in known)
+    """Session from samples."""
+    seq, t_device_s, t_host_s, rate_dps, *optional = (np.array(column) for column in zip(*samples, strict=True))
+    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in optional)
     return Session(
         name="now",
         t_device_s=t_device_s,
@@ -125,7 +125,7 @@ def session_of(samples: list[Sample]) -> Session:
 
 
 def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
-    """The counters of the link, and the share of its line that samples at this rate take."""
+    """Counters of the link, with the share of its line that the samples use."""
     counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
     rate_hz = description.rate_hz or 0.0 if description else 0.0
     bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * BITS_PER_BYTE
@@ -143,7 +143,7 @@ def _status(link: Link, description: SessionDescription | None, *, has_clock: bo
 
 
 def clock_ppm(description: SessionDescription | None) -> float | None:
-    """How fast the device's clock runs against the host's; None where that is not sure."""
+    """Drift of the device clock against the host clock, ppm; None if it is uncertain."""
     host = description.host if description else None
     if host is None or host.drift_ppm is None or (host.drift_sd_ppm or 0.0) >= SURE_PPM:
         return None
@@ -151,6 +151,6 @@ def clock_ppm(description: SessionDescription | None) -> float | None:
 
 
 def jitter_ms(description: SessionDescription | None) -> float:
-    """How much later than the soonest possible 95 of 100 samples arrive, ms; 0 without host times."""
+    """95th percentile of the arrival delay, ms; 0 without host times."""
     host = description.host if description else None
     return 0.0 if host is None else 1e3 * host.delay_p95_s

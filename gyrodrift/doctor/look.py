@@ -1,4 +1,4 @@
-"""A port from outside: who holds it, who may open it, what adapter it is; nothing here opens it."""
+"""Look at a port without opening it: its holder, permissions and adapter."""
 
 import os
 import stat
@@ -13,15 +13,15 @@ from gyrodrift.link.serial_port import SerialPort
 
 
 def look_at_port(path: str) -> PortEvidence | None:
-    """What the system says of a port; None where there is no such device."""
+    """Evidence about a port; None if the device does not exist."""
     device = os.path.realpath(path)
     try:
         status = Path(device).stat()
     except OSError:
         return None
-    known = {each.device: each for each in serial_ports()}
+    ports = {port.device: port for port in serial_ports()}
     return PortEvidence(
-        port=known.get(device, SerialPort(stable_name(path), device)),
+        port=ports.get(device, SerialPort(stable_name(path), device)),
         holder=holder_of(path),
         is_pty=os.major(status.st_rdev) in PTY_SLAVE_MAJORS,
         access=f"{stat.filemode(status.st_mode)} {_owner(status.st_uid)}:{_group(status.st_gid)}",
@@ -31,7 +31,7 @@ def look_at_port(path: str) -> PortEvidence | None:
 
 
 def latency_ms(device: str) -> int | None:
-    """The latency timer of the adapter as it is now, ms: opening a port for low latency sets it; None without one."""
+    """Present latency timer of the adapter, ms; None without one. Opening a port for low latency changes it."""
     try:
         return int((_of_sysfs(device) / "latency_timer").read_text())
     except (OSError, ValueError):

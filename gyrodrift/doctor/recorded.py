@@ -1,4 +1,4 @@
-"""A recording as evidence: its samples, and what was kept of its link beside them."""
+"""Evidence from a recording: its samples, and the counters of its link."""
 
 from collections.abc import Mapping
 from math import isfinite
@@ -14,21 +14,21 @@ from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
 
 CLOCK_CHECKS = frozenset({"clock_unit", "clock_stamps"})
-"""Where an error of these was found, nothing else can be made of the times."""
+"""Checks whose errors make all times useless."""
 
 COUNTED = ("bytes", "damaged", "before_hello", "clipped", "device_resets", "reconnects")
-"""Counters of the link that a recording keeps, but for those that its samples show."""
+"""Counters of the link in a recording; others follow from its samples."""
 
 
 def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence:
-    """What a recording shows of the device; of a damaged one, which its caller has told of, what is whole.
+    """Evidence from a recording; the readable part if it is damaged.
 
-    `reading` is what a person states of columns and units.
+    `reading` holds the columns and units that the user states.
 
     Raises
     ------
     DataError
-        Where it cannot be read.
+        It cannot be read.
     """
     checked = examined(reading.applied(load_session(path, reading.columns, allow_damage=True)), reading)
     session, is_timed = checked.session, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
@@ -62,7 +62,7 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
 
 
 def _device(kept: Mapping[str, str]) -> DeviceStatus:
-    """What the device said of itself when it was recorded."""
+    """Data about the device from the time of the recording."""
     counts = _number(kept, "encoder_cpr")
     return DeviceStatus(
         device_id=kept.get("device_id"),
@@ -73,9 +73,9 @@ def _device(kept: Mapping[str, str]) -> DeviceStatus:
 
 
 def _number(kept: Mapping[str, str], name: str) -> float | None:
-    """A number that was kept; None where there is none, or, in files of other programs, something else."""
+    """Number in the metadata; None without one, or if it is not a number."""
     try:
-        found = float(kept[name])
+        value = float(kept[name])
     except (KeyError, ValueError):
         return None
-    return found if isfinite(found) else None
+    return value if isfinite(value) else None

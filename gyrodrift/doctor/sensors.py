@@ -1,4 +1,4 @@
-"""Data sheets of usual gyros, as far as a finding compares with them: one record a sensor."""
+"""Data sheets of common gyros, one record per sensor."""
 
 import re
 from dataclasses import dataclass
@@ -6,22 +6,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """Typical values of a data sheet; None for what it does not state.
+    """Typical values of a data sheet; None if it does not state them.
 
     ranges
-        Full scale in deg/s, and the counts of one deg/s there.
+        Full scale, deg/s, and counts per deg/s.
     noise_dps_rthz
         Rate noise density, one-sided, deg/s/√Hz.
     zero_rate_dps
-        How far from zero the rate may be at rest, at 25 °C, deg/s.
+        Zero-rate offset at 25 °C, deg/s.
     zero_rate_dps_c
-        How far that moves with temperature, deg/s/°C.
+        Change of the zero-rate offset with temperature, deg/s/°C.
     in_run_dps
         In-run bias stability, deg/s.
     bandwidth_by
-        How the low-pass in the sensor is set.
+        Register that sets the low-pass of the sensor.
     source
-        Number of the data sheet, and where in it.
+        Number of the data sheet, and section.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Sensor:
     in_run_dps: float | None = None
 
     def range_of(self, step_dps: float) -> int | None:
-        """The full scale that has this step, deg/s; None where none has."""
+        """Full scale with this step, deg/s; None without one."""
         return next((scale for scale, lsb in self.ranges if abs(step_dps * lsb - 1.0) < STEP_TOLERANCE), None)
 
 
@@ -99,21 +99,21 @@ SENSORS = (
         in_run_dps=8.0 / 3600.0,
     ),
 )
-"""Longer names stand behind those that they begin with."""
+"""A name that begins with another name comes after it."""
 
 
 def plain(name: str) -> str:
-    """Letters and digits alone, in capitals: mpu_6050 is an MPU-6050."""
+    """Letters and digits in capitals, so that mpu_6050 matches MPU-6050."""
     return re.sub(r"[^A-Z0-9]", "", name.upper())
 
 
 def sensor_named(text: str) -> Sensor | None:
-    """The sensor that a device, a file or a person names somewhere in a text; None where none is."""
-    found = [sensor for sensor in SENSORS if plain(sensor.name) in plain(text)]
-    return found[-1] if found else None
+    """Sensor whose name is in a text; None without one."""
+    matches = [sensor for sensor in SENSORS if plain(sensor.name) in plain(text)]
+    return matches[-1] if matches else None
 
 
 def with_step(step_dps: float) -> list[tuple[Sensor, int]]:
-    """The sensors that have a range with this step, and the range."""
-    found = [(sensor, sensor.range_of(step_dps)) for sensor in SENSORS]
-    return [(sensor, scale) for sensor, scale in found if scale is not None]
+    """Sensors that have a range with this step, and the range, deg/s."""
+    ranges = [(sensor, sensor.range_of(step_dps)) for sensor in SENSORS]
+    return [(sensor, scale) for sensor, scale in ranges if scale is not None]

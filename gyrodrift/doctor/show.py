@@ -54,8 +54,8 @@ def show(source: str, findings: Sequence[DeviceFinding], stream: TextIO, detail:
     elif shown:
         console.print(_wide(shown) if console.width >= WIDE else _narrow(shown))
     hidden = len(findings) - len(shown)
-    more = f" ({hidden} not shown; --verbose shows all)" if hidden and detail is Detail.SUMMARY else ""
-    console.print(Text(f"{counted(findings)}{more}", style=MARKS[worst(findings)][1]))
+    hint = f" ({hidden} not shown; --verbose shows all)" if hidden and detail is Detail.SUMMARY else ""
+    console.print(Text(f"{counted(findings)}{hint}", style=MARKS[worst(findings)][1]))
 
 
 def _body(finding: DeviceFinding) -> "Text":

@@ -1,4 +1,4 @@
-"""The longest rest of a recording as numbers: bias with its uncertainty, white noise, the samples themselves."""
+"""Longest rest of a recording: its samples, bias with uncertainty, and noise."""
 
 from dataclasses import dataclass
 from math import sqrt
@@ -10,21 +10,21 @@ from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.doctor.evidence import DeviceEvidence
 
 RAIL_MIN_DPS = 20.0
-"""A largest rate below that is no end of a range."""
+"""Smallest rate that may be the end of a range, deg/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class StillRate:
-    """The rate while nothing moved.
+    """Rate at rest.
 
     bias_dps, bias_sigma_dps
-        Mean rate, and what white noise alone leaves open of it.
+        Mean rate, and its standard deviation by white noise.
     noise_dps_rthz
-        Angle random walk N, deg/s/√Hz (that is deg/√s): by the Allan deviation, in less than 30 s by the scatter.
+        Angle random walk N, deg/s/√Hz (= deg/√s), from the Allan deviation; from the scatter below 30 s of rest.
     std_dps
-        Scatter of single samples.
+        Standard deviation of single samples.
     instability_dps
-        Bias instability B, where the rest is long enough to show it.
+        Bias instability B (IEEE Std 952); None if the rest is too short.
     """
 
     t_s: Floats
@@ -38,7 +38,7 @@ class StillRate:
 
 
 def still_rate(evidence: DeviceEvidence) -> StillRate | None:
-    """Of the longest rest; None without one, and where the rates have another unit."""
+    """Measure the longest rest; None without one, or if the rates have another unit."""
     rest, session, about = evidence.rest, evidence.session, evidence.description
     if rest is None or session is None or about is None or about.rate_hz is None or not evidence.is_in_deg_s:
         return None
@@ -61,8 +61,8 @@ def still_rate(evidence: DeviceEvidence) -> StillRate | None:
 
 
 def step_of(evidence: DeviceEvidence) -> float | None:
-    """The step of the rate, deg/s: what the device states, or what is seen where that is coarser; None without one."""
+    """Step of the rate, deg/s: the stated one, or the measured one if it is coarser; None without both."""
     if evidence.session is None:
         return None
-    seen, told = smallest_step(evidence.session.rate_dps), evidence.device.dps_per_lsb
-    return max(told, seen or 0.0) if told else seen
+    measured_dps, stated_dps = smallest_step(evidence.session.rate_dps), evidence.device.dps_per_lsb
+    return max(stated_dps, measured_dps or 0.0) if stated_dps else measured_dps

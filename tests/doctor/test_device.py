@@ -27,8 +27,8 @@ CASES = {
             *("--fault", "reset:from_s=8", "--fault", "stuck_value:from_s=16"),
         ),
         (
-            ("stuck", "error", "said one value for"),
-            ("stuck", "error", "set up the sensor anew"),
+            ("stuck", "error", "The rate was constant for"),
+            ("stuck", "error", "set up the sensor again"),
             ("damage", "error", "frames arrived damaged"),
             ("damage", "error", "Shorten the cable"),
             ("gaps", "warning", "Lost: "),
@@ -46,10 +46,10 @@ CASES = {
             "timestamp_jitter:sigma_ms=3",
         ),
         (
-            ("protocol", "note", "It speaks csv: lines without a checksum"),
-            ("damage", "ok", "Every line could be read."),
-            ("repeats", "warning", "repeat the one before"),
-            ("stamps", "warning", "interrupt of data-ready"),
+            ("protocol", "note", "It sends csv: lines without a checksum"),
+            ("damage", "ok", "All lines could be read."),
+            ("repeats", "warning", "repeat the previous one"),
+            ("stamps", "warning", "data-ready interrupt"),
         ),
     ),
     "vibration above half the sample rate": (
@@ -80,7 +80,7 @@ CASES = {
     ),
     "no device clock": (
         (*REST, "--protocol", "witmotion"),
-        (("protocol", "note", "It speaks witmotion, which carries no device clock"),),
+        (("protocol", "note", "It sends witmotion, which has no device clock"),),
     ),
 }
 
@@ -124,7 +124,7 @@ def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixt
             ("noise", "ok", "deg/s/√Hz"),
             ("temperature", "note", " °C within "),
             ("bias_moves", "note", "The bias moved by -0."),
-            ("clock_drift", "note", "times the pace of this computer: it is a replay"),
+            ("clock_drift", "note", "times as fast as this computer: this is a replay"),
             ("sensor", "note", "MPU-6050 at ±250"),
             ("drift_start_calibration", "ok", "A start calibration of 3 s drifts ±"),
             ("drift_hdr", "ok", "learns the rest from turns"),
@@ -174,7 +174,7 @@ def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> N
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
         _, found = doctor(capsys, "--port", port, "--seconds", "2")
     assert_findings(
-        found, [("bursts", "note", "Samples arrive in bunches of"), ("jitter", "note", "Samples arrive unevenly")]
+        found, [("bursts", "note", "Samples arrive in bursts of"), ("jitter", "note", "Samples arrive unevenly")]
     )
     assert found["bursts"]["value"] > 5
 
@@ -193,7 +193,7 @@ def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]
     with device(port, *REST, "--fault", "unplug:from_s=0.8,seconds=100"):
         status, found = doctor(capsys, "--port", port, "--seconds", "1.2")
     assert status == 3
-    assert_findings(found, [("unplugged", "error", "went away while it was listened to"), ("damage", "ok", "")])
+    assert_findings(found, [("unplugged", "error", "went away while doctor listened"), ("damage", "ok", "")])
 
 
 def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -215,7 +215,7 @@ def test_a_family_that_says_exactly_0_at_rest_does_not_hang(
     rig.write_text("base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n")
     with device(port, *REST, "--protocol", protocol, "--rig", rig):
         _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
-    assert_findings(found, [("stuck", "note", "said exactly 0 for"), ("stuck", "note", "no bias can be seen")])
+    assert_findings(found, [("stuck", "note", "was exactly 0 for"), ("stuck", "note", "hides its bias")])
 
 
 def test_a_rate_of_0_of_any_other_device_is_one_that_hangs(
@@ -237,7 +237,7 @@ def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixt
     with device(port, *FAST, "--protocol", "csv", "--rig", tmp_path / "rig.yaml", "--profile", tmp_path / "turns.yaml"):
         status, found = doctor(capsys, "--port", port, "--seconds", "1")
     assert status == 3
-    assert_findings(found, [("rate_unit", "error", "rad/s rather than deg/s"), ("rate_unit", "error", "rate:rads")])
+    assert_findings(found, [("rate_unit", "error", "rad/s instead of deg/s"), ("rate_unit", "error", "rate:rads")])
     assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
 
 

@@ -55,10 +55,10 @@ def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: 
         found,
         [
             ("adapter", "ok", "FTDI FT232R USB UART (0403:6001), with the driver ftdi_sio"),
-            ("latency_timer", "warning", "holds bytes back for up to 16 ms"),
+            ("latency_timer", "warning", "delays bytes by up to 16 ms"),
             ("latency_timer", "warning", f"/sys/bus/usb-serial/devices/{terminal}/latency_timer"),
             ("name", "note", "no name in /dev/serial/by-id"),
-            ("baud", "ok", "It sends at 115200 baud; 38400, 57600, 115200, 230400 carry it with room."),
+            ("baud", "ok", "It sends at 115200 baud; this stream fits at 38400, 57600, 115200, 230400."),
         ],
     )
 
@@ -73,7 +73,7 @@ def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest
         [
             ("latency_timer", "ok", "1 ms"),
             ("name", "ok", "is built in"),
-            ("baud", "ok", "any rate does"),
+            ("baud", "ok", "any baud rate works"),
             ("line_budget", "ok", "this port has no such limit"),
         ],
     )
@@ -83,7 +83,7 @@ def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest
     ("rate_hz", "severity", "says"),
     [
         (800, "error", "The line is used to 1"),
-        (400, "note", "are 70% of 115200 baud: little room is left."),
+        (400, "note", "are 70% of 115200 baud: little is left."),
     ],
 )
 def test_how_full_the_line_is(
@@ -175,7 +175,7 @@ def test_of_several_ports_that_of_the_gyro_is_taken(
     with device(port, *FAST, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", "0.2")
     assert status == 0
-    assert_findings(found, [("protocol", "ok", "It speaks native"), ("restarts", "ok", "")])
+    assert_findings(found, [("protocol", "ok", "It sends native"), ("restarts", "ok", "")])
 
 
 def test_the_one_port_there_is_is_taken(
@@ -189,5 +189,5 @@ def test_the_one_port_there_is_is_taken(
         status, found = doctor(capsys, "--seconds", SECONDS)
     assert status == 0
     assert_findings(
-        found, [("protocol", "ok", "It speaks native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
+        found, [("protocol", "ok", "It sends native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
     )

@@ -172,7 +172,7 @@ ASKED: dict[str, tuple[Lines, str]] = {
         lambda _t, _d, deg, n: (
             f"{100 * np.cos(rads(deg + 30)) + n(1):.0f},{100 * np.sin(rads(deg + 30)) + n(1):.0f},{n(1) - 200:.0f}"
         ),
-        "no column turned by a quarter turn",
+        "no column shows a quarter turn",
     ),
     "an accelerometer alone, at the end of an arm": (
         lambda _t, dps, deg, n: (
@@ -225,7 +225,7 @@ def test_an_upright_axis_is_named() -> None:
     """A board that is mounted on its edge turns about another axis than z."""
     result = turned(lambda _t, dps, _a, n: f"gx:{-dps + n(0.1):.2f} gy:{n(0.1):.2f} gz:{n(0.1):.2f}")
     assert result.spec == "gx=rate:dps:-"
-    assert any("x axis of the sensor stands upright" in each.says for each in findings_of(result))
+    assert any("x axis of the sensor is vertical" in each.says for each in findings_of(result))
 
 
 def test_damaged_lines_do_not_move_the_scale() -> None:

@@ -156,15 +156,15 @@ def test_a_device_that_falls_silent_is_told(tmp_path: Path) -> None:
         board = listening(closing, tmp_path / "port", FORMS["labelled, in deg/s"][0])
         play([board], until_said=TURN)
         assert board.command.end() == 3
-        assert "fell silent" in board.command.log
+        assert "stopped sending" in board.command.log
 
 
 REFUSED = {
-    "columns that are given": (("--turn", "--columns", "rate"), "leave one of the two out"),
+    "columns that are given": (("--turn", "--columns", "rate"), "use one of them"),
     "a file without the place": (("--turn", "{file}"), "--turn-at S"),
     "a place without a file": (("--turn-at", "3"), "is for a file"),
     "a place beyond the end": (("--turn-at", "300", "{file}"), "the file lasts"),
-    "a file without a clock": (("--turn-at", "3", "{clockless}"), "no column of it is a clock"),
+    "a file without a clock": (("--turn-at", "3", "{clockless}"), "it has no clock column"),
 }
 
 

@@ -1,4 +1,4 @@
-"""The line: what is spoken on it, at which baud rate, how full it is, and what is damaged."""
+"""Checks of the line: protocol, baud rate, load, damage, restarts, units."""
 
 from functools import partial
 
@@ -11,163 +11,165 @@ from gyrodrift.link.port import USUAL_BAUDS
 from gyrodrift.outputs import health
 
 FULL = 0.6
-"""Share of the line above which a frame more, or a higher rate, has no room."""
+"""Share of the line above which larger frames, or a higher rate, do not fit."""
 
 SILENT_S = 1.0
-"""Who listens for half a minute does not wait as long as a service does."""
+"""Gap that counts as silence, s: shorter than in a service, since `doctor` listens for half a minute only."""
 
 UNCHECKED = frozenset({"csv", "text", "witmotion-ble"})
 """Protocols without a checksum."""
 
 
 def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """What it speaks."""
+    """Protocol of the device."""
     link = evidence.link
     if isinstance(evidence.failure, DeviceSilentError):
         return of_error(str(evidence.failure).removeprefix(f"{link.port or evidence.source}: "))
     if not evidence.is_understood or not link.protocol:
         return None
-    says = f"It speaks {link.protocol}"
+    says = f"It sends {link.protocol}"
     if evidence.device.device_id:
         says += f", device {evidence.device.device_id}"
     if not evidence.has_clock:
         return note(
-            f"{says}, which carries no device clock: samples are timed by their arrival.",
-            "Send the sensor's time with each sample, where the firmware is yours.",
+            f"{says}, which has no device clock: samples get the time of their arrival.",
+            "If you can change the firmware, send the time of the sensor with each sample.",
         )
     if link.protocol in UNCHECKED:
-        what = "frames" if link.protocol == "witmotion-ble" else "lines"
+        unit = "frames" if link.protocol == "witmotion-ble" else "lines"
         return note(
-            f"{says}: {what} without a checksum, so a damaged one may pass for a rate.",
-            "Send native frames over long or noisy lines.",
+            f"{says}: {unit} without a checksum, so a damaged value may look like a rate.",
+            "Use native frames on long or noisy lines.",
         )
     return ok(f"{says}.")
 
 
 def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Which line rates carry this stream."""
+    """Baud rates that carry this stream."""
     needs = _needs_baud(evidence)
     if not needs or evidence.recording is not None:
         return None
     fitting = sorted(rate for rate in USUAL_BAUDS if needs <= FULL * rate)
-    carried = ", ".join(map(str, fitting[:4])) if fitting else "none of the usual rates"
+    carried = ", ".join(map(str, fitting[:4])) if fitting else "none of the usual baud rates"
     if not _has_line(evidence):
         return ok(
-            f"The port is no UART line, so any rate does; on a UART, {carried} would carry it.",
+            f"The port is not a UART, so any baud rate works; a UART needs {carried}.",
             evidence.link.baud,
             "baud",
         )
-    return ok(f"It sends at {evidence.link.baud} baud; {carried} carry it with room.", evidence.link.baud, "baud")
+    return ok(f"It sends at {evidence.link.baud} baud; this stream fits at {carried}.", evidence.link.baud, "baud")
 
 
 def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """How much of the line is used at this rate and frame size."""
+    """Load of the line at this sample rate and frame size."""
     link, needs = evidence.link, _needs_baud(evidence)
     if not needs or not link.baud:
         return None
     frame_bytes, share = link.bytes / link.samples, needs / link.baud
-    most_hz = health.BUSY * link.baud / BITS_PER_BYTE / frame_bytes
-    about = f"{frame_bytes:.1f} bytes a sample at {link.rate_hz:.4g} Hz are {share:.0%} of {link.baud} baud"
+    limit_hz = health.BUSY * link.baud / BITS_PER_BYTE / frame_bytes
+    about = f"{frame_bytes:.1f} bytes per sample at {link.rate_hz:.4g} Hz are {share:.0%} of {link.baud} baud"
     if not _has_line(evidence):
         return ok(f"{about}; this port has no such limit.", share)
-    slower = f"send at most {most_hz:.0f} samples a second of this size"
+    slower = f"send at most {limit_hz:.0f} samples per second of this size"
     faster = min((rate for rate in USUAL_BAUDS if needs <= FULL * rate), default=None)
     do = f"Set {faster} baud in the firmware, or {slower}." if faster else f"{slower[0].upper()}{slower[1:]}."
     busy = health.line_busy(link)
     if busy is not None:
         return of_health(busy, Severity.ERROR, do, share)
     if share > FULL:
-        return note(f"{about}: little room is left.", do, share)
-    return ok(f"{about}; up to {most_hz:.0f} Hz fit.", share)
+        return note(f"{about}: little is left.", do, share)
+    return ok(f"{about}; up to {limit_hz:.0f} Hz fit.", share)
 
 
 def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Frames that failed their checksum or form."""
+    """Frames with a wrong checksum or form."""
     if not _is_counted(evidence):
         return None
-    said = health.damaged(evidence.link)
+    health_finding = health.damaged(evidence.link)
     share = evidence.link.damaged / max(evidence.link.samples + evidence.link.damaged, 1)
-    if said is None:
-        seen = "Every line could be read." if evidence.link.protocol in UNCHECKED else "No frame arrived damaged."
-        return ok(seen, 0.0)
+    if health_finding is None:
+        says = "All lines could be read." if evidence.link.protocol in UNCHECKED else "No frame arrived damaged."
+        return ok(says, 0.0)
     return of_health(
-        said,
+        health_finding,
         Severity.WARNING,
-        "Shorten the cable, lay it away from motors, join the grounds, lower the baud rate; feed the sensor from a "
-        "supply of its own.",
+        "Shorten the cable, lay it away from motors, connect the grounds, lower the baud rate, and give the sensor its "
+        "own supply.",
         share,
     )
 
 
 def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """A device that stopped speaking meanwhile."""
+    """Whether the device stopped sending."""
     if not evidence.is_understood or evidence.recording is not None or not evidence.link.is_open:
         return None
-    said = health.silent(evidence.link, SILENT_S)
-    if said is None:
+    silent = health.silent(evidence.link, SILENT_S)
+    if silent is None:
         return None
     return of_health(
-        said, Severity.ERROR, "Its firmware hangs, perhaps in a read of the sensor: reset it, look at wires."
+        silent, Severity.ERROR, "Its firmware hangs, perhaps while reading the sensor: reset it, and check the wires."
     )
 
 
 def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """A port that went away meanwhile."""
+    """Whether the port went away."""
     if evidence.recording is None and evidence.is_understood and not evidence.link.is_open:
-        return error("The port went away while it was listened to.", "Look at plug, cable and hub.")
-    said = health.replugged(evidence.link)
-    if said is None:
+        return error("The port went away while doctor listened.", "Check plug, cable and hub.")
+    replugged = health.replugged(evidence.link)
+    if replugged is None:
         return None
-    return of_health(said, Severity.WARNING, "Look at plug, cable and hub: USB power, a hub that switches ports off.")
+    return of_health(
+        replugged, Severity.WARNING, "Check plug, cable and hub: USB power, or a hub that switches ports off."
+    )
 
 
 def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """A device that booted, or whose clock jumped."""
-    if found := of_recording("restarts", evidence):
-        return found
+    """Whether the device booted, or its clock jumped."""
+    if finding := of_recording("restarts", evidence):
+        return finding
     if not _is_counted(evidence):
         return None
-    said = health.restarted(evidence.link)
-    if said is None:
-        return ok("The device did not begin anew.", 0)
+    restarted = health.restarted(evidence.link)
+    if restarted is None:
+        return ok("The device did not restart.", 0)
     return of_health(
-        said,
+        restarted,
         Severity.WARNING,
-        "Feed the board from a supply of its own, with a capacitor; look for a watchdog, a DTR line, or firmware "
-        "that sets its clock.",
+        "Give the board its own supply, with a capacitor. Look for a watchdog, a DTR line, or firmware that sets its "
+        "clock.",
         evidence.link.device_resets,
     )
 
 
 def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether its clock counts what it is taken for."""
+    """Whether the clock has the expected unit."""
     if not isinstance(evidence.failure, UnitError):
         return of_recording("clock_unit", evidence)
     return of_error(str(evidence.failure).removeprefix(f"{evidence.link.port}: "))
 
 
 def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether its rates are in deg/s."""
+    """Whether the rates are in deg/s."""
     units = evidence.units
     if not units:
         return of_recording("rate_unit", evidence)
     return error(
-        f"The rates are {units['unit']} rather than deg/s, at odds of {units['odds']}: {units['reason']}.",
+        f"The rates are {units['unit']} instead of deg/s, with odds of {units['odds']}: {units['reason']}.",
         f"{units['hint'][0].upper()}{units['hint'][1:]}.",
     )
 
 
 def of_recording(check: str, evidence: DeviceEvidence) -> DeviceFinding | None:
-    """What a check of a recording found; None where it found nothing."""
-    found = next((finding for finding in evidence.checked if finding.id == check), None)
-    if found is None:
+    """Finding of a check of a recording; None without one."""
+    finding = next((finding for finding in evidence.checked if finding.id == check), None)
+    if finding is None:
         return None
-    severity = Severity.ERROR if found.is_error else Severity.WARNING
-    return DeviceFinding(severity, sentence(found.says), sentence(found.do))
+    severity = Severity.ERROR if finding.is_error else Severity.WARNING
+    return DeviceFinding(severity, sentence(finding.says), sentence(finding.do))
 
 
 def _is_counted(evidence: DeviceEvidence) -> bool:
-    """Whether the link was heard, or its counters kept; a table of other people has none."""
+    """Whether there are counters of the link; a foreign table has none."""
     return evidence.is_understood and (evidence.recording is None or evidence.link.bytes > 0)
 
 
@@ -176,27 +178,27 @@ def _has_line(evidence: DeviceEvidence) -> bool:
 
 
 def _needs_baud(evidence: DeviceEvidence) -> float:
-    """The line rate that would be used to the full; 0 where it is not known."""
+    """Smallest baud rate for this stream; 0 if it is unknown."""
     link = evidence.link
     return link.bytes / link.samples * link.rate_hz * BITS_PER_BYTE if link.samples and link.bytes else 0.0
 
 
 CHECKS = (
-    Check("protocol", "what is spoken, with a checksum and a clock or without", protocol),
-    Check("baud", "the line rate, and which ones make sense for this stream", baud),
-    Check("line_budget", "share of the line at this sample rate and frame size", line_budget),
-    Check("damage", "frames that failed their checksum or form", damage),
-    Check("silence", "the device stopped speaking meanwhile", silence),
-    Check("unplugged", "the port went away meanwhile", unplugged),
-    Check("restarts", "the device booted, or its clock jumped", restarts),
-    Check("clock_unit", "a clock that counts milliseconds or seconds", clock_unit),
+    Check("protocol", "protocol, with or without checksum and clock", protocol),
+    Check("baud", "the baud rate, and rates that carry this stream", baud),
+    Check("line_budget", "load of the line at this sample rate and frame size", line_budget),
+    Check("damage", "frames with a wrong checksum or form", damage),
+    Check("silence", "whether the device stopped sending", silence),
+    Check("unplugged", "whether the port went away", unplugged),
+    Check("restarts", "whether the device booted, or its clock jumped", restarts),
+    Check("clock_unit", "a clock in milliseconds or seconds", clock_unit),
     Check("rate_unit", "rates in rad/s or counts", rate_unit),
     *(
         Check(name, about, partial(of_recording, name))
         for name, about in (
-            ("clock_stamps", "times of a recording that stand still or are too coarse"),
-            ("clock_pace", "seconds of the device beside those of the host, in a recording"),
-            ("rate_sign", "the sign of the rates beside the encoder, in a recording"),
+            ("clock_stamps", "constant or coarse times in a recording"),
+            ("clock_pace", "device time against host time in a recording"),
+            ("rate_sign", "sign of the rates against the encoder in a recording"),
             ("rate_axis", "whether the rates of a recording follow its encoder"),
         )
     ),

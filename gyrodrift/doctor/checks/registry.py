@@ -1,4 +1,4 @@
-"""All checks in the order in which they are told; one more is one more record in a file of this package."""
+"""All checks in the order of the report. A further check is one record in a file of this package."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ CHECKS = (*port.CHECKS, *line.CHECKS, *stream.CHECKS, *sensor.CHECKS, *noise.CHE
 
 
 def examine(evidence: DeviceEvidence) -> list[DeviceFinding]:
-    """What each check finds, in their order."""
+    """Findings of all checks that have data."""
     with np.errstate(all="ignore"):  # a recording may hold numbers of any size
-        found = [(check.id, check.look(evidence)) for check in CHECKS]
-    return [replace(each, id=name) for name, each in found if each is not None]
+        findings = [(check.id, check.look(evidence)) for check in CHECKS]
+    return [replace(finding, id=name) for name, finding in findings if finding is not None]

@@ -1,4 +1,4 @@
-"""A turn as it was heard: lines or samples over time, the rests and the turn between them, and what they say."""
+"""Received turn: lines or samples over time, the rests, the turn between them, and its result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -9,18 +9,18 @@ from gyrodrift.columns.units import Dimension, Unit
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import ColumnKey, Series, TextTable
 from gyrodrift.doctor.turn.spec import read_back, spec_of
-from gyrodrift.doctor.turn.verdict import TurnVerdict, judged
+from gyrodrift.doctor.turn.verdict import TurnVerdict, judge
 from gyrodrift.sample import Sample
 
 
 @dataclass(frozen=True, slots=True)
 class HeardTurn:
-    """A turn at a port or in a file.
+    """Turn at a port or in a file.
 
     table
-        Lines of text; without numbers where a known protocol is spoken.
+        Lines of text; empty for a binary protocol.
     samples
-        Of a known protocol that is no text, named `protocol`; empty otherwise.
+        Samples of the binary protocol `protocol`; empty otherwise.
     """
 
     source: str
@@ -32,7 +32,7 @@ class HeardTurn:
 
 @dataclass(frozen=True, slots=True)
 class TurnResult:
-    """What a turn says, and the SPEC that was tried on it; `read_deg` is what the lines turn by that SPEC."""
+    """Result of a turn, and the tested SPEC; `read_deg` is the turn of the lines, read with that SPEC."""
 
     heard: HeardTurn
     verdict: TurnVerdict
@@ -42,39 +42,39 @@ class TurnResult:
 
     @property
     def is_found(self) -> bool:
-        """Whether it is known how yaw is read."""
+        """Whether yaw can be read."""
         return not self.question
 
 
 def result_of(heard: HeardTurn) -> TurnResult:
-    """Judge a turn, and try on its own lines what is to be pasted."""
+    """Judge a turn, and test the SPEC on its lines."""
     series = series_of(heard)
-    verdict = judged(series, heard.window)
-    if heard.samples or verdict.turned is None:
+    verdict = judge(series, heard.window)
+    if heard.samples or verdict.column is None:
         return TurnResult(heard, verdict, question=verdict.question)
     spec = spec_of(verdict, series)
     if not spec:
-        name = verdict.turned.motion.series.name
-        question = f"{name} turned, but its label stands in a line more than once; give each value a label of its own"
+        name = verdict.column.motion.series.name
+        question = f"{name} turned, but a line has its label more than once; give every value its own label"
         return TurnResult(heard, verdict, question=question)
     read = read_back(heard.table.lines, spec, heard.window)
     if not read.is_quarter:
         question = (
-            f"read by --columns '{spec}', the lines turned by {read.turned_deg:.0f} deg rather than 90: lines of"
-            " several kinds take turns, or many are damaged; let the device print lines of one kind"
+            f"read with --columns '{spec}', the lines turned by {read.turn_deg:.0f} deg instead of 90: there are lines"
+            " of several kinds, or many are damaged; print lines of one kind only"
         )
-        return TurnResult(heard, verdict, read_deg=read.turned_deg, question=question)
-    return TurnResult(heard, verdict, spec, read.turned_deg)
+        return TurnResult(heard, verdict, read_deg=read.turn_deg, question=question)
+    return TurnResult(heard, verdict, spec, read.turn_deg)
 
 
 def series_of(heard: HeardTurn) -> list[Series]:
-    """The columns of its lines, or the rate of a protocol that has no columns."""
-    return [sampled(heard.samples)] if heard.samples else heard.table.series()
+    """Columns of the lines, or the rate of a protocol without columns."""
+    return [series_of_samples(heard.samples)] if heard.samples else heard.table.series()
 
 
-def sampled(samples: Sequence[Sample]) -> Series:
-    """The rate of a protocol that states its unit."""
-    t_s, rate_dps = (np.array([getattr(each, name) for each in samples]) for name in ("t_device_s", "rate_dps"))
-    known = np.isfinite(rate_dps)
+def series_of_samples(samples: Sequence[Sample]) -> Series:
+    """Rate of a protocol with a fixed unit."""
+    t_s, rate_dps = (np.array([getattr(sample, name) for sample in samples]) for name in ("t_device_s", "rate_dps"))
+    is_valid = np.isfinite(rate_dps)
     unit = Unit(Dimension.RATE, "dps")
-    return Series(ColumnKey("rate_dps"), "the rate", "rate", unit, t_s[known], rate_dps[known], is_whole=False)
+    return Series(ColumnKey("rate_dps"), "the rate", "rate", unit, t_s[is_valid], rate_dps[is_valid], is_whole=False)

@@ -1,6 +1,6 @@
-"""A quarter turn at a port, asked for sentence by sentence; bytes are kept as they come, whatever they mean.
+"""Quarter turn at a port, with instructions for the user; all bytes are kept.
 
-The link finds the line rate, and a protocol where a known one is spoken; what it makes of lines is passed over.
+The link finds the line rate, and the protocol if it is a known one. Its interpretation of text is ignored.
 """
 
 import select
@@ -13,7 +13,7 @@ from typing import Any
 from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of, series_of
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import LineTimes, TextTable
-from gyrodrift.doctor.turn.verdict import judged
+from gyrodrift.doctor.turn.verdict import judge
 from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link, LinkOptions
@@ -22,40 +22,40 @@ from gyrodrift.link.silence import why_silent
 from gyrodrift.sample import Sample
 
 TEXTS = frozenset({"csv", "text"})
-"""Protocols of lines, whose columns are what is asked for."""
+"""Protocols of text, which have columns."""
 
 REST_S = 3.0
-LEAST_LINES = 6
+LINES_MIN = 6
 LONGEST_REST_S = 15.0
-"""A slow device is waited for until so many lines have come, but no longer."""
+"""The rest lasts until a slow device has sent LINES_MIN lines, but not longer than this, s."""
 
 TURN_S = 10.0
-"""What a person is told to be done within."""
+"""Time for the turn that the user is told, s."""
 
 LIMIT_S = 14.0
 QUIET_S = 2.5
-"""A rest of this length after a turn ends it early, where a rate has turned: nobody pauses for so long half way."""
+"""Rest after the turn of a rate that ends the recording early, s; longer than a pause half-way."""
 
 QUIET_ANGLE_S = 5.0
-"""The same for an angle, where a label calls it one; a plateau of a rate looks like an angle without."""
+"""Rest after the turn of a labeled angle, s; without a label, the plateau of a rate looks like an angle."""
 
 EARLY_S = 1.5
-"""A rest of this length is enough for a turn that came before it was asked for."""
+"""Shortest rest before a turn that came before its prompt, s."""
 
 SILENT_S = 5.0
-"""Slow boards send two lines a second."""
+"""Longest gap between two reads, s; slow boards send two lines per second."""
 
 LOOK_EVERY_S = 0.5
 USUAL_TIMEOUT_S = 10.0
 
-STILL = "Hold the device still, lying as it will be used."
+STILL = "Hold the device still, mounted as it will be used."
 TURN = f"Turn it now: a quarter turn (90 deg) to the left within {TURN_S:g} s, then hold it still."
-DONE = "Thank you; it may move again."
+DONE = "Done; you may move it again."
 
 
 @dataclass(slots=True)
-class _Coming:
-    """What has come since the line rate is right."""
+class _Received:
+    """Data received at the present line rate."""
 
     heard: Heard = field(default_factory=Heard)
     splitter: LineTimes = field(default_factory=LineTimes)
@@ -70,22 +70,22 @@ class _Coming:
 
     @property
     def count(self) -> int:
-        """Of samples, or of lines with numbers."""
+        """Number of samples, or of lines with numbers."""
         return len(self.samples) or (self.table.numbered_lines if self.heard.is_text else 0)
 
     @property
     def last_s(self) -> float:
-        """When the last one came, in the time of what is judged."""
+        """Time of the last sample or line with a number, s."""
         return self.samples[-1].t_device_s if self.samples else self.table.last_s
 
 
 class TurnListener:
-    """One port, from opening it to the end of the turn; `say` tells the person what to do.
+    """A port, from opening it to the end of the turn; `say` gets the instructions for the user.
 
     Raises
     ------
     LinkError
-        Where the port cannot be opened or goes away, or where nothing comes that has numbers.
+        The port cannot be opened or goes away, or no numbers arrive.
     """
 
     def __init__(
@@ -100,16 +100,16 @@ class TurnListener:
         self._monotonic = monotonic
         self._link = Link(replace(options, timeout_s=0.0), _unheard, monotonic, port)
         self._link.tap = self._take
-        self._coming = _Coming(baud=self._link.baud)
+        self._received = _Received(baud=self._link.baud)
         self._arrived_s = monotonic()
 
     def listen(self) -> TurnResult:
-        """Ask for a rest and for the turn, and judge them."""
+        """Ask for a rest and for the turn, and judge the turn."""
         try:
             self._wait_for_numbers()
             self._say(STILL)
             begin_s = self._rest()
-            turn_s = self._coming.last_s
+            turn_s = self._received.last_s
             self._say(TURN)
             result = self._turn(begin_s, turn_s)
             self._say(DONE)
@@ -119,15 +119,15 @@ class TurnListener:
 
     def _wait_for_numbers(self) -> None:
         begun_s, timeout_s = self._monotonic(), self._options.timeout_s or USUAL_TIMEOUT_S
-        while self._coming.count < LEAST_LINES // 2:
+        while self._received.count < LINES_MIN // 2:
             self._read()
             if self._monotonic() - begun_s >= timeout_s:
                 raise DeviceSilentError(f"{self._link.name}: {self._why_silent(timeout_s)}")
 
     def _rest(self) -> float:
-        begun_s, first, begin_s = self._monotonic(), self._coming.count, self._coming.last_s
+        begun_s, first, begin_s = self._monotonic(), self._received.count, self._received.last_s
         while (passed_s := self._monotonic() - begun_s) < LONGEST_REST_S:
-            if passed_s >= REST_S and self._coming.count - first >= LEAST_LINES:
+            if passed_s >= REST_S and self._received.count - first >= LINES_MIN:
                 break
             self._read()
         return begin_s
@@ -139,21 +139,21 @@ class TurnListener:
             if now_s - looked_s < LOOK_EVERY_S:
                 continue
             looked_s = now_s
-            if self._is_quiet(heard := self._heard(begin_s, turn_s)) and (result := result_of(heard)).is_found:
+            if self._is_quiet(heard := self._heard_turn(begin_s, turn_s)) and (result := result_of(heard)).is_found:
                 return result
-        result = result_of(self._heard(begin_s, turn_s))
-        early = result if result.is_found else result_of(self._heard(begin_s, begin_s + EARLY_S))
+        result = result_of(self._heard_turn(begin_s, turn_s))
+        early = result if result.is_found else result_of(self._heard_turn(begin_s, begin_s + EARLY_S))
         return early if early.is_found else result
 
-    def _heard(self, begin_s: float, turn_s: float) -> HeardTurn:
-        link, coming = self._link, self._coming
-        window = TurnWindow(begin_s, turn_s, coming.last_s)
-        protocol = link.decoder.name if link.decoder is not None and coming.samples else ""
-        return HeardTurn(link.name, window, coming.table, tuple(coming.samples), protocol)
+    def _heard_turn(self, begin_s: float, turn_s: float) -> HeardTurn:
+        link, received = self._link, self._received
+        window = TurnWindow(begin_s, turn_s, received.last_s)
+        protocol = link.decoder.name if link.decoder is not None and received.samples else ""
+        return HeardTurn(link.name, window, received.table, tuple(received.samples), protocol)
 
     def _is_quiet(self, heard: HeardTurn) -> bool:
-        """Whether a rate, or what is called an angle, has turned and come to rest for good."""
-        verdict = judged(series_of(heard), heard.window)
+        """Whether a rate, or a labeled angle, has turned and rested long enough."""
+        verdict = judge(series_of(heard), heard.window)
         if verdict.rate is not None:
             return heard.window.end_s - verdict.rate.motion.last_s > QUIET_S
         if verdict.angle is None or not verdict.angle.motion.series.kind:
@@ -167,36 +167,36 @@ class TurnListener:
             poller.register(fd, select.POLLIN)
         poller.poll(min(link.wake_s(), 0.1) * 1e3)
         samples: Sequence[Sample] = ()
-        with suppress(UnitError):  # units are what the turn is for
+        with suppress(UnitError):  # the turn finds the units
             samples = link.read()
         if link.decoder is not None and link.decoder.name not in TEXTS:
-            self._coming.samples += samples
-        if not self._coming.count:
+            self._received.samples += samples
+        if not self._received.count:
             return
         if link.port is None:
-            raise PortMissingError(f"{link.name}: the port went away during the turn; look at plug and cable")
+            raise PortMissingError(f"{link.name}: the port went away during the turn; check plug and cable")
         if self._monotonic() - self._arrived_s > SILENT_S:
-            raise DeviceSilentError(f"{link.name}: fell silent during the turn; is it still powered?")
+            raise DeviceSilentError(f"{link.name}: the device stopped sending during the turn; is it still powered?")
 
     def _take(self, chunk: bytes, arrival_s: float) -> None:
-        if self._link.baud != self._coming.baud:  # what came at another line rate was noise
-            self._coming = _Coming(baud=self._link.baud)
-        self._coming.add(chunk, arrival_s)
+        if self._link.baud != self._received.baud:  # bytes at another line rate are noise
+            self._received = _Received(baud=self._link.baud)
+        self._received.add(chunk, arrival_s)
         self._arrived_s = self._monotonic()
 
     def _why_silent(self, timeout_s: float) -> str:
-        link, options, coming = self._link, self._options, self._coming
-        if coming.heard.is_text:
-            said = coming.heard.last_words() if coming.heard.content else ""
+        link, options, received = self._link, self._options, self._received
+        if received.heard.is_text:
+            text = received.heard.last_words() if received.heard.content else ""
             return (
-                f"the device prints text, but no numbers within {timeout_s:g} s, such as {said[:60]!r}; is its program"
+                f"the device prints text, but no numbers within {timeout_s:g} s, such as {text[:60]!r}; is its program"
                 " running? Wait longer with --timeout 30"
             )
         return why_silent(
-            timeout_s, options.baud, link.counters.bytes, link.decoder, options.protocol, coming.heard, link.name
+            timeout_s, options.baud, link.counters.bytes, link.decoder, options.protocol, received.heard, link.name
         )
 
 
 def _unheard(event: str, **fields: Any) -> None:
-    """What happens to the link shows in what comes."""
+    """Ignore an event of the link."""
     _ = event, fields

@@ -1,4 +1,4 @@
-"""Units and scales by what a quarter turn measures of them: one is told only where no neighbour fits as well."""
+"""Unit and scale of a rate, from the integral of a quarter turn; a unit is certain only if no other one fits."""
 
 from dataclasses import dataclass
 from math import degrees
@@ -8,28 +8,28 @@ from gyrodrift.columns.units import Dimension, Unit
 
 QUARTER_DEG = 90.0
 HAND = 0.15
-"""How far a quarter turn of a hand may be off, relative."""
+"""Largest relative error of a quarter turn by hand."""
 
-BESIDE_ANGLE = 0.05
-"""The same where an angle in the same lines says how far the turn was."""
+ANGLE_TOLERANCE = 0.05
+"""Largest relative error of the turn, if an angle in the same lines measures it."""
 
 STATED_WITHIN = 0.25
-"""A unit that is written is believed within this, and no two units are so near each other."""
+"""Largest relative difference to a stated unit; other units differ by more."""
 
-LEAST_MEASURED = 5.0
-"""Below so many units per deg/s no sensor gives counts: such a column is an axis that is tilted, or no rate."""
+COUNTS_MIN = 5.0
+"""Smallest counts per deg/s of a sensor; below, the column is a tilted axis, or not a rate."""
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedUnit:
-    """A unit of a rate as a SPEC writes it, and how many of it are one deg/s."""
+    """Unit of a rate as in a SPEC, and its number per deg/s."""
 
     option: str
     per_dps: float
     about: str
 
 
-KNOWN = (
+PRINTED_UNITS = (
     PrintedUnit("dps", 1.0, "deg/s"),
     PrintedUnit("rads", 1.0 / degrees(1.0), "rad/s"),
     PrintedUnit("mdps", 1e3, "mdeg/s"),
@@ -49,21 +49,21 @@ KNOWN = (
     PrintedUnit("lsb/16", 16.0, "counts of a BNO055"),
     PrintedUnit("lsb/14.375", 14.375, "counts of an ITG-3200"),
 )
-"""Units that boards print, and the sensitivities of data sheets."""
+"""Units that boards print, and sensitivities of data sheets."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How a rate is printed.
+    """Scale of a printed rate.
 
     option
-        As a SPEC writes it: of a known unit, or lsb/N as measured.
+        Unit as in a SPEC; lsb/N with the measured N if it is unknown.
     per_dps
-        Units for one deg/s, as measured.
+        Measured units per deg/s.
     near
-        Known units that the measurement does not tell apart; one where the unit is known.
+        Known units that fit the measurement; a single one if the unit is known.
     error
-        Of `option`, relative: 0 where the unit is known.
+        Relative error of `option`: 0 if the unit is known.
     """
 
     option: str
@@ -73,43 +73,43 @@ class Scale:
 
     @property
     def is_known(self) -> bool:
-        """Whether it is a unit or a sensitivity that exists."""
+        """Whether the unit is known."""
         return self.error == 0.0
 
 
-def scale_of(integral: float, turned_deg: float, within: float) -> Scale | None:
-    """By the integral of a column over a turn of `turned_deg`, known to `within`; None where it is no rate's."""
-    per_dps = abs(integral / turned_deg)
-    near = tuple(unit for unit in KNOWN if 1.0 / (1.0 + within) < per_dps / unit.per_dps < 1.0 + within)
+def scale_of(integral: float, turn_deg: float, within: float) -> Scale | None:
+    """Scale from the integral of a column over `turn_deg`, relative error `within`; None if it is not a rate."""
+    per_dps = abs(integral / turn_deg)
+    near = tuple(unit for unit in PRINTED_UNITS if 1.0 / (1.0 + within) < per_dps / unit.per_dps < 1.0 + within)
     if len(near) == 1:
         return Scale(near[0].option, per_dps, near, 0.0)
-    if per_dps < LEAST_MEASURED:
+    if per_dps < COUNTS_MIN:
         return None
     return Scale(f"lsb/{_three_digits(per_dps)}", per_dps, near, within)
 
 
-def stated_scale(unit: Unit | None, integral: float, turned_deg: float) -> Scale | None:
-    """Of a unit that is written beside the column; None where none is, or where the turn stands against it."""
+def stated_scale(unit: Unit | None, integral: float, turn_deg: float) -> Scale | None:
+    """Scale from a stated unit; None without a unit, or if the turn contradicts it."""
     if unit is None or unit.dimension is not Dimension.RATE or not unit.option:
         return None
     stated = per_dps_of(unit.option)
-    per_dps = abs(integral / turned_deg)
+    per_dps = abs(integral / turn_deg)
     if not 1.0 / (1.0 + STATED_WITHIN) < per_dps / stated < 1.0 + STATED_WITHIN:
         return None
     return Scale(unit.option, per_dps, (known_unit(unit.option),), 0.0)
 
 
 def per_dps_of(option: str) -> float:
-    """Units for one deg/s of an option of a rate."""
+    """Units per deg/s of an option of a rate."""
     if option in RATE_DPS:
         return 1.0 / RATE_DPS[option]
-    found = PER.fullmatch(option)
-    return float(found[2]) if found else 1.0
+    match = PER.fullmatch(option)
+    return float(match[2]) if match else 1.0
 
 
 def known_unit(option: str) -> PrintedUnit:
-    """The unit of an option, as people call it where they have a name for it."""
-    named = (unit for unit in KNOWN if unit.option == option)
+    """Unit of an option, with its usual name if it has one."""
+    named = (unit for unit in PRINTED_UNITS if unit.option == option)
     return next(named, PrintedUnit(option, per_dps_of(option), option))
 
 

@@ -1,4 +1,4 @@
-"""Lines of a text as columns over time, before anything is known of them."""
+"""Lines of a text as columns over time."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -12,22 +12,22 @@ from gyrodrift.link.heard import decoded, plain_text
 from gyrodrift.link.text.fields import Fields, Form, as_label, is_number, is_whole
 from gyrodrift.link.text.headings import Headings
 
-MOST_LINES = 200_000
+LINES_MAX = 200_000
 LARGEST = 1e18
-"""Numbers beyond are damaged lines."""
+"""Largest number; above, the line is damaged."""
 
 WHOLE_WITHIN = 1e-6
 NO_RATES = frozenset(
     {"clock", "seq", "temp", "encoder", "ax", "ay", "az", "mx", "my", "mz", "pitch", "roll", "quaternion"}
 )
-"""Kinds that a label states, and that neither turn about the vertical axis nor say how far."""
+"""Labeled kinds that are neither a rate nor an angle about the vertical axis."""
 
 RATE_DIMENSIONS = frozenset({Dimension.RATE, Dimension.ANGLE, Dimension.COUNTS})
 
 
 @dataclass(frozen=True, slots=True)
 class TimedLine:
-    """A line and when it came, s of any origin."""
+    """Line and its arrival time, s, from any origin."""
 
     t_s: float
     text: str
@@ -35,32 +35,34 @@ class TimedLine:
 
 @dataclass(frozen=True, slots=True)
 class ColumnKey:
-    """Where a column stands.
+    """Position of a column.
 
     label
-        Label of its values; empty for values of a row, which `place` (from 0) in rows of `width` values tells.
+        Label of its values; empty for a value of a row.
+    index, width
+        Position in a row, from 0, and number of values of the row.
     repeat
-        0 for the first value of that label in a line, which is the one that a SPEC can name.
+        Number of earlier values with that label in a line; a SPEC can name number 0 only.
     """
 
     label: str = ""
-    place: int = 0
+    index: int = 0
     width: int = 0
     repeat: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """A column of numbers over time.
+    """Column of numbers over time.
 
     name
-        For people: its label, the name above it, or `column 3`.
+        Label, heading, or `column 3`.
     kind
-        As `kind_of` a label; empty where no label says it.
+        `kind_of` its label; empty without a label.
     t_s, values
-        Arrival and number, shape (n,) each.
+        Arrival times and numbers, both of shape (n,).
     is_whole
-        Whether its numbers, or the steps between them, are whole: counts, as sensors give them.
+        Whether its numbers, or the steps between them, are whole, like the counts of a sensor.
     """
 
     key: ColumnKey
@@ -73,7 +75,7 @@ class Series:
 
     @property
     def can_turn(self) -> bool:
-        """Whether neither its label nor its unit stands against a rate or an angle about the vertical axis."""
+        """Whether label and unit allow a rate or an angle about the vertical axis."""
         return self.kind not in NO_RATES and (self.unit is None or self.unit.dimension in RATE_DIMENSIONS)
 
 
@@ -86,10 +88,10 @@ class _Growing:
 
 
 class TextTable:
-    """Takes lines as they come and gives the columns that they hold.
+    """Columns of lines.
 
     numbered_lines, last_s
-        Lines that hold at least one number, and when the last of them came; 0 before the first.
+        Number of lines with a number, and arrival of the last one, s; 0 before the first.
     """
 
     def __init__(self) -> None:
@@ -102,12 +104,12 @@ class TextTable:
 
     @property
     def lines(self) -> Sequence[TimedLine]:
-        """All of them: a heading belongs to the numbers below it."""
+        """All lines, including headings."""
         return self._kept
 
     def take(self, line: TimedLine) -> None:
-        """The next line; nothing beyond MOST_LINES is kept."""
-        if len(self._kept) >= MOST_LINES:
+        """Add a line; lines beyond LINES_MAX are ignored."""
+        if len(self._kept) >= LINES_MAX:
             return
         self._kept.append(line)
         fields = self._headings.fields_of(line.text.lstrip("# "))
@@ -125,7 +127,7 @@ class TextTable:
                 self._add(key, line.t_s, number, unit, is_whole=is_whole(text))
 
     def series(self) -> list[Series]:
-        """The columns so far."""
+        """Columns so far."""
         return [self._series(key, column) for key, column in self._columns.items()]
 
     def _add(self, key: ColumnKey, t_s: float, number: float, unit: str, *, is_whole: bool) -> None:
@@ -137,11 +139,11 @@ class TextTable:
 
     def _series(self, key: ColumnKey, column: _Growing) -> Series:
         header = self._headers.get(key.width, ()) if not key.label else ()
-        label = key.label or (header[key.place] if header else "")
+        label = key.label or (header[key.index] if header else "")
         values = np.array(column.values)
         return Series(
             key=key,
-            name=label or f"column {key.place + 1}",
+            name=label or f"column {key.index + 1}",
             kind=kind_of(label),
             unit=column.unit or unit_in(label),
             t_s=np.array(column.t_s),
@@ -151,31 +153,31 @@ class TextTable:
 
 
 def _keys(fields: Fields) -> list[ColumnKey]:
-    keys, seen = [], dict.fromkeys(fields.labels, 0)
-    for place, label in enumerate(fields.labels):
+    keys, repeats = [], dict.fromkeys(fields.labels, 0)
+    for index, label in enumerate(fields.labels):
         if label:
-            keys.append(ColumnKey(label, repeat=seen[label]))
-            seen[label] += 1
+            keys.append(ColumnKey(label, repeat=repeats[label]))
+            repeats[label] += 1
         else:
-            keys.append(ColumnKey(place=place, width=len(fields.values)))
+            keys.append(ColumnKey(index=index, width=len(fields.values)))
     return keys
 
 
 def _has_whole_steps(values: Floats) -> bool:
-    """Counts from which a sketch has taken an offset."""
+    """Whether the steps are whole: counts with an offset."""
     steps = np.diff(values)
     return bool(np.any(steps) and np.all(np.abs(steps - np.round(steps)) < WHOLE_WITHIN))
 
 
 class LineTimes:
-    """Splits what came into lines, and spreads those that came together over the time since the ones before."""
+    """Split bytes into lines, and distribute lines that arrived together over the time since the lines before."""
 
     def __init__(self) -> None:
         self._pending = b""
         self._last_s: float | None = None
 
     def split(self, chunk: bytes, arrival_s: float) -> list[TimedLine]:
-        """The lines that end in a chunk."""
+        """Lines that end in a chunk."""
         *whole, self._pending = (self._pending + plain_text(chunk)).replace(b"\r", b"\n").split(b"\n")
         self._pending = self._pending[-4096:]
         texts = [text for line in whole if (text := decoded(line).strip())]
@@ -184,7 +186,7 @@ class LineTimes:
         begin_s = arrival_s if self._last_s is None else self._last_s
         self._last_s = arrival_s
         step_s = (arrival_s - begin_s) / len(texts)
-        return [TimedLine(begin_s + (1 + at) * step_s, text) for at, text in enumerate(texts)]
+        return [TimedLine(begin_s + (1 + index) * step_s, text) for index, text in enumerate(texts)]
 
 
 def table_of(lines: Iterable[TimedLine]) -> TextTable:

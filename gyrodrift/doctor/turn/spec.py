@@ -1,4 +1,4 @@
-"""The columns of a verdict as a SPEC to paste, tried on the very lines that came before it is told."""
+"""Columns of a verdict as a SPEC, and a test of that SPEC on the received lines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,69 +11,72 @@ from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of
 from gyrodrift.doctor.turn.motion import TurnWindow, motion_of
 from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG
 from gyrodrift.doctor.turn.series import ColumnKey, Series, TimedLine
-from gyrodrift.doctor.turn.verdict import TurnedRate, TurnVerdict
+from gyrodrift.doctor.turn.verdict import RateColumn, TurnVerdict
 from gyrodrift.link.text.decoder import TextDecoder
 
 PACE_WITHIN = 0.1
-"""How near a clock is to the time at which its lines come; its units are a factor of a thousand apart."""
+"""Largest relative difference between a clock and the arrival of its lines; units differ by a factor of 1000."""
 
 GOES_ON, CHANGES = 0.98, 0.5
-"""Share of steps in which a clock does not go back, and in which it goes on: one of seconds is too coarse."""
+"""Shares of steps in which a clock does not go back, and in which it advances: a clock in seconds is too coarse."""
 
 OFTEN = 0.9
-"""Of the values of the column that turned: a column that comes more rarely is left out."""
+"""Smallest number of values of a further column, as a share of those of the turning column."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReadBack:
-    """What the lines say when they are read by a SPEC: how far they turned, and by how many samples."""
+    """Turn and number of samples, if the lines are read with a SPEC."""
 
-    turned_deg: float
+    turn_deg: float
     samples: int
 
     @property
     def is_quarter(self) -> bool:
-        """Whether it is a quarter turn to the left, as far as a hand turns one."""
-        return 1.0 / (1.0 + HAND) ** 2 < self.turned_deg / QUARTER_DEG < (1.0 + HAND) ** 2
+        """Whether it is a quarter turn to the left, within the accuracy of a hand."""
+        return 1.0 / (1.0 + HAND) ** 2 < self.turn_deg / QUARTER_DEG < (1.0 + HAND) ** 2
 
 
 @np.errstate(all="ignore")  # a text may hold numbers of any size
 def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
-    """For `--columns`; empty where a SPEC cannot name the column that turned, or nothing turned."""
-    turned = verdict.turned
-    if turned is None or turned.motion.series.key.repeat:
+    """SPEC for `--columns`; empty if nothing turned, or a SPEC cannot name the column."""
+    yaw = verdict.column
+    if yaw is None or yaw.motion.series.key.repeat:
         return ""
-    key = turned.motion.series.key
-    sign = "" if turned.turned_deg > 0.0 else ":-"
-    unit = turned.scale.option if isinstance(turned, TurnedRate) else turned.unit
-    entries = {key: f"{'rate' if isinstance(turned, TurnedRate) else 'yaw'}:{unit}{sign}"}
-    least = OFTEN * len(turned.motion.series.values)  # a sample waits for the rarest of its columns
-    beside = [each for each in series if _is_beside(each.key, key) and len(each.values) >= least]
-    clocks = [(unit, each) for each in beside if (unit := clock_of(each))]
+    key = yaw.motion.series.key
+    sign = "" if yaw.turn_deg > 0.0 else ":-"
+    unit = yaw.scale.option if isinstance(yaw, RateColumn) else yaw.unit
+    entries = {key: f"{'rate' if isinstance(yaw, RateColumn) else 'yaw'}:{unit}{sign}"}
+    count_min = OFTEN * len(yaw.motion.series.values)  # a sample waits for the rarest of its columns
+    further = [column for column in series if _is_same_line(column.key, key) and len(column.values) >= count_min]
+    clocks = [(unit, column) for column in further if (unit := clock_of(column))]
     if clocks:
         order = list(CLOCK_US)
-        unit, clock = min(clocks, key=lambda found: (found[1].kind != "clock", order.index(found[0])))
+        unit, clock = min(clocks, key=lambda pair: (pair[1].kind != "clock", order.index(pair[0])))
         entries[clock.key] = unit
-    for each in beside:
-        if each.kind == "temp" and np.all((each.values > TEMPERATURES_C[0]) & (each.values < TEMPERATURES_C[1])):
-            entries.setdefault(each.key, "temp")
-            break
+    if temperature := next(filter(_is_temperature, further), None):
+        entries.setdefault(temperature.key, "temp")
     if key.label:
-        ordered = [each.key for each in series if each.key in entries]
-        return ", ".join(f"{each.label}={entries[each]}" for each in ordered)
-    width = 1 + max(each.place for each in entries)
-    return ", ".join(entries.get(ColumnKey(place=place, width=key.width), IGNORED) for place in range(width))
+        ordered = [column.key for column in series if column.key in entries]
+        return ", ".join(f"{entry.label}={entries[entry]}" for entry in ordered)
+    width = 1 + max(entry.index for entry in entries)
+    return ", ".join(entries.get(ColumnKey(index=index, width=key.width), IGNORED) for index in range(width))
 
 
-def _is_beside(key: ColumnKey, turned: ColumnKey) -> bool:
-    """Whether one SPEC can name both."""
-    if turned.label:
-        return bool(key.label) and not key.repeat and key != turned
-    return not key.label and key.width == turned.width and key != turned
+def _is_temperature(column: Series) -> bool:
+    low_c, high_c = TEMPERATURES_C
+    return column.kind == "temp" and bool(np.all((column.values > low_c) & (column.values < high_c)))
+
+
+def _is_same_line(key: ColumnKey, yaw: ColumnKey) -> bool:
+    """Whether a SPEC can name a column beside the column of yaw."""
+    if yaw.label:
+        return bool(key.label) and not key.repeat and key != yaw
+    return not key.label and key.width == yaw.width and key != yaw
 
 
 def clock_of(series: Series) -> str:
-    """The unit of a column that is a clock, by the time at which its lines came; empty where it is none."""
+    """Unit of a clock column, from the arrival of its lines; empty if it is not a clock."""
     steps, passed_s = np.diff(series.values), float(np.ptp(series.t_s)) if len(series.t_s) else 0.0
     if passed_s <= 0.0 or (steps >= 0.0).mean() < GOES_ON or (steps > 0.0).mean() < CHANGES:
         return ""
@@ -82,19 +85,19 @@ def clock_of(series: Series) -> str:
     return next((unit for unit, seconds in units.items() if abs(seconds - 1.0) < PACE_WITHIN), "")
 
 
-@np.errstate(all="ignore")  # likewise
+@np.errstate(all="ignore")  # as above
 def read_back(lines: Sequence[TimedLine], spec: str, window: TurnWindow) -> ReadBack:
-    """Read lines as `serve` would and add up the turn."""
+    """Turn of the lines, read with the decoder of `serve`."""
     decoder = TextDecoder(columns_of(spec))
-    read = [(line.t_s, each) for line in lines for each in decoder.push(f"{line.text}\n".encode())]
-    is_rate = [(t_s, each.rate_dps) for t_s, each in read if isfinite(each.rate_dps)]
-    is_angle = [(t_s, each.yaw_deg) for t_s, each in read if isfinite(each.yaw_deg)]
-    found = is_rate or is_angle
-    if not found:
+    samples = [(line.t_s, sample) for line in lines for sample in decoder.push(f"{line.text}\n".encode())]
+    rates = [(t_s, sample.rate_dps) for t_s, sample in samples if isfinite(sample.rate_dps)]
+    angles = [(t_s, sample.yaw_deg) for t_s, sample in samples if isfinite(sample.yaw_deg)]
+    pairs = rates or angles
+    if not pairs:
         return ReadBack(0.0, 0)
-    t_s, values = (np.array(column) for column in zip(*found, strict=True))
+    t_s, values = (np.array(column) for column in zip(*pairs, strict=True))
     key = ColumnKey()
-    if is_rate:
-        return ReadBack(motion_of(Series(key, "", "", None, t_s, values, is_whole=False), window).integral, len(found))
-    angles = np.unwrap(values, period=360.0)
-    return ReadBack(motion_of(Series(key, "", "", None, t_s, angles, is_whole=False), window).change, len(found))
+    if rates:
+        return ReadBack(motion_of(Series(key, "", "", None, t_s, values, is_whole=False), window).integral, len(pairs))
+    smooth = np.unwrap(values, period=360.0)
+    return ReadBack(motion_of(Series(key, "", "", None, t_s, smooth, is_whole=False), window).change, len(pairs))

@@ -22,7 +22,7 @@ from gyrodrift.columns.names import (
 from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.columns.spec import IGNORED
 from gyrodrift.columns.units import unit_in, unit_of
-from gyrodrift.link.text.behaviour import find_accelerometer, find_clock, find_temperature, unname_clocks
+from gyrodrift.link.text.behavior import find_accelerometer, find_clock, find_temperature, unname_clocks
 from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
 from gyrodrift.link.text.headings import Headings
 from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit

@@ -9,7 +9,7 @@ from gyrodrift.columns.names import SeenColumn
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.spec import CLOCK_US, RATE_DPS, STANDARD_GRAVITY_MPS2
 from gyrodrift.columns.units import Dimension
-from gyrodrift.link.text.behaviour import step_of
+from gyrodrift.link.text.behavior import step_of
 from gyrodrift.link.text.fields import is_whole
 
 UNIT_FACTOR = 6.0
