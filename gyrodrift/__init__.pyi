@@ -6,6 +6,9 @@ from gyrodrift.library.filters import Estimate as Estimate
 from gyrodrift.library.filters import Estimates as Estimates
 from gyrodrift.library.filters import Hdr as Hdr
 from gyrodrift.library.filters import Restlevel as Restlevel
+from gyrodrift.library.results import plot as plot
+from gyrodrift.library.results import save as save
+from gyrodrift.library.results import simulate as simulate
 from gyrodrift.library.sessions import load_session as load_session
 
 __version__: str
@@ -19,5 +22,8 @@ __all__ = [
     "diagnose",
     "load_session",
     "open_link",
+    "plot",
+    "save",
+    "simulate",
     "tune",
 ]

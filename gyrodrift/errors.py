@@ -1,19 +1,19 @@
-"""Everything that can go wrong for a person, and the exit status it ends a command with.
+"""Errors for people, and the exit status of a command that ends with one.
 
     GyrodriftError
-    ├── UsageError            2   wrong arguments
+    ├── UsageError            2   wrong arguments (a ValueError)
     │   └── ConfigError       2   a YAML file with mistakes, all of them at once
     ├── LinkError             3   the port, the cable, the device
-    │   ├── PortMissingError
-    │   ├── PortDeniedError
+    │   ├── PortMissingError      (a FileNotFoundError)
+    │   ├── PortDeniedError       (a PermissionError)
     │   ├── PortBusyError
-    │   ├── DeviceSilentError     nothing decodable within the time given
-    │   └── UnitError             a device clock that is none in microseconds
-    └── DataError             4   a session that cannot be read
-        ├── DamagedError          bytes that were changed or are missing since (gyrodrift.session.damage)
+    │   ├── DeviceSilentError     nothing decodable within the time given (a TimeoutError)
+    │   └── UnitError             a device clock in another unit than microseconds
+    └── DataError             4   a session that cannot be read (a ValueError)
+        ├── DamagedError          changed or missing bytes (gyrodrift.session.damage)
         └── CalibrationError      turns or a rest that calibrate nothing
 
-An error says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
+A message says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
 """
 
 import re
@@ -53,7 +53,7 @@ def visible(text: str) -> str:
     return CONTROLS.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
-class UsageError(GyrodriftError):
+class UsageError(GyrodriftError, ValueError):
     """The command was asked for something it cannot do."""
 
     exit_status = 2
@@ -73,11 +73,11 @@ class LinkError(GyrodriftError):
     exit_status = 3
 
 
-class PortMissingError(LinkError):
+class PortMissingError(LinkError, FileNotFoundError):
     """There is no such port."""
 
 
-class PortDeniedError(LinkError):
+class PortDeniedError(LinkError, PermissionError):
     """The port may not be opened by this user."""
 
 
@@ -85,7 +85,7 @@ class PortBusyError(LinkError):
     """Another process holds the port."""
 
 
-class DeviceSilentError(LinkError):
+class DeviceSilentError(LinkError, TimeoutError):
     """The port is open, but nothing that can be decoded came in time."""
 
 
@@ -93,7 +93,7 @@ class UnitError(LinkError):
     """The stream is understood, but its clock has another unit than it is taken for."""
 
 
-class DataError(GyrodriftError):
+class DataError(GyrodriftError, ValueError):
     """A recorded session cannot be read."""
 
     exit_status = 4

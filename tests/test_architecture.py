@@ -14,7 +14,7 @@ MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").
 
 BASE = (
     "arrays calibration callable_room cluster compile errors files installation log log_stream logger nearest noise"
-    " parallel process_list progress public_yaml sample secret system text_chart unwaiting waiting"
+    " parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting waiting"
 )
 """Single files at the top of the package: they know each other and no room."""
 
@@ -49,7 +49,8 @@ ROOMS = {
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",
-    "library": f"{BASE} columns compare config diagnose evaluation filters firmware_sim link session tune",
+    "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
+    "session simulation tune",
     "firmware_sim": "",
 }
 """Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
-from gyrodrift.errors import DataError, visible
+from gyrodrift.errors import DataError, GyrodriftError, visible
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.evaluated)
         except (ArithmeticError, ValueError, IndexError) as error:
-            if begun is None:
+            if begun is None or isinstance(error, GyrodriftError):
                 raise
             raise DataError(f"{session.name}: the filter state in its metadata cannot be continued: {error}") from error
     if state.rejected:

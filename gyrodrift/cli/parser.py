@@ -95,6 +95,8 @@ class Parser(argparse.ArgumentParser):
         try:
             return super()._get_value(action, arg_string)
         except argparse.ArgumentError as error:
+            if isinstance(error.__context__, UsageError):  # argparse takes it for any other ValueError
+                raise error.__context__ from None
             name = "/".join(action.option_strings) or action.metavar or action.dest
             raise UsageError(f"{name} {shortened(arg_string, LONGEST_QUOTE)}: {error.message}") from error
 

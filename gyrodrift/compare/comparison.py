@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
 from gyrodrift.progress import COMPILING, OnProgress, untold
+from gyrodrift.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 
@@ -132,9 +134,9 @@ class ComparedSession:
     curves: YawCurves | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """All of it.
+@dataclass(frozen=True, slots=True, repr=False)
+class Comparison(ResultTable):
+    """Result of a comparison: every method with its parameters, and its score on every session.
 
     missing
         Methods that could not run, since their packages are not installed.
@@ -156,6 +158,20 @@ class Comparison:
     seed: int
     notes: tuple[str, ...]
     seconds: float
+
+    def __repr__(self) -> str:
+        return f"Comparison({len(self.entries)} methods, {len(self.sessions)} sessions)"
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Methods, the least mean E first: mean E in deg, NE in deg/min, PI in deg², largest error in deg."""
+        means = [self.means[row] for row in self.ranked]
+        return {
+            "method": [self.entries[row].title for row in self.ranked],
+            "e_deg": [mean.e_deg for mean in means],
+            "ne": [mean.ne for mean in means],
+            "pi_deg2": [mean.pi_deg2 for mean in means],
+            "worst_deg": [mean.worst_deg for mean in means],
+        }
 
     @property
     def means(self) -> tuple[Score, ...]:

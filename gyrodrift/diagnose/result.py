@@ -1,6 +1,7 @@
 """The result of a diagnosis: everything that its files hold and its report draws."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
@@ -10,6 +11,7 @@ from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureCompa
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.result_table import ResultTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +47,8 @@ class Untestable:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnosis:
+@dataclass(frozen=True, slots=True, repr=False)
+class Diagnosis(ResultTable):
     """Everything that is reported.
 
     contradictions
@@ -90,3 +92,20 @@ class Diagnosis:
     stands_out: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)
+
+    def __repr__(self) -> str:
+        names = ", ".join(cause.effect.name for cause in self.verdict.causes)
+        return f"Diagnosis({self.verdict.kind.value}{f': {names}' if names else ''}, {len(self.sessions)} sessions)"
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Parameters of the causes: effect, probability, parameter, value with its interval, unit."""
+        rows = [(cause, parameter) for cause in self.verdict.causes for parameter in cause.parameters]
+        return {
+            "effect": [cause.effect.name for cause, _ in rows],
+            "probability": [cause.probability for cause, _ in rows],
+            "parameter": [parameter.name for _, parameter in rows],
+            "value": [parameter.value for _, parameter in rows],
+            "low": [parameter.low for _, parameter in rows],
+            "high": [parameter.high for _, parameter in rows],
+            "unit": [parameter.unit for _, parameter in rows],
+        }

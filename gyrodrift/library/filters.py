@@ -1,4 +1,4 @@
-"""The filters as objects for other programs: the very step that `serve` runs, sample by sample or over arrays."""
+"""Filters as objects: the step that `serve` runs, sample by sample or over arrays."""
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -11,6 +11,7 @@ from gyrodrift.errors import UsageError
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.result_table import ResultTable
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -19,16 +20,16 @@ if TYPE_CHECKING:
 
 
 class Estimate(NamedTuple):
-    """What a filter believes after a sample; NaN where it does not say how certain it is.
+    """State of a filter after a sample; NaN for a quantity that the filter does not estimate.
 
     yaw_deg, yaw_sigma_deg
         Unwrapped yaw, counter-clockwise positive, 0 at the first sample, and its standard deviation, deg.
     bias_dps, bias_sigma_dps
-        The drift estimate and its standard deviation, deg/s.
+        Bias of the rate and its standard deviation, deg/s.
     rest_probability, confidence
-        Probability that the device is at rest, and of what the filter believes has happened.
+        Probability that the device is at rest, and of the filter's most probable hypothesis.
     is_accepted
-        False where the sample was passed by: time that does not go on, or a value that is not finite.
+        False if the sample was rejected: its time does not increase, or a value is not finite.
     """
 
     yaw_deg: float
@@ -40,9 +41,9 @@ class Estimate(NamedTuple):
     is_accepted: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Estimates:
-    """`Estimate` as arrays of the shape (n,): a row for every sample, those that were passed by too."""
+@dataclass(frozen=True, slots=True, repr=False)
+class Estimates(ResultTable):
+    """The fields of `Estimate` as arrays of shape (n,), one row for each sample, rejected ones included."""
 
     yaw_deg: "Floats"
     yaw_sigma_deg: "Floats"
@@ -52,29 +53,43 @@ class Estimates:
     confidence: "Floats"
     is_accepted: "Mask"
 
+    def __repr__(self) -> str:
+        count, end = len(self.yaw_deg), f", yaw ends at {self.yaw_deg[-1]:.3f} deg" if len(self.yaw_deg) else ""
+        return f"Estimates({count} samples{end})"
+
+    def columns(self) -> dict[str, Any]:
+        """The arrays by name."""
+        return {name: getattr(self, name) for name in Estimate._fields}
+
 
 class DriftFilter:
-    """A filter and all that it has learnt.
+    """A filter with its state.
 
     Parameters
     ----------
     params
-        All of them in one record, as a tuning or a config gives them; None for the defaults.
+        All parameters in one record, as `tune` and a config give them; None for the defaults.
     changes
-        Single parameters by their names in the config, such as `theta_w_dps=0.7`.
+        Single parameters by name; None leaves a parameter as it is.
 
     Raises
     ------
     UsageError
-        Where there is no such parameter, or it is out of its bounds.
+        If a parameter does not exist or is out of its bounds.
     """
 
     filter: ClassVar[Filter]
 
-    def __init__(self, params: FilterParams | None = None, **changes: float) -> None:
-        self.params: FilterParams = _checked(self.filter, params, changes)
+    def __init__(self, params: FilterParams | None = None, **changes: float | None) -> None:
+        given = {name: value for name, value in changes.items() if value is not None}
+        self.params: FilterParams = _checked(self.filter, params, given)
         self._coefficients = self.filter.coefficients(self.params)
         self.reset()
+
+    def __repr__(self) -> str:
+        defaults = asdict(self.filter.params())
+        changed = [f"{name}={value:g}" for name, value in asdict(self.params).items() if value != defaults[name]]
+        return f"{type(self).__name__}({', '.join(changed)})"
 
     @classmethod
     def from_config(cls, path: str | PathLike[str]) -> Self:
@@ -151,15 +166,111 @@ class DriftFilter:
 
 
 class Hdr(DriftFilter):
-    """Heuristic drift reduction: small, fast, without any need for rests, and silent about its certainty."""
+    """Heuristic drift reduction: small and fast, needs no rest, gives no uncertainty.
+
+    Parameters
+    ----------
+    params : HdrParams, optional
+        All parameters in one record.
+    i_c_dps : float, default 0.0006
+        Integrator step per sample, deg/s. Large: learns fast and oscillates.
+    tau_s : float, default 0.9447
+        Time constant of the low-pass before the sign is taken, s.
+    theta_w_dps : float, default 0.5608
+        No learning above this rate, deg/s. A larger bias is never learned.
+    c1 : float, default 0.7839
+        Attenuation of repeated steps of one sign. 0: no attenuation.
+    c2 : float, default 1.2161
+        Exponent of the attenuation.
+
+    Raises
+    ------
+    UsageError
+        If a parameter does not exist or is out of its bounds.
+
+    Examples
+    --------
+    >>> estimate = Hdr(tau_s=0.5).update(rate_dps=0.2, dt_s=0.01)
+    """
 
     filter = HDR
 
+    def __init__(
+        self,
+        params: FilterParams | None = None,
+        *,
+        i_c_dps: float | None = None,
+        tau_s: float | None = None,
+        theta_w_dps: float | None = None,
+        c1: float | None = None,
+        c2: float | None = None,
+        **unknown: float,
+    ) -> None:
+        super().__init__(params, i_c_dps=i_c_dps, tau_s=tau_s, theta_w_dps=theta_w_dps, c1=c1, c2=c2, **unknown)
+
 
 class Restlevel(DriftFilter):
-    """Looks for rests, keeps several hypotheses of what was one, and tells how certain it is."""
+    """Learns the bias at rest with several hypotheses, and gives the uncertainty of yaw and bias.
+
+    Parameters
+    ----------
+    params : RestlevelParams, optional
+        All parameters in one record.
+    window_s : float, default 0.3
+        Length of the blocks tested for rest, s. Small: finds short stops. Large: averages more noise.
+    quiet : float, default 5.0
+        Variance of a block above that of the noise, in standard errors, up to which the block counts as rest.
+    turn_on_dps : float, default 0.5
+        Standard deviation of the bias at power-on, deg/s. 0: the sensor subtracts its own bias.
+    walk_dps_rts : float, default 0.0005
+        Random walk of the bias, deg/s/√s.
+    drift_dps_s : float, default 0.004
+        Fastest drift of the bias, deg/s².
+    still_start : float, default 0.99
+        Probability that the device is at rest at the first sample.
+    rest_share : float, default 0.2
+        Probability that a later constant rate is a rest.
+    scale_percent : float, default 1.0
+        Standard deviation of the scale factor, %. It changes only `yaw_sigma_deg`.
+
+    Raises
+    ------
+    UsageError
+        If a parameter does not exist or is out of its bounds.
+
+    Examples
+    --------
+    >>> estimates = Restlevel(turn_on_dps=2.0).update_batch(rate_dps=[0.2, 0.2], t_s=[0.0, 0.01])
+    """
 
     filter = RESTLEVEL
+
+    def __init__(
+        self,
+        params: FilterParams | None = None,
+        *,
+        window_s: float | None = None,
+        quiet: float | None = None,
+        turn_on_dps: float | None = None,
+        walk_dps_rts: float | None = None,
+        drift_dps_s: float | None = None,
+        still_start: float | None = None,
+        rest_share: float | None = None,
+        scale_percent: float | None = None,
+        **unknown: float,
+    ) -> None:
+        super().__init__(
+            params,
+            window_s=window_s,
+            quiet=quiet,
+            turn_on_dps=turn_on_dps,
+            walk_dps_rts=walk_dps_rts,
+            drift_dps_s=drift_dps_s,
+            still_start=still_start,
+            rest_share=rest_share,
+            scale_percent=scale_percent,
+            **unknown,
+        )
 
 
 def _checked(chosen: Filter, params: FilterParams | None, changes: dict[str, float]) -> FilterParams:

@@ -2,19 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats, Integers
+from gyrodrift.result_table import ResultTable
 from gyrodrift.session.damage import RecordingDamage
 
 TABLE = "table"
 """Name of the metadata that say how a table of another program was read."""
 
 
-@dataclass(frozen=True, slots=True)
-class Session:
+@dataclass(frozen=True, slots=True, repr=False)
+class Session(ResultTable):
     """What a device sent, in the order it came; every array has the shape (n,), n ≥ 1.
 
     name
@@ -52,6 +54,15 @@ class Session:
     remarks: tuple[str, ...] = ()
     rate_scale: float = 1.0
     time_unit: str = "s"
+
+    def __repr__(self) -> str:
+        seconds = float(self.t_device_s[-1] - self.t_device_s[0])
+        return f"Session({self.name!r}, {len(self.t_device_s)} samples, {seconds:.1f} s)"
+
+    def columns(self) -> dict[str, Any]:
+        """Arrays of the session by name; without the columns that it lacks."""
+        names = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
+        return {name: column for name in names if (column := getattr(self, name)) is not None}
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from one to before another; what it lacks, it lacks there too."""

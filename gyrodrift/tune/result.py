@@ -1,6 +1,7 @@
 """What a tuning found and how good it is, as values: what the files and the report are made of."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from gyrodrift.evaluation.dataset import SessionSummary, Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.result_table import ResultTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +84,9 @@ class Run:
     densities: Floats | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Tuning:
-    """All of it.
+@dataclass(frozen=True, slots=True, repr=False)
+class Tuning(ResultTable):
+    """Result of a tuning: the filter and the parameters found, and every alternative.
 
     run
         The search whose parameters were chosen: the one that is best on the training sessions.
@@ -121,6 +123,23 @@ class Tuning:
     slices: Floats = field(default_factory=lambda: np.empty((0, 0)))
     alternatives: tuple[Alternative, ...] = ()
     is_default_written: bool = False
+
+    def __repr__(self) -> str:
+        name = self.filter.title or self.filter.name
+        source = "defaults" if self.is_default_written else "tuned"
+        return f"Tuning({name}, {source}, {len(self.scores)} sessions, {len(self.run.history)} evaluations)"
+
+    def columns(self) -> dict[str, list[Any]]:
+        """The alternatives: name, filter, mean E in deg and PI in deg² on training and held-out sessions."""
+        ways = self.alternatives
+        return {
+            "name": [way.title for way in ways],
+            "filter": [None if way.filter is None else way.filter.name for way in ways],
+            "e_train_deg": [way.e_deg.train for way in ways],
+            "e_test_deg": [way.e_deg.test for way in ways],
+            "pi_train": [way.pi.train for way in ways],
+            "pi_test": [way.pi.test for way in ways],
+        }
 
     @property
     def written(self) -> Alternative | None:
