@@ -1,1 +1,1 @@
-"""Recorded sessions: arrays in, arrays out; one file a format."""
+"""Recorded sessions as arrays; one package or file per format."""

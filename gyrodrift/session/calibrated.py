@@ -1,6 +1,6 @@
-"""Sessions with their true rates: the calibration that stands beside the samples, or another one, applied once.
+"""Sessions with calibrated rates, by their own calibration or by another one, applied once.
 
-A session keeps what the device sent, so that a better calibration, or none, can still be taken later.
+A session has the rates as measured, so that a better calibration, or none, can still be applied later.
 """
 
 from collections.abc import Mapping
@@ -14,50 +14,50 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
 KEPT, APPLIED = "calibration", "calibration applied"
-"""Names of the table in the metadata: before, and where the rates are put right already."""
+"""Names of the calibration table in the metadata, before and after it is applied."""
 
 
 def calibration_of(session: Session) -> Calibration | None:
-    """The calibration that a session keeps and that is one of its device; None where there is none, or it is applied.
+    """Calibration in a session, if it belongs to its device; None without one, or if it is already applied.
 
     Raises
     ------
     DataError
-        Where the table makes no sense.
+        The table is invalid.
     """
     table = session.metadata.get(KEPT)
     if not table:
         return None
     try:
-        found = calibration_of_table(table)
+        calibration = calibration_of_table(table)
     except ValueError as error:
-        raise DataError(f"{session.name}: its calibration makes no sense: {error}") from error
-    return found if found.is_for(device_of(session)) else None
+        raise DataError(f"{session.name}: its calibration is invalid: {error}") from error
+    return calibration if calibration.is_for(device_of(session)) else None
 
 
 def device_of(session: Session) -> str:
-    """What the device of a session is known by; empty where it is not."""
+    """Identity of the device of a session; empty if unknown."""
     device_id = session.metadata.get("device", {}).get("device_id")
     return device_identity(device_id, session.metadata.get("recording", {}).get("port", ""))
 
 
 def calibrated(session: Session) -> Session:
-    """A session as a filter takes it: under the calibration that it keeps, or as it is where there is none.
+    """The session with its own calibration applied, if it has one.
 
     Raises
     ------
     DataError
-        Where its calibration makes no sense.
+        Its calibration is invalid.
     """
-    found = calibration_of(session)
-    return session if found is None else with_calibration(session, found)
+    calibration = calibration_of(session)
+    return session if calibration is None else with_calibration(session, calibration)
 
 
 def with_calibration(session: Session, calibration: Calibration) -> Session:
-    """A session with its rates put right; its metadata say so, and it is not done again."""
+    """The session with calibrated rates; its metadata say so, so that it is done only once."""
     rate_dps = true_rates_dps(session.rate_dps, session.temp_c, calibration)
-    others: Mapping[str, Mapping[str, str]] = {n: t for n, t in session.metadata.items() if n != KEPT}
-    return replace(session, rate_dps=rate_dps, metadata={**others, APPLIED: calibration.table()})
+    tables: Mapping[str, Mapping[str, str]] = {n: t for n, t in session.metadata.items() if n != KEPT}
+    return replace(session, rate_dps=rate_dps, metadata={**tables, APPLIED: calibration.table()})
 
 
 def applied_scale_sigma(session: Session) -> float | None:
@@ -67,12 +67,12 @@ def applied_scale_sigma(session: Session) -> float | None:
 
 
 def with_config(session: Session, given: Calibration | None) -> Session:
-    """A session under the calibration of a config where that is one of its device; without one under its own.
+    """The session with the calibration of a config, if it belongs to its device; without one, with its own.
 
     Raises
     ------
     DataError
-        Where its own calibration makes no sense.
+        Its own calibration is invalid.
     """
     if given is None:
         return calibrated(session)
@@ -80,7 +80,7 @@ def with_config(session: Session, given: Calibration | None) -> Session:
 
 
 def true_rates_dps(measured_dps: Floats, temp_c: Floats | None, calibration: Calibration) -> Floats:
-    """As `Calibration.rate_dps`, bit by bit, for arrays of the shape (n,), deg/s and °C."""
+    """Calibrated rates, deg/s, bit by bit as `Calibration.rate_dps`; arrays of shape (n,), temperature in °C."""
     rest_dps = calibration.sign * (measured_dps - _bias_dps(temp_c, calibration))
     scaled: Floats = rest_dps * np.where(rest_dps >= 0.0, calibration.scale_ccw, calibration.scale_cw)
     return scaled

@@ -1,6 +1,6 @@
-"""Sessions as people have them: a header with any of the columns below, in any order, then numbers.
+"""Sessions as CSV: a header with any of the columns below, in any order, then numbers.
 
-Other columns, such as those that `filter` adds, are passed over.
+Other columns, such as those of `filter`, are ignored.
 """
 
 import warnings
@@ -18,27 +18,27 @@ from gyrodrift.session.session import Session
 
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
 OLD_NAMES = {"t_s": "t_device_s"}
-"""Names that columns had in files of earlier versions."""
+"""Column names in files of earlier versions."""
 
-ALIKE = 0.8
-"""A column this like one that is not there is taken for a slip of the keyboard."""
+SIMILAR = 0.8
+"""An unknown column with this similarity to a missing one counts as misspelled."""
 
 REQUIRED = ("t_device_s", "rate_dps")
 LONGEST_HEADER = 1 << 16
 
 MOST_COLUMNS = 1000
-"""Each unknown column is compared with the known ones, which takes a while; no table of a session has more."""
+"""Limit for the comparison of unknown names with known ones; no session has more."""
 
 
 def read_exact(path: Path) -> Session | None:
-    """A `.csv` session as this program writes it; None where anything is different, and a closer look is needed.
+    """Read a `.csv` session as this program writes it; None for any other form.
 
     Lines starting with `#` are comments.
 
     Raises
     ------
     DataError
-        Where it cannot be read.
+        The file cannot be read.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -65,22 +65,24 @@ def read_exact(path: Path) -> Session | None:
 
 
 def _names(file: TextIO) -> list[str]:
-    """The names in the header; none where it is not one of ours."""
+    """Names in the header; empty if it is no header of this program."""
     line = next((line for line in iter(lambda: file.readline(LONGEST_HEADER), "") if _is_content(line)), "")
     words = [word.strip() for word in line.split(",")]
     if len(words) > MOST_COLUMNS:
         return []
     names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
-    ours = [name for name in names if name in COLUMNS]
-    is_known = set(REQUIRED) <= set(ours) and len(ours) == len(set(ours)) and not slips_in(names)
-    return names if is_known else []
+    columns = [name for name in names if name in COLUMNS]
+    is_session = set(REQUIRED) <= set(columns) and len(columns) == len(set(columns)) and not slips_in(names)
+    return names if is_session else []
 
 
 def slips_in(names: Sequence[str]) -> dict[int, list[str]]:
-    """Indices of names that look like one of ours that is not there, with what is meant."""
+    """Indices of misspelled names, with the missing names that they resemble."""
     absent = set(COLUMNS) - set(names)
-    found = {at: nearest(name, absent, similarity=ALIKE) for at, name in enumerate(names) if name not in COLUMNS}
-    return {at: meant for at, meant in found.items() if meant}
+    nearest_names = {
+        index: nearest(name, absent, similarity=SIMILAR) for index, name in enumerate(names) if name not in COLUMNS
+    }
+    return {index: meant for index, meant in nearest_names.items() if meant}
 
 
 def _is_content(line: str) -> bool:
@@ -88,27 +90,27 @@ def _is_content(line: str) -> bool:
 
 
 def _table(file: TextIO, names: list[str]) -> Floats | None:
-    """All rows, shape (n, known columns), by numpy's C reader; None where that one stumbles."""
-    taken = [at for at, name in enumerate(names) if name in COLUMNS]
+    """All rows, shape (n, known columns), by the C reader of numpy; None if it fails."""
+    indices = [index for index, name in enumerate(names) if name in COLUMNS]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy warns of a file without rows
-            columns = taken if len(taken) < len(names) else None  # without them numpy sees rows of other lengths
+            columns = indices if len(indices) < len(names) else None  # with None numpy checks the lengths of rows
             table: Floats = np.loadtxt(file, delimiter=",", comments="#", ndmin=2, dtype=np.float64, usecols=columns)
     except (ValueError, UserWarning):
         return None
-    return table if table.size and table.shape[1] == len(taken) else None
+    return table if table.size and table.shape[1] == len(indices) else None
 
 
 def counter(column: Floats) -> NDArray[np.int64]:
-    """A counter beyond all that is counted is none."""
+    """Counter of each sample; -1 for values beyond exact integers."""
     return np.where(np.abs(column) < WHOLE, column, -1).astype(np.int64)
 
 
 def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
-    """The text of a `.csv` session from its consecutive chunks, every value with all its digits.
+    """Text of a `.csv` session from its consecutive chunks, with all digits.
 
-    The columns are those of the first chunk; a value that is not there is an empty cell.
+    The first chunk decides the columns; a missing value is an empty cell.
     """
     columns: list[str] = []
     texts: dict[str, _Texts] = {}
@@ -123,15 +125,15 @@ def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
 
 
 REMEMBERED = 100_000
-"""Texts of numbers that are kept: most columns of a session hold few different values."""
+"""Texts of numbers in the cache; most columns of a session have few different values."""
 
 
 WHOLE = 2.0**53
-"""Below it floats are exact whole numbers."""
+"""Floats below this represent all integers exactly."""
 
 
 class _Texts(dict[float, str]):
-    """Every digit of a number; nothing for NaN."""
+    """Text of a number with all digits; empty for NaN."""
 
     def __missing__(self, value: float) -> str:
         if len(self) >= REMEMBERED:
@@ -141,7 +143,7 @@ class _Texts(dict[float, str]):
 
 
 class _Fractions(dict[int, str]):
-    """`.000001` by number of microseconds."""
+    """Text such as `.000001`, by number of microseconds."""
 
     def __missing__(self, micros: int) -> str:
         if len(self) >= REMEMBERED:
@@ -159,7 +161,7 @@ def _cells(name: str, values: NDArray[np.float64] | NDArray[np.int64], texts: _T
         micros = np.rint(values * 1e6)
     if not np.array_equal(micros / 1e6, values) or not ((micros >= 0.0) & (micros < WHOLE)).all():
         return list(map(repr, values.tolist()))
-    # Whole microseconds: the seconds repeat, and so do their fractions at any steady rate.
+    # Times are whole microseconds: seconds and fractions repeat, and their texts come from the cache.
     seconds, fractions = np.divmod(micros.astype(np.int64), 1_000_000)
     parts = zip(map(str, seconds.tolist()), map(tails.__getitem__, fractions.tolist()), strict=True)
     return list(map("".join, parts))

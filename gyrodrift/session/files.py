@@ -1,4 +1,4 @@
-"""Sessions as files: what a path stands for, and the one way to load and to write one, by its ending."""
+"""Sessions as files: the sessions of a path, and loading and writing by the ending."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,10 +11,10 @@ from gyrodrift.session.session import Session
 
 ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
-"""Endings of tables, in small or capital letters."""
+"""Endings of tables in lower case."""
 
 LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
-"""Endings of bags and logs of autopilots, some of which tables have too."""
+"""Endings of bags and logs of autopilots; tables have some of them too."""
 
 
 def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_damage: bool = False) -> Session:
@@ -25,16 +25,16 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
     path
         The file.
     columns
-        What the columns of a table are; without them its header has to say it.
+        Meaning of the columns of a table; without them its header has to state it.
     allow_damage
-        Whether what is whole of a damaged recording is returned.
+        Whether the whole samples of a damaged recording are returned.
 
     Raises
     ------
     DamagedError
-        Where bytes of it were changed or are missing, unless what is whole is asked for with `allow_damage`.
+        Bytes were changed or are missing, and `allow_damage` is not given.
     DataError
-        Where it is missing, of an unknown kind, or no session.
+        The file is missing, of an unknown kind, or no session.
     """
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
@@ -43,12 +43,12 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
     try:
         check_ordinary(path)
     except UnreadableError as error:
-        raise DataError(f"{path}: {error}: this is no session") from error
+        raise DataError(f"{path}: {error}: it is no session") from error
     ending = path.suffix.lower()
     if ending in LOGS and columns is None and (log := _log(path, ending)) is not None:
         return log
     if ending in TABLES:
-        from gyrodrift.session.tables.read import read_table  # noqa: PLC0415 - each format costs only who reads it
+        from gyrodrift.session.tables.read import read_table  # noqa: PLC0415 - a format is imported only when it is read
 
         return read_table(path, columns)
     if columns is not None:
@@ -63,21 +63,21 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
 
 def _bag(folder: Path) -> Session:
     if not _is_bag_folder(folder):
-        raise DataError(f"{folder}: this is a folder; give one session in it")
-    from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - likewise
+        raise DataError(f"{folder}: it is a folder; give a session in it")
+    from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - as above
 
     return read_bag(folder)
 
 
 def _is_bag_folder(folder: Path) -> bool:
-    """Whether a folder is a bag of ROS 2 in SQLite; of one in MCAP the .mcap file is a session."""
+    """Whether a folder is a ROS 2 bag in SQLite; the .mcap file of a bag in MCAP is a session itself."""
     return (folder / "metadata.yaml").is_file() and any(folder.glob("*.db3"))
 
 
 def _log(path: Path, ending: str) -> Session | None:
-    """A bag, or the log of an autopilot; None for a `.log` that is a table."""
+    """Load a bag or the log of an autopilot; None for a `.log` that is a table."""
     if ending in (".bag", ".db3"):
-        from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - likewise
+        from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - as above
 
         return read_bag(path)
     from gyrodrift.session.logs.autopilot import is_ardupilot_text, read_ardupilot, read_px4  # noqa: PLC0415
@@ -88,42 +88,42 @@ def _log(path: Path, ending: str) -> Session | None:
 
 
 def damages_of(paths: Iterable[Path]) -> list[tuple[Path, RecordingDamage]]:
-    """What is damaged in recordings, by path; what else is wrong with one is left to who reads it."""
-    found: list[tuple[Path, RecordingDamage]] = []
+    """Damage of recordings by path; the reader reports other errors."""
+    damages: list[tuple[Path, RecordingDamage]] = []
     for path in paths:
         if path.suffix == ".mcap" and not _is_intact(path):
             try:
                 load_session(path)
             except DamagedError as error:
-                found += error.damages
+                damages += error.damages
             except DataError:
                 continue
-    return found
+    return damages
 
 
 def _is_intact(path: Path) -> bool:
-    """Whether a checksum says that every byte is as it was written."""
-    from gyrodrift.session.mcap.ending import Ending, ending_of  # noqa: PLC0415 - likewise
+    """Whether a checksum proves that every byte is as it was written."""
+    from gyrodrift.session.mcap.ending import Ending, ending_of  # noqa: PLC0415 - as above
 
     try:
         check_ordinary(path)
         with path.open("rb") as file:
             return ending_of(file) is Ending.INTACT
-    except (OSError, UnreadableError):  # is told by who reads it
+    except (OSError, UnreadableError):  # the reader reports it
         return False
 
 
 def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None = None) -> None:
-    """Write the consecutive chunks of a session; `metadata` goes along where the format has room for it.
+    """Write the consecutive chunks of a session, with `metadata` if the format supports it.
 
     Raises
     ------
     UsageError
-        Where the ending is unknown or the place cannot be written to; nothing is left behind then.
+        The ending is unknown or the file cannot be written; nothing is left behind.
     """
     ending = path.suffix.lower()
     if ending == ".csv":
-        from gyrodrift.session.csv import csv_pieces  # noqa: PLC0415 - each format costs only who writes it
+        from gyrodrift.session.csv import csv_pieces  # noqa: PLC0415 - a format is imported only when it is written
 
         write_whole(path, csv_pieces(chunks))
     elif ending == ".mcap":
@@ -148,48 +148,50 @@ def _unknown_ending(path: Path) -> str:
 
 
 def session_paths(paths: Iterable[Path]) -> list[Path]:
-    """The sessions that paths stand for: a file is itself, a folder the sessions in it by name.
+    """Paths of sessions: a file itself, and all sessions in a folder, by name.
 
-    A folder that is a bag of ROS 2 is its first file. A folder without sessions stands for those of the folders in it.
-    Other files, hidden ones, and recordings that were cut off before anything was written into them are passed over.
+    A ROS 2 bag counts as its first file. A folder without sessions counts as the folders in it. Other files, hidden
+    files, and recordings that were cut off while empty are skipped.
 
     Raises
     ------
     DataError
-        Where a path does not exist, or a folder holds no session, nor any folder in it.
+        A path does not exist, or a folder and the folders in it have no session.
     """
-    found: list[Path] = []
+    sessions: list[Path] = []
     for path in paths:
         if not path.is_dir():
             if not path.exists():
                 raise DataError(f"{path}: there is no such session or folder")
-            found.append(path)
+            sessions.append(path)
             continue
         if _is_bag_folder(path):
-            found.append(min(path.glob("*.db3")))
+            sessions.append(min(path.glob("*.db3")))
             continue
-        inside = _sessions_in(path) or [p for each in _seen_in(path) if each.is_dir() for p in _sessions_in(each)]
+        inside = _sessions_in(path) or [
+            p for folder in _visible_in(path) if folder.is_dir() for p in _sessions_in(folder)
+        ]
         if not inside:
             raise DataError(f"{path}: there are no sessions in this folder; they end in {' or '.join(ENDINGS)}")
-        found += inside
-    return list(dict.fromkeys(found))
+        sessions += inside
+    return list(dict.fromkeys(sessions))
 
 
-def _seen_in(folder: Path) -> list[Path]:
+def _visible_in(folder: Path) -> list[Path]:
     return sorted(p for p in folder.iterdir() if not p.name.startswith("."))
 
 
 def _sessions_in(folder: Path) -> list[Path]:
-    return [p for p in _seen_in(folder) if p.suffix.lower() in ENDINGS and not _is_bare(p)]
+    return [p for p in _visible_in(folder) if p.suffix.lower() in ENDINGS and not _is_bare(p)]
 
 
 def _is_bare(path: Path) -> bool:
-    from gyrodrift.session.mcap.interrupted import is_bare  # noqa: PLC0415 - likewise
+    from gyrodrift.session.mcap.interrupted import is_bare  # noqa: PLC0415 - as above
 
     if path.suffix != ".mcap" or not path.is_file():
         return False
     try:
         with path.open("rb") as file:
             return is_bare(file)
-    except OSError:  # is told by who reads it
+    except OSError:  # the reader reports it
         return False

@@ -1,4 +1,4 @@
-"""What a recording holds that does not go along when it is written in another form."""
+"""Contents of a recording that another format cannot hold."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -18,26 +18,26 @@ IMU_REST = "orientation, acceleration and rates about x and y"
 
 
 def left_out(source: Path, session: Session, topic: str | None, form: str) -> list[str]:
-    """What of a recording does not go along, in a person's words.
+    """Contents of a recording that are left out, in words.
 
     Parameters
     ----------
     source, session, topic
-        The file, what was read of it, and the channel that was asked for.
+        File, session read from it, and the chosen channel.
     form
-        `csv`, or what the messages of an .mcap file are: `sample`, `imu` or `json`.
+        `csv`, or the message type of an .mcap file: `sample`, `imu` or `json`.
     """
     columns = {
         "encoder angle": session.encoder_deg,
         "temperature": session.temp_c,
-        "word of rest": session.still,
+        "rest flag": session.still,
         "counter": session.seq,
     }
-    found = [name for name, column in columns.items() if form == "imu" and column is not None]
+    names = [name for name, column in columns.items() if form == "imu" and column is not None]
     if session.damage is not None:
-        found.append("what is damaged")
-    found += (
-        _beside_samples(source, session, topic)
+        names.append("damaged parts")
+    names += (
+        _other_channels(source, session, topic)
         if source.suffix == ".mcap"
         else _comments(source)
         if source.suffix.lower() in COMMENTED
@@ -45,12 +45,12 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
     )
     kept = [name for name in session.metadata if name != TABLE]
     if form == "csv" and kept:
-        found.append(f"metadata ({', '.join(kept)})")
-    return found
+        names.append(f"metadata ({', '.join(kept)})")
+    return names
 
 
 def listed(names: Sequence[str]) -> str:
-    """As a sentence has them: `a, b and c`."""
+    """Names as in a sentence: `a, b and c`."""
     return ", ".join(names[:-1]) + " and " * (len(names) > 1) + "".join(names[-1:])
 
 
@@ -60,24 +60,24 @@ def _comments(source: Path) -> list[str]:
     return [_counted(lines, "comment line")] if lines else []
 
 
-def _beside_samples(source: Path, session: Session, topic: str | None) -> list[str]:
-    """What stands on other channels, and what an Imu has beside its rate about z."""
-    if session.damage is not None:  # what it holds is not known
+def _other_channels(source: Path, session: Session, topic: str | None) -> list[str]:
+    """Contents of other channels, and the other quantities of an Imu message."""
+    if session.damage is not None:  # its contents are unknown
         return []
     contents = _contents(source)
     channels = sorted(contents.channels.values(), key=lambda channel: channel.topic)
     read = chosen_topic(source, channels, topic)
-    found = [IMU_REST] if any(channel.is_imu for channel in channels if channel.topic == read) else []
+    names = [IMU_REST] if any(channel.is_imu for channel in channels if channel.topic == read) else []
     for channel in channels:
         if channel.topic in OWN_CHANNELS:
-            found.append(_counted(channel.count, OWN_CHANNELS[channel.topic]))
+            names.append(_counted(channel.count, OWN_CHANNELS[channel.topic]))
         elif channel.topic not in {read, STILLS.name}:
-            found.append(f"{_counted(channel.count, 'message')} on {channel.topic}")
-    return [*found, _counted(contents.attachments, "attachment")] if contents.attachments else found
+            names.append(f"{_counted(channel.count, 'message')} on {channel.topic}")
+    return [*names, _counted(contents.attachments, "attachment")] if contents.attachments else names
 
 
 def _contents(source: Path) -> ForeignFile:
-    """What a file declares; samples of ours are counted a table at a time."""
+    """Channels and attachments of a file; samples of this program are counted in blocks."""
     counts: Counter[int] = Counter()
     declared: list[ForeignRecord] = []
     with source.open("rb") as file:
@@ -97,8 +97,8 @@ def _contents(source: Path) -> ForeignFile:
     return contents_of(declared, counts)
 
 
-def _counted(count: int, what: str) -> str:
-    first, _, rest = what.partition(" ")
+def _counted(count: int, noun: str) -> str:
+    first, _, rest = noun.partition(" ")
     if count == 1:
-        return f"1 {what}"
-    return f"{count} {first}s {rest}" if rest.startswith("of ") else f"{count} {what}s"
+        return f"1 {noun}"
+    return f"{count} {first}s {rest}" if rest.startswith("of ") else f"{count} {noun}s"

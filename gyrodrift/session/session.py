@@ -12,33 +12,32 @@ from gyrodrift.result_table import ResultTable
 from gyrodrift.session.damage import RecordingDamage
 
 TABLE = "table"
-"""Name of the metadata that say how a table of another program was read."""
+"""Name of the metadata table about how a table of another program was read."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Session(ResultTable):
-    """What a device sent, in the order it came; every array has the shape (n,), n ≥ 1.
+    """A recording of a device in order of arrival; every array has the shape (n,), n ≥ 1.
 
     name
         Name of the file, without its folder and ending.
     t_device_s
-        The sensor's own clock, s.
+        Device clock, s.
     rate_dps
         Measured yaw rate, deg/s.
     t_host_s, seq, encoder_deg, temp_c
-        Arrival time in s, counter, reference angle in degrees, temperature in °C; None where there is none.
+        Arrival time in s, counter, reference angle in deg, temperature in °C; None without the column.
         Single missing values are NaN (−1 in `seq`).
     still
-        1 where something else than the rate said that the device stands still, 0 where it moves; likewise.
+        1 if another source than the rate says that the device is at rest, 0 if it moves; None without the column.
     remarks
-        What a person is to be told of how it was read, a sentence each.
+        Notes for the user about how it was read, a sentence each.
     metadata
-        Named tables of what was kept beside the samples: device, host, note; empty where the format has none.
+        Named tables beside the samples: device, host, note; empty if the format has none.
     rate_scale, time_unit
-        Units in the file, from which rates and device times were converted: deg/s for one of the rates, and s, ms, us
-        or ns.
+        Units in the file before conversion: deg/s per unit of the rates, and s, ms, us or ns for device times.
     damage
-        What is missing, where the file is damaged and what is whole of it was asked for.
+        Lost samples, if the file is damaged and was read with `allow_damage`.
     """
 
     name: str
@@ -65,11 +64,11 @@ class Session(ResultTable):
         return {name: column for name in names if (column := getattr(self, name)) is not None}
 
     def part(self, start: int, end: int) -> "Session":
-        """The samples from one to before another; what it lacks, it lacks there too."""
+        """The samples from `start` to before `end`."""
         return self.rows(slice(start, end))
 
     def rows(self, rows: slice | Integers) -> "Session":
-        """The samples of these rows."""
+        """The samples at some indices."""
         return Session(
             name=self.name,
             t_device_s=self.t_device_s[rows],

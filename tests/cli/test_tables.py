@@ -297,7 +297,7 @@ DAMAGED: dict[str, tuple[Change, str]] = {
     "torn": (lambda lines: [*lines[:-1], lines[-1][:5]], "1 bad row is left out; line 601 has 1 values"),
     "zeros": (lambda lines: [*lines, "\0" * 5000], "1 bad row is left out; line 602 has zero bytes"),
     "zeros in a row": (lambda lines: [*lines, "1.0,0." + "\0" * 50], "line 602 has zero bytes"),
-    "header again": (lambda lines: [*lines[:300], lines[0], *lines[300:]], "1 repeated header is passed over"),
+    "header again": (lambda lines: [*lines[:300], lines[0], *lines[300:]], "1 repeated header is skipped"),
     "junk": (lambda lines: [*lines[:9], "brown-out", "1,2,3,4,5", *lines[9:]], "2 bad rows are left out; line 10 has"),
     "no number": (lambda lines: [*lines[:9], "0.4,oops", *lines[9:]], "line 10 rate_dps is 'oops', expected a number"),
     "a quote": (lambda lines: [*lines[:9], '0.4,"0.4', *lines[9:]], ""),

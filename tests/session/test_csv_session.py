@@ -64,11 +64,11 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
         ),
         ("0,1\n1,2\n", "s.csv: it has no header, so nothing says which column is the rate and in which unit"),
         ("# x\nt_device_s,temp_c\n0,1\n", "s.csv:2: its header does not say which column is the rate"),
-        ("t_device_s,rate_dps,rate_dps\n0,1,1\n", "s.csv:1: column rate_dps stands twice"),
+        ("t_device_s,rate_dps,rate_dps\n0,1,1\n", "s.csv:1: column rate_dps occurs twice"),
         ("t_device_s,rate_dps\n0,1\n1,fast\n", "s.csv:3: rate_dps is 'fast', expected a number"),
         ("t_device_s,rate_dps\n0,1\n\n1\n", "s.csv:4: has 1 values, the header has 2 columns"),
         ("t_device_s,rate_dps\n0,1,2\n", "rows have 3 values, the header has 2 columns"),
-        ("1," * 30_000, "s.csv:1: has 30001 columns, more than 1000: this is no session"),
+        ("1," * 30_000, "s.csv:1: has 30001 columns, more than 1000: it is no session"),
         (b"\x89MCAP0\r\n\xff\x00\x01", "s.csv: is not text"),
     ],
 )
@@ -83,7 +83,7 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes,
     ("name", "message"),
     [
         ("none.csv", "there is no such session"),
-        ("", "this is a folder"),
+        ("", "it is a folder"),
         ("s.xyz", r"end in \.mcap, \.csv, \.tsv, .*, not \.xyz"),
     ],
 )

@@ -1,4 +1,4 @@
-"""All checks of a recording, in the order in which they need each other."""
+"""All checks of a recording, in their order of dependence."""
 
 from dataclasses import dataclass
 
@@ -16,23 +16,23 @@ from gyrodrift.session.session import Session
 
 @dataclass(frozen=True, slots=True)
 class ExaminedSession:
-    """A session on one clock, and what the checks found."""
+    """A session on one clock, and the findings of the checks."""
 
     session: Session
     findings: tuple[SessionFinding, ...]
 
     @property
     def warnings(self) -> list[str]:
-        """What is told beside a result."""
+        """Findings that are no errors."""
         return [str(finding) for finding in self.findings if not finding.is_error]
 
     def refuse_errors(self, name: str) -> None:
-        """See that nothing contradicts what the numbers are taken for.
+        """Check that no finding is an error.
 
         Raises
         ------
         DataError
-            With all that does, one line each.
+            With a line per error.
         """
         errors = [f"{name}: {finding}" for finding in self.findings if finding.is_error]
         if errors:
@@ -40,7 +40,7 @@ class ExaminedSession:
 
 
 def clock_findings(session: Session, stated: ReadingOptions) -> tuple[SessionFinding, ...]:
-    """What is wrong with the unit of the times of a session that is as it was stated."""
+    """Findings about the time unit of a session whose stated units are applied."""
     with np.errstate(all="ignore"):
         return clock_unit_findings(session, is_stated=bool(stated.time_unit))
 
@@ -51,18 +51,18 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
     Parameters
     ----------
     session
-        By the units that were stated.
+        With the stated units applied.
     stated
-        What a person stated of its units.
+        Units that the user stated.
     is_still
-        Whether the device did not move, whatever its encoder says.
+        Whether the device did not move, regardless of its encoder.
     """
     with np.errstate(all="ignore"):  # a recording may hold numbers of any size
         clock = one_clock(session)
-        found = list(clock.findings)
-        if not any(finding.is_error for finding in found):
-            found += clock_findings(clock.session, stated)
-        if not any(finding.is_error for finding in found):
-            right = calibrated(clock.session)
-            found += rate_findings(right, is_stated=stated.states_rate, is_still=is_still)
-    return ExaminedSession(clock.session, tuple(found))
+        findings = list(clock.findings)
+        if not any(finding.is_error for finding in findings):
+            findings += clock_findings(clock.session, stated)
+        if not any(finding.is_error for finding in findings):
+            corrected = calibrated(clock.session)
+            findings += rate_findings(corrected, is_stated=stated.states_rate, is_still=is_still)
+    return ExaminedSession(clock.session, tuple(findings))

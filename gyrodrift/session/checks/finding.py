@@ -1,4 +1,4 @@
-"""A finding of a check of a recording: what contradicts what, and the option that mends it."""
+"""Finding of a check of a recording: a contradiction, and the option that resolves it."""
 
 from dataclasses import dataclass
 
@@ -8,13 +8,13 @@ class SessionFinding:
     """One finding.
 
     id
-        Of the check, as `doctor --json` calls it: `clock_unit`, `rate_unit`, `restarts` and others.
+        Name of the check, as in `doctor --json`: `clock_unit`, `rate_unit`, `restarts` and others.
     says
-        What is so, with the numbers, as a sentence without its full stop.
+        Observation with numbers, a sentence without a full stop.
     do
-        What mends it; empty where nothing has to be done.
+        Remedy; may be empty.
     is_error
-        Whether the yaw of this recording would be wrong. A warning is less sure, or is put right.
+        Whether the yaw would be wrong. A warning is uncertain or already corrected.
     """
 
     id: str

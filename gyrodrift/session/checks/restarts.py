@@ -1,8 +1,8 @@
-"""One clock for a recording whose clock begins anew, stumbles or stands: its parts go on one period after another.
+"""One clock for a recording whose clock restarts, steps or stands still.
 
-A step back of more than a few periods is a restart where the samples after it go on from it, as `link.clocks.device`
-takes it on a port. Where they go on from before it, one stamp was damaged. Where the same samples come again, a link or
-a logger repeated them.
+A step back by more than a few periods is a restart if the samples continue from there, as in `link.clocks.device`. If
+they continue from before the step, one stamp was damaged. If the same samples come again, a link or a logger repeated
+them. After a restart the times continue one period later.
 """
 
 from collections.abc import Iterator
@@ -16,37 +16,36 @@ from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
 
 REPEATED_PERIODS = 8.0
-"""A step back of no more than this repeats or swaps the last few samples, as in `link.clocks.device`."""
+"""A smaller step back repeats or swaps the last samples, as in `link.clocks.device`."""
 
 NEXT_PERIODS, NEXT_S = 4.0, 1.0
-"""A sample goes on from another one that is no more than this before it, whichever is longer."""
+"""A sample continues a previous one within these periods or this time, whichever is longer."""
 
 SET_S, SET_SHARE = 3600.0, 10.0
-"""A step forward of more than an hour, and than ten times the rest of the recording, is a clock that was set."""
+"""A clock was set if it steps forward by more than an hour and ten times the rest of the recording."""
 
-SET_BESIDE_HOST_S, HOST_SHARE = 60.0, 0.1
-"""So is a step of more than a minute in which the host's clock goes on by less than a tenth of it."""
+SET_AGAINST_HOST_S, HOST_SHARE = 60.0, 0.1
+"""A clock was also set if it steps by more than a minute while the host clock advances by less than 10 % of it."""
 
 MOST_RESTARTS = 0.05
-"""Share of samples with which a clock may begin anew; what does so more often is no clock."""
+"""Largest share of samples with restarts; with more the column is no clock."""
 
 SAME_ROWS = 5
-"""So many samples with the same times and rates as others are these samples once more."""
+"""This many samples with equal times and rates are a repetition."""
 
 ENCODER_JUMP_DEG = 10.0
-"""An encoder that is further off after a restart has begun anew as well."""
+"""An encoder that jumps by more at a restart has restarted too."""
 
 LEAST_SAMPLES = 20
-"""Fewer are no recording."""
+"""Least number of samples for a check."""
 
 COARSE_SHARE, SOME_SHARE = 0.45, 0.05
-"""Shares of samples with the stamp of the one before and another rate: stamps too coarse to tell the samples apart, and
-worth a word."""
+"""Shares of samples with the previous stamp and another rate: too coarse for a clock, and enough for a warning."""
 
 
 @dataclass(frozen=True, slots=True)
 class OneClock:
-    """A session whose times go forward, as far as they can be made to."""
+    """A session whose times go forward, as far as possible."""
 
     session: Session
     findings: tuple[SessionFinding, ...] = ()
@@ -54,7 +53,7 @@ class OneClock:
 
 @dataclass(frozen=True, slots=True)
 class _Cuts:
-    """Rows with which a clock begins anew, and rows whose stamp is damaged."""
+    """Rows at which a clock restarts, and rows whose stamp is damaged."""
 
     restarts: list[int]
     damaged: list[int]
@@ -65,7 +64,7 @@ DIGITS = "write the time of each sample with all its digits, or the time at whic
 
 
 def one_clock(session: Session) -> OneClock:
-    """The session on one clock, with what there is to be told of it."""
+    """The session on one clock, with the findings."""
     samples = len(session.t_device_s)
     if samples < LEAST_SAMPLES:
         return OneClock(session)
@@ -77,17 +76,17 @@ def one_clock(session: Session) -> OneClock:
     period_s = float(np.median(forward_s))
     cuts = _cuts(session, period_s)
     if len(cuts.restarts) > MOST_RESTARTS * samples:
-        says = f"its times begin anew {len(cuts.restarts)} times in {samples} samples: they are no clock"
+        says = f"its times restart {len(cuts.restarts)} times in {samples} samples: they are no clock"
         return OneClock(session, (SessionFinding("clock_unit", says, COLUMN, is_error=True),))
-    findings = [*_told(session, cuts)]
+    findings = [*_restart_findings(session, cuts)]
     if np.mean(is_same) > SOME_SHARE:
-        says = f"{np.count_nonzero(is_same)} of its {samples} samples have the time of the one before"
-        findings.append(SessionFinding("clock_stamps", f"{says}, and a filter passes them by", DIGITS))
+        says = f"{np.count_nonzero(is_same)} of its {samples} samples have the time of the previous sample"
+        findings.append(SessionFinding("clock_stamps", f"{says}, and a filter skips them", DIGITS))
     return OneClock(_joined(session, cuts, period_s), tuple(findings))
 
 
 def _by_host(session: Session, forward_s: Floats) -> OneClock:
-    """Host times in place of stamps that do not run, or are too coarse; an error where there are none."""
+    """Use host times instead of stamps that stand still or are too coarse; an error without host times."""
     samples, host_s = len(session.t_device_s), session.t_host_s
     if len(forward_s):
         says = f"its times have steps of {np.median(forward_s):.4g} s, for {samples / (len(forward_s) + 1):.3g} samples"
@@ -97,8 +96,8 @@ def _by_host(session: Session, forward_s: Floats) -> OneClock:
         says = f"its {samples} times never go forward"
     if host_s is None or np.mean(np.diff(host_s) > 0.0) < 1.0 - COARSE_SHARE:
         return OneClock(session, (SessionFinding("clock_stamps", says, DIGITS, is_error=True),))
-    said = SessionFinding("clock_stamps", f"{says}; the times at which they were logged are taken (t_host_s)")
-    return OneClock(replace(session, t_device_s=host_s), (said,))
+    finding = SessionFinding("clock_stamps", f"{says}; the times of logging are used (t_host_s)")
+    return OneClock(replace(session, t_device_s=host_s), (finding,))
 
 
 def _cuts(session: Session, period_s: float) -> _Cuts:
@@ -115,18 +114,18 @@ def _cuts(session: Session, period_s: float) -> _Cuts:
             cuts.damaged.append(row)
         elif row >= 2 and t_s[row] < t_s[row - 1] and _goes_on(t_s[row] - t_s[row - 2], period_s):
             cuts.damaged.append(row - 1)
-        elif not _is_again(session, row):
+        elif not _is_repetition(session, row):
             cuts.restarts.append(row)
     return cuts
 
 
 def _is_set(session: Session, steps_s: Floats) -> Mask:
-    """Steps forward that are longer than any hole in a recording."""
+    """Mask of forward steps that are longer than any gap in a recording."""
     forward_s = np.where(steps_s > 0.0, steps_s, 0.0)
     rest_s = float(np.nansum(forward_s)) - forward_s
     is_set: Mask = (forward_s > SET_S) & (forward_s > SET_SHARE * rest_s)
     if session.t_host_s is not None:
-        is_set |= (forward_s > SET_BESIDE_HOST_S) & (np.diff(session.t_host_s) < HOST_SHARE * forward_s)
+        is_set |= (forward_s > SET_AGAINST_HOST_S) & (np.diff(session.t_host_s) < HOST_SHARE * forward_s)
     return is_set
 
 
@@ -134,8 +133,8 @@ def _goes_on(step_s: float, period_s: float) -> bool:
     return bool(0.0 < step_s <= NEXT_PERIODS * period_s)
 
 
-def _is_again(session: Session, row: int) -> bool:
-    """Whether the samples from a row on are some from before it, and newer ones follow them."""
+def _is_repetition(session: Session, row: int) -> bool:
+    """Whether the samples from a row on repeat earlier ones, and newer samples follow."""
     t_s, rate_dps = session.t_device_s, session.rate_dps
     count = min(SAME_ROWS, len(t_s) - row)
     newest_s = np.nanmax(t_s[:row])
@@ -143,14 +142,14 @@ def _is_again(session: Session, row: int) -> bool:
         is_same = np.array_equal(t_s[first : first + count], t_s[row : row + count])
         if is_same and np.array_equal(rate_dps[first : first + count], rate_dps[row : row + count], equal_nan=True):
             after_s = t_s[row:]
-            turns_back = np.flatnonzero(np.diff(after_s) < 0.0)
-            end = int(turns_back[0]) + 1 if len(turns_back) else len(after_s)
+            backward_steps = np.flatnonzero(np.diff(after_s) < 0.0)
+            end = int(backward_steps[0]) + 1 if len(backward_steps) else len(after_s)
             return bool(np.nanmax(after_s[:end]) > newest_s)
     return False
 
 
 def _joined(session: Session, cuts: _Cuts, period_s: float) -> Session:
-    """Every part begins one period after the one before."""
+    """Join the parts: each starts one period after the previous part."""
     if not (cuts.restarts or cuts.damaged):
         return session
     t_s = session.t_device_s.copy()
@@ -165,23 +164,21 @@ def _joined(session: Session, cuts: _Cuts, period_s: float) -> Session:
     return joined.rows(np.delete(np.arange(len(t_s)), cuts.damaged)) if cuts.damaged else joined
 
 
-def _told(session: Session, cuts: _Cuts) -> Iterator[SessionFinding]:
+def _restart_findings(session: Session, cuts: _Cuts) -> Iterator[SessionFinding]:
     t_s = session.t_device_s
     if cuts.restarts:
         row = cuts.restarts[0]
-        more = f", the first of {len(cuts.restarts)} times" if len(cuts.restarts) > 1 else ""
+        count_text = f", the first of {len(cuts.restarts)} times" if len(cuts.restarts) > 1 else ""
         rest_s = _seconds_after(t_s, cuts)
-        says = f"its clock begins anew at sample {row + 1}{more}, from {t_s[row - 1]:.6g} to {t_s[row]:.6g} s"
-        yield SessionFinding(
-            "restarts", f"{says}; the {rest_s:.4g} s from there on follow one period after, as serve takes them"
-        )
+        says = f"its clock restarts at sample {row + 1}{count_text}, from {t_s[row - 1]:.6g} to {t_s[row]:.6g} s"
+        yield SessionFinding("restarts", f"{says}; the {rest_s:.4g} s after it continue one period later, as in serve")
     if cuts.damaged:
         row = cuts.damaged[0]
-        says = f"{len(cuts.damaged)} of its times are of no clock, the first {t_s[row]:.6g} s at sample {row + 1}"
+        says = f"{len(cuts.damaged)} of its times are invalid, the first {t_s[row]:.6g} s at sample {row + 1}"
         yield SessionFinding("restarts", f"{says}; these samples are left out")
 
 
 def _seconds_after(t_s: Floats, cuts: _Cuts) -> float:
-    """How long what follows the first restart lasts."""
+    """Duration after the first restart, s."""
     ends = [*cuts.restarts[1:], len(t_s)]
     return float(sum(t_s[end - 1] - t_s[row] for row, end in zip(cuts.restarts, ends, strict=True)))

@@ -1,4 +1,4 @@
-"""What a person states of how recordings are to be read, whatever their header says: columns, units and sign."""
+"""Columns, units and sign that the user states for recordings, regardless of their header."""
 
 from dataclasses import dataclass, replace
 
@@ -6,21 +6,21 @@ from gyrodrift.columns.spec import RATE, Column, scale_of
 from gyrodrift.session.session import Session
 
 TIME_UNITS = ("s", "ms", "us", "ns")
-"""A factor of a thousand apart."""
+"""Time units, each a thousandth of the previous one."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReadingOptions:
-    """What was stated; empty where a recording is taken as it says.
+    """Statements of the user; empty values leave it to the recording.
 
     columns
-        What the columns of tables are; None where their headers say it.
+        Meaning of the columns of tables; None leaves it to their headers.
     rate_unit
         A unit of RATE_DPS, or lsb/N.
     time_unit
         One of TIME_UNITS.
     is_flipped
-        Whether the rates have the other sign.
+        Whether the sign of the rates is reversed.
     """
 
     columns: tuple[Column, ...] | None = None
@@ -30,11 +30,11 @@ class ReadingOptions:
 
     @property
     def states_rate(self) -> bool:
-        """Whether a person vouches for the rates."""
+        """Whether the user states unit or sign of the rates."""
         return bool(self.rate_unit) or self.is_flipped
 
     def applied(self, session: Session) -> Session:
-        """The session in deg/s and seconds by what was stated of its units."""
+        """The session in deg/s and s, with the stated units."""
         rate_scale, time_unit = session.rate_scale, session.time_unit
         factor = -1.0 if self.is_flipped else 1.0
         if self.rate_unit:

@@ -1,1 +1,1 @@
-"""Sessions of other programs: read where they fit, written where others want them."""
+"""MCAP sessions of other programs: reading and writing."""

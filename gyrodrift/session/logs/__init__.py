@@ -1,1 +1,1 @@
-"""Logs of autopilots and bags of ROS, through the packages of their own projects."""
+"""Logs of autopilots and bags of ROS, read by the packages of their own projects."""

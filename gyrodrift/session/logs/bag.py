@@ -20,31 +20,31 @@ ROS1_MAGIC = b"#ROSBAG V"
 
 
 def read_bag(path: Path, topic: str | None = None) -> Session:
-    """Load a bag: the rates about z of its `sensor_msgs/Imu`.
+    """Load the rates about z from the `sensor_msgs/Imu` messages of a bag.
 
     Parameters
     ----------
     path
         `.bag`, a folder of a bag, or a `.db3` in one.
     topic
-        Which topic; without it the only one with such messages.
+        Topic to read; without it the only one with such messages.
 
     Raises
     ------
     DataError
-        Where it is no bag or damaged, no topic or more than one could be meant, or `rosbags` is missing.
+        It is no bag or damaged, has no or several possible topics, or `rosbags` is missing.
     """
-    place = path.parent if path.suffix.lower() == ".db3" else path
-    if path.suffix.lower() == ".db3" and not (place / "metadata.yaml").is_file():
+    folder = path.parent if path.suffix.lower() == ".db3" else path
+    if path.suffix.lower() == ".db3" and not (folder / "metadata.yaml").is_file():
         raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
     try:
-        with _reader_of(path, place) as reader:
+        with _reader_of(path, folder) as reader:
             decode = ros1_imu_sample if path.suffix.lower() == ".bag" else _ros2_decode()
             rows = list(_samples(reader, _chosen(path, reader, topic), decode))
     except DataError:
         raise
     except MemoryError as error:
-        raise DataError(f"{path}: needs more memory than there is") from error
+        raise DataError(f"{path}: needs more memory than this computer has") from error
     except Exception as error:  # bytes from anywhere
         raise DataError(f"{path}: is no bag, or damaged: {error}") from error
     if not rows:
@@ -57,7 +57,7 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
 
 
 def _check_beginning(path: Path) -> None:
-    """See that a bag of ROS 1 begins as one: its reader looks for the end of the first line in all of the file."""
+    """Check the beginning of a ROS 1 bag; its reader would search the whole file for the end of the first line."""
     if path.suffix.lower() != ".bag":
         return
     with path.open("rb") as file:
@@ -65,26 +65,31 @@ def _check_beginning(path: Path) -> None:
             raise DataError(f"{path}: is no bag of ROS 1: it does not begin with {ROS1_MAGIC.decode()}")
 
 
-def _reader_of(path: Path, place: Path) -> Any:
-    """A reader that leaves the message definitions of a bag unparsed: text from anywhere, of any length."""
+def _reader_of(path: Path, folder: Path) -> Any:
+    """Reader of a bag that does not parse its message definitions, which may be any text."""
     with packages_of(path, "ros"):
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra that few have
     _check_beginning(path)
-    return rosbag1.Reader(place) if path.suffix.lower() == ".bag" else rosbag2.Reader(place)
+    return rosbag1.Reader(folder) if path.suffix.lower() == ".bag" else rosbag2.Reader(folder)
 
 
 def _chosen(path: Path, reader: Any, topic: str | None) -> list[Any]:
-    """The connections to read."""
-    imus = sorted({each.topic for each in reader.connections if each.msgtype == IMU and each.msgcount})
-    there = ", ".join(sorted(f"{each.topic} ({each.msgtype})" for each in reader.connections)) or "nothing"
+    """Connections to read."""
+    imus = sorted(
+        {connection.topic for connection in reader.connections if connection.msgtype == IMU and connection.msgcount}
+    )
+    topics = (
+        ", ".join(sorted(f"{connection.topic} ({connection.msgtype})" for connection in reader.connections))
+        or "nothing"
+    )
     if topic is not None and topic not in imus:
-        raise DataError(f"{path}: {topic} holds no {IMU}; there are {there}")
+        raise DataError(f"{path}: {topic} holds no {IMU}; topics are {topics}")
     if not imus:
-        raise DataError(f"{path}: no topic holds {IMU}; there are {there}")
+        raise DataError(f"{path}: no topic holds {IMU}; topics are {topics}")
     if topic is None and len(imus) > 1:
         raise DataError(f"{path}: samples may be on {', '.join(imus)}; choose one with gyrodrift convert --topic")
-    wanted = topic or imus[0]
-    return [each for each in reader.connections if each.topic == wanted and each.msgtype == IMU]
+    chosen = topic or imus[0]
+    return [connection for connection in reader.connections if connection.topic == chosen and connection.msgtype == IMU]
 
 
 def _samples(reader: Any, connections: list[Any], decode: Decode) -> Iterator[Sample]:
@@ -93,8 +98,8 @@ def _samples(reader: Any, connections: list[Any], decode: Decode) -> Iterator[Sa
 
 
 def _ros2_decode() -> Decode:
-    """What makes samples of messages in CDR, whose layout is the same in every release of ROS 2."""
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - likewise
+    """Decoder of CDR messages; their layout is the same in every release of ROS 2."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - as above
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     return lambda payload, log_ns: _sample(store.deserialize_cdr(payload, IMU), log_ns)

@@ -10,12 +10,12 @@ from gyrodrift.installation import extra_command
 
 @contextmanager
 def packages_of(path: Path, extra: str) -> Iterator[None]:
-    """Around the import of such a package.
+    """Turn the import error of an optional package into an error for the user.
 
     Raises
     ------
     DataError
-        With the command that installs it, where it is missing.
+        The package is missing; with the command that installs it.
     """
     try:
         yield

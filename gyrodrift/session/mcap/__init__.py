@@ -1,1 +1,1 @@
-"""Sessions as MCAP: written so that a kill loses nothing, read in one go, repaired."""
+"""Sessions as MCAP: writing that survives a kill, reading, and repair."""

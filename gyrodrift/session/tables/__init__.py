@@ -1,1 +1,1 @@
-"""Tables of other programs as sessions: text with any delimiter, JSON, and the known heads of apps and loggers."""
+"""Tables of other programs as sessions: text with any delimiter, JSON, Parquet, and known forms."""

@@ -1,4 +1,4 @@
-"""How a table separates its cells and writes its decimals, found in its lines."""
+"""Dialect of a table: delimiter of its cells and decimal mark, detected from its lines."""
 
 import csv
 import re
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 from gyrodrift.session.tables.times import is_time
 
 DELIMITERS = (",", ";", "\t", "|", " ")
-"""In the order in which they are preferred; a space stands for any number of spaces and tabs."""
+"""Preferred ones first; a space stands for any number of spaces and tabs."""
 
 SPACES = re.compile(r"[ \t]+")
 NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|NaN|NAN|INF|Inf)")
 COMMA_DECIMAL = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 LAST_LINES = 50
-"""Lines at the end of what is looked at: a preamble is behind by then."""
+"""Lines used for the detection, the last ones of the sample, which lie after a preamble."""
 
 LONGEST_NUMBER = 64
 
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """The delimiter, and whether decimals are behind a comma."""
+    """Delimiter, and whether the decimal mark is a comma."""
 
     delimiter: str
     has_decimal_comma: bool = False
@@ -39,13 +39,13 @@ def is_value(cell: str) -> bool:
 
 
 def is_data(row: Sequence[str]) -> bool:
-    """Whether at least half of the cells that are not empty are values."""
+    """Whether at least half of the non-empty cells are values."""
     filled = [cell for cell in row if cell.strip()]
     return bool(filled) and 2 * sum(map(is_value, filled)) >= len(filled)
 
 
 def split(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
-    """The rows of lines; a line with an odd number of quotes is one cell, so that it swallows no other line."""
+    """Split lines into rows; a line with an odd number of quotes loses its quotes, which would join lines."""
     even = (line if line.count('"') % 2 == 0 else line.replace('"', "") for line in lines)
     if delimiter == " ":
         even, delimiter = (SPACES.sub("\t", line.strip()) for line in even), "\t"
@@ -53,9 +53,9 @@ def split(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
 
 
 def dialect_of(lines: Sequence[str]) -> Dialect:
-    """The dialect in which most cells of the last lines are values."""
+    """Dialect in which most cells of the last lines are values."""
     last = lines[-LAST_LINES:]
-    delimiter = max(DELIMITERS, key=lambda each: _score(last, each))
+    delimiter = max(DELIMITERS, key=lambda mark: _score(last, mark))
     rows = list(split(last, delimiter))
     cells = [cell.strip() for row in rows for cell in row if is_value(cell) and not is_time(cell)]
     with_comma = sum(COMMA_DECIMAL.fullmatch(cell) is not None for cell in cells)
@@ -63,19 +63,19 @@ def dialect_of(lines: Sequence[str]) -> Dialect:
 
 
 def width_of(rows: Sequence[Sequence[str]]) -> int:
-    """The most frequent number of cells, of rows with data where there are any."""
+    """Most frequent number of cells; only rows with data count if there are any."""
     counts = Counter(len(row) for row in rows if is_data(row)) or Counter(map(len, rows))
     return counts.most_common(1)[0][0] if counts else 0
 
 
 def _score(lines: Sequence[str], delimiter: str) -> tuple[float, int]:
-    """Share of values in rows of the most frequent width, and that width; cells with another delimiter reduce it."""
+    """Share of values in rows of the most frequent width, less the cells with another delimiter; and this width."""
     rows = list(split(lines, delimiter))
     width = width_of(rows)
-    alike = [row for row in rows if len(row) == width]
-    cells = [cell for row in alike for cell in row if cell.strip()]
+    regular = [row for row in rows if len(row) == width]
+    cells = [cell for row in regular for cell in row if cell.strip()]
     if width < 2 or not cells:
         return 0.0, 0
     values = sum(map(is_value, cells)) - sum(any(mark in cell for mark in ";\t|") for cell in cells)
-    share = max(0.0, values / len(cells) * len(alike) / len(rows))
+    share = max(0.0, values / len(cells) * len(regular) / len(rows))
     return (share or 1e-9), width

@@ -1,4 +1,4 @@
-"""Tables whose head is known: which of their columns are taken, and where that is documented."""
+"""Tables of known programs: the columns that are used, and their documentation."""
 
 import re
 import struct
@@ -18,17 +18,17 @@ class KnownTable:
     name
         Program or device that writes it.
     columns
-        SPEC by label; the table has all of these labels. A label that begins with `*` fits each that ends so.
+        SPEC by label; the table has all of its labels. A label that begins with `*` fits every label with this ending.
     source
-        Where the columns and their units are documented.
+        Documentation of the columns and their units.
     file
-        Pattern of the file's name, for heads that other tables of the program have, too; empty for any name.
+        Pattern of the file name, if other tables of the program have the same header; empty for any name.
     scale_key
-        Pair of the preamble that holds deg/s per count, as the bits of a float; empty where the SPEC says it all.
+        Key of the preamble with deg/s per count, as the bits of a float; empty if the SPEC has the scale.
     where
-        Column and value of the rows that are taken, in tables that mix sensors.
+        Column and value of the rows to use, in tables that mix sensors.
     remark
-        What a person is to be told of it; empty for nothing.
+        Note for the user; may be empty.
     """
 
     name: str
@@ -40,18 +40,20 @@ class KnownTable:
     remark: str = ""
 
     def indices(self, path: Path, labels: tuple[str, ...]) -> list[tuple[int, Column]] | None:
-        """The columns with their indices; None for a table that this is not."""
+        """Columns with their indices; None for another form of table."""
         if self.file and not re.search(self.file, path.name, re.IGNORECASE):
             return None
         if self.where is not None and label_index(labels, self.where[0]) is None:
             return None
         placed = [(label_index(labels, column.label), column) for column in parsed(self.columns)]
         return (
-            [(at, column) for at, column in placed if at is not None] if all(p[0] is not None for p in placed) else None
+            [(index, column) for index, column in placed if index is not None]
+            if all(p[0] is not None for p in placed)
+            else None
         )
 
     def scale(self, preamble: Mapping[str, str]) -> float | None:
-        """What rates are multiplied by besides their unit; None where the preamble does not say it."""
+        """Factor of the rates besides their unit; None if the preamble lacks it."""
         if not self.scale_key:
             return 1.0
         try:
@@ -63,24 +65,24 @@ class KnownTable:
 
 
 def plain(label: str) -> str:
-    """A label without case, marks of comments, and the number of its spaces."""
+    """A label in lower case, without comment marks and repeated spaces."""
     return " ".join(label.strip().lstrip("#%").split()).casefold()
 
 
 def label_index(labels: tuple[str, ...], label: str) -> int | None:
-    """Where a label stands; None where it does not, or more than once."""
-    wanted = plain(label)
+    """Index of a label; None if it is missing or occurs twice."""
+    name = plain(label)
     fits = [
-        at
-        for at, there in enumerate(labels)
-        if plain(there) == wanted or (wanted.startswith("*") and plain(there).endswith(wanted[1:]))
+        index
+        for index, candidate in enumerate(labels)
+        if plain(candidate) == name or (name.startswith("*") and plain(candidate).endswith(name[1:]))
     ]
     return fits[0] if len(fits) == 1 else None
 
 
-DOWN = "its z axis points down, so the sign of the rate is turned"
+DOWN = "its z axis points down, so the sign of the rate is reversed"
 
-KNOWN = (
+KNOWN_TABLES = (
     KnownTable(
         "phyphox",
         "Time (s)=t_s, Gyroscope z (rad/s)=rate:rads",
@@ -95,7 +97,7 @@ KNOWN = (
     KnownTable(
         "Sensor Logger (JSON)",
         "time=t_ns, seconds_elapsed=_, z=rate:rads",
-        "likewise, JSON export: an object a sample, with the sensor's name",
+        "as above, JSON export: an object per sample with the name of the sensor",
         where=("sensor", "Gyroscope"),
     ),
     KnownTable(
@@ -106,7 +108,7 @@ KNOWN = (
     KnownTable(
         "SensorLog (device motion)",
         "motionTimestamp_sinceReboot(s)=t_s, motionRotationRateZ(rad/s)=rate:rads",
-        "likewise; iOS has taken its own bias off",
+        "as above; iOS has subtracted its own bias",
     ),
     KnownTable(
         "Physics Toolbox",
@@ -163,4 +165,4 @@ KNOWN = (
         "wit-motion.com, recording of the PC software",
     ),
 )
-"""In this order: the first one that fits is taken."""
+"""Known forms; the first one that fits is used."""

@@ -1,4 +1,4 @@
-"""Where a table begins: its preamble, its header, the line of units, and the first rows."""
+"""Layout of a table: preamble, header, line of units, and first row."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,17 +13,17 @@ from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import Lines, opened
 
 LOOKED_AT = 1000
-"""Lines of the beginning that are looked at: preambles of flight logs have some 150."""
+"""Lines of the beginning to detect the layout from; preambles of flight logs have about 150."""
 
 COMMENT_MARKS = "#/ \t"
 
 
 @dataclass(frozen=True, slots=True)
 class TableLayout:
-    """How the text of a table is cut into rows.
+    """How the text of a table is split into rows.
 
     first_line
-        Number of the first line that may be a row.
+        Number of the first possible row.
     """
 
     dialect: Dialect
@@ -32,12 +32,12 @@ class TableLayout:
 
 
 def layout_of(path: Path) -> TableLayout:
-    """Look at the beginning of a table.
+    """Detect the layout from the beginning of a table.
 
     Raises
     ------
     DataError
-        Where it cannot be read, is empty or no text, or has no rows.
+        It cannot be read, is empty, is not text, or has no rows.
     """
     with opened(path) as file:
         lines = Lines(file)
@@ -49,11 +49,11 @@ def layout_of(path: Path) -> TableLayout:
     rows = [[cell.strip() for cell in row] for row in split(texts, dialect.delimiter)]
     width = width_of(rows)
     if width > MOST_COLUMNS:
-        raise DataError(f"{path}:{sample[0][0]}: has {width} columns, more than {MOST_COLUMNS}: this is no session")
-    first = next((at for at, row in enumerate(rows) if len(row) == width and is_data(row)), None)
+        raise DataError(f"{path}:{sample[0][0]}: has {width} columns, more than {MOST_COLUMNS}: it is no session")
+    first = next((index for index, row in enumerate(rows) if len(row) == width and is_data(row)), None)
     if first is None:
-        what = "has a header and no samples" if sample else f"is empty; expected a header with {', '.join(REQUIRED)}"
-        raise DataError(f"{path}: {what}")
+        reason = "has a header and no samples" if sample else f"is empty; expected a header with {', '.join(REQUIRED)}"
+        raise DataError(f"{path}: {reason}")
     labels, line = _header(rows[:first], [number for number, _ in sample], width) or _commented(lines, dialect, width)
     labels = _fitted(labels, [row for row in rows[first:] if len(row) == width])
     preamble = {row[0]: row[1] for row in rows[:first] if len(row) == 2}
@@ -62,15 +62,15 @@ def layout_of(path: Path) -> TableLayout:
 
 
 def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> tuple[tuple[str, ...], int] | None:
-    """The last row of words before the rows; with a line of units behind it, both in one."""
-    likely = [at for at, row in enumerate(before) if abs(len(row) - width) <= 1 and len(row) > 1]
+    """Last row of words before the data, joined with a line of units after it."""
+    likely = [index for index, row in enumerate(before) if abs(len(row) - width) <= 1 and len(row) > 1]
     if not likely:
         return None
-    at = likely[-1]
-    row = before[at]
-    if at - 1 in likely and len(before[at - 1]) == len(row) and _is_units(row):
-        row, at = [_with_unit(*both) for both in zip(before[at - 1], row, strict=True)], at - 1
-    return tuple(row), numbers[at]
+    index = likely[-1]
+    row = before[index]
+    if index - 1 in likely and len(before[index - 1]) == len(row) and _is_units(row):
+        row, index = [_with_unit(*pair) for pair in zip(before[index - 1], row, strict=True)], index - 1
+    return tuple(row), numbers[index]
 
 
 def _is_units(row: Sequence[str]) -> bool:
@@ -83,7 +83,7 @@ def _with_unit(label: str, unit: str) -> str:
 
 
 def _commented(lines: Lines, dialect: Dialect, width: int) -> tuple[tuple[str, ...], int]:
-    """The header behind a `#`, as some programs write it; none where no comment has as many cells."""
+    """Header in a comment, as some programs write it; empty if no comment has as many cells."""
     for number, line in reversed(lines.comments):
         row = next(iter(split([line.lstrip(COMMENT_MARKS)], dialect.delimiter)), [])
         if len(row) == width and width > 1 and not is_data(row):
@@ -92,7 +92,7 @@ def _commented(lines: Lines, dialect: Dialect, width: int) -> tuple[tuple[str, .
 
 
 def _fitted(labels: tuple[str, ...], rows: Sequence[list[str]]) -> tuple[str, ...]:
-    """Labels for rows with one cell more: behind a delimiter at the end, or before the names of R's rows."""
+    """Labels for rows with an extra cell: after a delimiter at the end, or the row names that R writes."""
     if not rows or not labels:
         return labels
     width = len(rows[0])

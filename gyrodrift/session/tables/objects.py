@@ -1,4 +1,4 @@
-"""JSON as rows of text: an object a line, an array of objects, or an object of columns; digits stay as they are."""
+"""JSON as rows of text: an object per line, an array of objects, or an object of columns; all digits stay."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,41 +14,41 @@ LOOKED_AT = 200
 DEEPEST = 8
 MOST_LABELS = 500
 LONGEST_VECTOR = 20
-"""A list that is longer is a column, not the axes of one sample."""
+"""A longer list is a column, not the axes of a sample."""
 
 
 def is_json(path: Path) -> bool:
-    """Whether a file begins as JSON does."""
+    """Whether a file begins like JSON."""
     with opened(path) as file:
         first = next(iter(Lines(file)), "").lstrip()
     return first.startswith(("{", "[{", "[\n", "[\r")) or first.strip() == "["
 
 
 def json_head(path: Path) -> Head:
-    """The labels of a file of JSON: those of the objects at its beginning, inner ones as `gyro.z`."""
-    objects = list(islice((found for _, found in json_objects(path) if found), LOOKED_AT))
+    """Labels of the first objects of a JSON file, nested ones as `gyro.z`, and their rows."""
+    objects = list(islice((values for _, values in json_objects(path) if values), LOOKED_AT))
     if not objects:
         raise DataError(f"{path}: has no JSON object with values")
-    labels = tuple(islice(dict.fromkeys(label for found in objects for label in found), MOST_LABELS))
+    labels = tuple(islice(dict.fromkeys(label for values in objects for label in values), MOST_LABELS))
     return Head(path, labels, len(labels), 0, tuple(json_rows(objects, labels)))
 
 
 def json_rows(objects: Sequence[Mapping[str, str]], labels: Sequence[str]) -> Iterator[list[str]]:
-    """Each object as a row."""
-    return ([found.get(label, "") for label in labels] for found in objects)
+    """Objects as rows."""
+    return ([values.get(label, "") for label in labels] for values in objects)
 
 
 def json_objects(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """The objects of a file with the numbers of their lines; an empty one stands for a line that is none."""
+    """Objects of a file with their line numbers; empty for a line without an object."""
     with opened(path) as file:
         lines = Lines(file)
         first = next(iter(lines), "")
-        found = _parsed(first)
-        if isinstance(found, dict) and not any(map(_is_column, found.values())):
-            yield lines.number, _flat(found)
+        value = _parsed(first)
+        if isinstance(value, dict) and not any(map(_is_column, value.values())):
+            yield lines.number, _flat(value)
             for line in lines:
-                found = _parsed(line)
-                yield lines.number, _flat(found) if isinstance(found, dict) else {}
+                value = _parsed(line)
+                yield lines.number, _flat(value) if isinstance(value, dict) else {}
             return
     yield from enumerate(_whole(path), 1)
 
@@ -58,7 +58,7 @@ def _is_column(value: Any) -> bool:
 
 
 def _parsed(text: str) -> Any:
-    """What a text holds, numbers as they are written; None where it is no JSON."""
+    """Value of a JSON text, numbers as text; None if it is not JSON."""
     try:
         return json.loads(text, parse_float=str, parse_int=str)
     except (ValueError, RecursionError):
@@ -66,29 +66,29 @@ def _parsed(text: str) -> Any:
 
 
 def _whole(path: Path) -> Iterator[dict[str, str]]:
-    """The objects of a file that is one value."""
+    """Objects of a file that is a single JSON value."""
     with opened(path) as file:
-        found = _parsed(file.read())
-    if isinstance(found, list):
-        yield from (_flat(each) if isinstance(each, dict) else {} for each in found)
-    elif isinstance(found, dict):
-        columns = {name: values for name, values in found.items() if isinstance(values, list)}
+        content = _parsed(file.read())
+    if isinstance(content, list):
+        yield from (_flat(item) if isinstance(item, dict) else {} for item in content)
+    elif isinstance(content, dict):
+        columns = {name: values for name, values in content.items() if isinstance(values, list)}
         longest = max(map(len, columns.values()), default=0)
-        for at in range(longest):
-            yield _flat({name: values[at] for name, values in columns.items() if len(values) == longest})
+        for index in range(longest):
+            yield _flat({name: values[index] for name, values in columns.items() if len(values) == longest})
     else:
-        raise DataError(f"{path}: is neither JSON nor JSON lines: expected an object a line, or an array of objects")
+        raise DataError(f"{path}: is neither JSON nor JSON lines: expected an object per line, or an array of objects")
 
 
-def _flat(found: Mapping[str, Any], before: str = "", depth: int = 0) -> dict[str, str]:
-    """The values of an object by their paths."""
+def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> dict[str, str]:
+    """Values of an object by their paths."""
     flat: dict[str, str] = {}
-    for name, value in found.items():
+    for name, value in values.items():
         match value:
             case dict() if depth < DEEPEST:
                 flat |= _flat(value, f"{before}{name}.", depth + 1)
             case list() if depth < DEEPEST:
-                flat |= _flat({str(at): each for at, each in enumerate(value)}, f"{before}{name}.", depth + 1)
+                flat |= _flat({str(index): item for index, item in enumerate(value)}, f"{before}{name}.", depth + 1)
             case bool():
                 flat[f"{before}{name}"] = str(int(value))
             case None:

@@ -15,24 +15,24 @@ PIECE = 20_000
 
 
 def parquet_head(path: Path) -> Head:
-    """The labels of a file, a time's with its unit, and its first rows.
+    """Labels of a file, with the units of times, and its first rows.
 
     Raises
     ------
     DataError
-        Where it is no such file, or the package is missing.
+        It is no Parquet file, or the package is missing.
     """
     rows = tuple(row for _, row in islice(parquet_rows(path), LOOKED_AT))
     labels = tuple(map(_label, _opened(path).schema_arrow))
     if len(labels) > MOST_COLUMNS:
-        raise DataError(f"{path}: has {len(labels)} columns, more than {MOST_COLUMNS}: this is no session")
+        raise DataError(f"{path}: has {len(labels)} columns, more than {MOST_COLUMNS}: it is no session")
     if not rows:
         raise DataError(f"{path}: has a header and no samples")
     return Head(path, labels, len(labels), 0, rows)
 
 
 def parquet_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """The rows with their numbers, from 1."""
+    """Rows with their numbers, from 1."""
     import pyarrow as pa  # noqa: PLC0415 - an extra that few have
 
     number = 0
@@ -42,7 +42,7 @@ def parquet_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
                 number += 1
                 yield number, list(row)
     except pa.ArrowException as error:
-        raise DataError(f"{path}: is damaged behind row {number}: {error}") from error
+        raise DataError(f"{path}: is damaged after row {number}: {error}") from error
 
 
 def _opened(path: Path) -> Any:

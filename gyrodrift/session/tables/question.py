@@ -1,4 +1,4 @@
-"""What is asked of a person where a table does not say which column is the rate, and in which unit."""
+"""Question to the user if a table does not say which column is the rate, or in which unit."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -18,7 +18,7 @@ MEANINGS = {
     "clock": "a clock",
     "seq": "a counter",
     "rate": "a rate about the vertical axis",
-    "rates": "a rate, about which axis is not said",
+    "rates": "a rate about an unknown axis",
     "gx": "a rate about x",
     "gy": "a rate about y",
     "temp": "a temperature",
@@ -37,38 +37,40 @@ MEANINGS = {
     "angle": "an angle",
 }
 HOW = (
-    "name them with --columns, one entry a column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate about"
-    " the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
-    " sheet); an angle is yaw:deg or yaw:rad; _ is not used"
+    "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate"
+    " about the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
+    " sheet); an angle is yaw:deg or yaw:rad; _ ignores a column"
 )
 
 
 def unclear(head: Head) -> DataError:
-    """The error that shows each column with what it looks like."""
-    place = f"{head.path}:{head.line}" if head.line else f"{head.path}"
-    said = "its header does not say" if head.labels else "it has no header, so nothing says"
+    """Error that shows every column with its apparent meaning."""
+    source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
+    reason = "its header does not say" if head.labels else "it has no header, so nothing says"
     lines = [_described(head, index) for index in range(min(head.width, SHOWN))]
-    more = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
-    return DataError("\n".join([f"{place}: {said} which column is the rate and in which unit:", *lines, *more, HOW]))
+    rest = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
+    return DataError("\n".join([f"{source}: {reason} which column is the rate and in which unit:", *lines, *rest, HOW]))
 
 
 def check_header(head: Head) -> None:
-    """See that the header is as wide as the rows, and that no name of ours in it has a slip of the keyboard.
+    """Check that the header is as wide as the rows, and that no column name is misspelled.
 
     Raises
     ------
     DataError
-        With both widths, or the name that is meant.
+        With both widths, or with the misspelled name.
     """
     if head.labels and head.width != len(head.labels):
         widths = f"rows have {head.width} values, the header has {len(head.labels)} columns"
         raise DataError(f"{head.path}:{head.line}: {widths}")
     labels = [label.strip() for label in head.labels]
     is_ours = bool(set(labels) & {"t_device_s", *OLD_NAMES})
-    for at, meant in slips_in(labels).items():
+    for index, meant in slips_in(labels).items():
         if is_ours or set(meant) & set(REQUIRED):
-            known = f"columns are {', '.join(COLUMNS)}"
-            raise DataError(f"{head.path}:{head.line}: column {at + 1} is {labels[at]!r}; {question(meant)} {known}")
+            hint = f"columns are {', '.join(COLUMNS)}"
+            raise DataError(
+                f"{head.path}:{head.line}: column {index + 1} is {labels[index]!r}; {question(meant)} {hint}"
+            )
 
 
 def _described(head: Head, index: int) -> str:
@@ -107,6 +109,6 @@ def _looks(label: str, texts: Sequence[str]) -> str:
         return "no label"
     unit = unit_in(label)
     kind = kind_of(without_unit(label)) or kind_of(label)
-    what = MEANINGS.get(kind, "not known")
+    meaning = MEANINGS.get(kind, "unknown")
     has_unit = unit is not None or bool(clock_unit(label, texts))
-    return f"{what}, {f'unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"
+    return f"{meaning}, {f'unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"

@@ -1,4 +1,4 @@
-"""Sessions from tables of other programs, and from our own tables as other programs save them."""
+"""Sessions from tables of other programs, and from tables of this program that another one has saved."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -31,7 +31,7 @@ from gyrodrift.session.tables.wire import wire_columns
 
 PARQUET = ".parquet"
 BAD_SHARE = 0.1
-"""Bad rows beyond this share say that the table is read wrongly."""
+"""A larger share of bad rows means that the table is misread."""
 
 
 def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
@@ -42,35 +42,37 @@ def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
     path
         The file.
     columns
-        What its columns are; without them its header has to say it.
+        Meaning of its columns; without them the header has to state it.
 
     Raises
     ------
     DataError
-        Where it is no table, does not say which column is the rate and in which unit, or has hardly a good row.
+        It is no table, does not say which column is the rate and in which unit, or has too many bad rows.
     UsageError
-        Where it has no such columns.
+        It does not have the given columns.
     """
     if path.suffix.lower() == PARQUET:
         head = parquet_head(path)
-        found = _columns(head, columns)
-        reader = RowReader(head, found, has_decimal_comma=False, keeps_empty=found.form == OWN)
-        return _session(head, found, reader.read(parquet_rows(path)), PARQUET)
+        table_columns = _columns(head, columns)
+        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=table_columns.form == OWN)
+        return _session(head, table_columns, reader.read(parquet_rows(path)), PARQUET)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
         head = json_head(path)
-        found = _columns(head, columns)
-        reader = RowReader(head, found, has_decimal_comma=False, keeps_empty=False)
-        read = reader.read((line, row) for line, each in json_objects(path) for row in json_rows([each], head.labels))
-        return _session(head, found, read, "JSON")
+        table_columns = _columns(head, columns)
+        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=False)
+        read = reader.read(
+            (line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels)
+        )
+        return _session(head, table_columns, read, "JSON")
     layout = layout_of(path)
-    found = _columns(layout.head, columns)
+    table_columns = _columns(layout.head, columns)
     with opened(path) as file:
-        has_comma, is_own = layout.dialect.has_decimal_comma, found.form == OWN
-        reader = RowReader(layout.head, found, has_decimal_comma=has_comma, keeps_empty=is_own)
+        has_comma, is_own = layout.dialect.has_decimal_comma, table_columns.form == OWN
+        reader = RowReader(layout.head, table_columns, has_decimal_comma=has_comma, keeps_empty=is_own)
         read = reader.read(_rows(Lines(file), layout))
-    return _session(layout.head, found, read, str(layout.dialect))
+    return _session(layout.head, table_columns, read, str(layout.dialect))
 
 
 def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
@@ -78,39 +80,40 @@ def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
         check_header(head)
     if columns is not None:
         return columns_by_spec(head, columns)
-    found = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
-    if found is None:
+    table_columns = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
+    if table_columns is None:
         raise unclear(head)
-    return found
+    return table_columns
 
 
 def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
-    wanted = (line for line in lines if lines.number >= layout.first_line)
-    for row in split(wanted, layout.dialect.delimiter):
+    data_lines = (line for line in lines if lines.number >= layout.first_line)
+    for row in split(data_lines, layout.dialect.delimiter):
         yield lines.number, row
 
 
-def _session(head: Head, found: TableColumns, read: ColumnsRead, dialect: str) -> Session:
+def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect: str) -> Session:
     refused = read.refused
-    place = f"{head.path}:{refused.line}"
+    source = f"{head.path}:{refused.line}"
     if not read.count and not refused.count:
         raise DataError(f"{head.path}: has a header and no samples")
     is_torn = refused.count == 1 and refused.is_last and read.count > 0 and _is_torn(head.path)
     if refused.count and not is_torn and refused.count > BAD_SHARE * (read.count + refused.count):
-        more = f"; {refused.count} of {read.count + refused.count} rows are bad" if refused.count > 1 else ""
-        raise DataError(f"{place}: {refused.why}{more}")
-    remarks = (*found.remarks, *_remarks(read))
+        total = f"; {refused.count} of {read.count + refused.count} rows are bad" if refused.count > 1 else ""
+        raise DataError(f"{source}: {refused.why}{total}")
+    remarks = (*table_columns.remarks, *_remarks(read))
     return replace(
         _arrays(head.path.stem, read),
-        metadata=_kept(found, read, dialect, remarks),
+        metadata=_kept(table_columns, read, dialect, remarks),
         remarks=remarks,
-        rate_scale=next((abs(each.scale) for each in found.taken if each.target == "rate_dps"), 1.0) or 1.0,
-        time_unit=next((each.unit for each in found.taken if each.unit), "t_s").removeprefix("t_"),
+        rate_scale=next((abs(column.scale) for column in table_columns.used if column.target == "rate_dps"), 1.0)
+        or 1.0,
+        time_unit=next((column.unit for column in table_columns.used if column.unit), "t_s").removeprefix("t_"),
     )
 
 
 def _is_torn(path: Path) -> bool:
-    """Whether a file ends within a line, or in zeros, which a power cut leaves behind."""
+    """Whether a file ends within a line, or in zeros, as after a power cut."""
     with path.open("rb") as file:
         file.seek(-min(2, path.stat().st_size), 2)
         end = file.read()
@@ -123,22 +126,24 @@ def _remarks(read: ColumnsRead) -> Iterator[str]:
         rows = "1 bad row is" if refused.count == 1 else f"{refused.count} bad rows are"
         yield f"{rows} left out; line {refused.line} {refused.why}"
     if read.headers:
-        yield f"{'1 repeated header is' if read.headers == 1 else f'{read.headers} repeated headers are'} passed over"
+        yield f"{'1 repeated header is' if read.headers == 1 else f'{read.headers} repeated headers are'} skipped"
     if read.without_rate:
-        yield f"{read.without_rate} rows have no rate and are passed over"
+        yield f"{read.without_rate} rows have no rate and are skipped"
 
 
-def _kept(found: TableColumns, read: ColumnsRead, dialect: str, remarks: Sequence[str]) -> dict[str, dict[str, str]]:
-    """How it was read; nothing of a session of ours that is as we write it."""
-    if found.form == OWN and not remarks:
+def _kept(
+    table_columns: TableColumns, read: ColumnsRead, dialect: str, remarks: Sequence[str]
+) -> dict[str, dict[str, str]]:
+    """How the table was read; empty for a session of this program without remarks."""
+    if table_columns.form == OWN and not remarks:
         return {}
-    about = {
-        "form": found.form,
+    table = {
+        "form": table_columns.form,
         "separated by": dialect,
         "first stamp": read.began,
         "remarks": "; ".join(remarks),
     }
-    return {TABLE: {name: text for name, text in about.items() if text}}
+    return {TABLE: {name: text for name, text in table.items() if text}}
 
 
 def _arrays(name: str, read: ColumnsRead) -> Session:

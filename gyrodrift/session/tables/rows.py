@@ -1,4 +1,4 @@
-"""Rows of text as columns of numbers: the good ones are kept, the bad ones counted, and the first of them named."""
+"""Rows of text as columns of numbers; bad rows are counted and the first one is reported."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -9,22 +9,22 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import shortened, visible
-from gyrodrift.session.tables.plan import OWN, Head, TableColumns, Taken
+from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
 from gyrodrift.session.tables.times import StampReader
 
 PIECE = 20_000
-"""Rows that are converted at once."""
+"""Rows per conversion."""
 
 CELL_SHOWN = 40
 
 
 class WrongCellError(ValueError):
-    """A row cannot be a sample; the text says why."""
+    """A row is no sample; the text is the reason."""
 
 
 @dataclass(slots=True)
 class Refused:
-    """Rows that are no samples: how many, where and why the first, and whether it is the last row of all."""
+    """Rows that are no samples: count, line and reason of the first, and whether it is the last row of the table."""
 
     count: int = 0
     line: int = 0
@@ -32,7 +32,7 @@ class Refused:
     is_last: bool = False
 
     def add(self, line: int, why: str) -> None:
-        """Count one."""
+        """Count a row."""
         if not self.count:
             self.line, self.why = line, why
         self.count += 1
@@ -40,10 +40,10 @@ class Refused:
 
 @dataclass(slots=True)
 class ColumnsRead:
-    """The columns of a table while they fill.
+    """Columns of a table while they are read.
 
     began
-        First stamp, where the clock counts from it.
+        First stamp if the clock counts from it, else empty.
     """
 
     pieces: dict[str, list[Floats]]
@@ -54,31 +54,33 @@ class ColumnsRead:
     began: str = ""
 
     def column(self, target: str) -> Floats | None:
-        """All of a column; None where it is not taken."""
+        """Values of a column, shape (n,); None if it is not used."""
         return np.concatenate(self.pieces[target] or [np.empty(0)]) if target in self.pieces else None
 
 
 class RowReader:
-    """Converts the rows of one table; `keeps_empty` keeps rows without a rate, which sessions of ours may have."""
+    """Converts the rows of a table; `keeps_empty` keeps rows without a rate, as in sessions of this program."""
 
     def __init__(self, head: Head, columns: TableColumns, *, has_decimal_comma: bool, keeps_empty: bool) -> None:
-        self.found = ColumnsRead({each.target: [] for each in columns.taken})
+        self.columns_read = ColumnsRead({column.target: [] for column in columns.used})
         self._head, self._columns, self._comma = head, columns, has_decimal_comma
         self._keeps_empty = keeps_empty
-        self._clock = next(each for each in columns.taken if each.target == "t_device_s")
+        self._clock = next(column for column in columns.used if column.target == "t_device_s")
         self._stamps = StampReader(self._clock.unit)
         self._moved = next(name for name in ("rate_dps", "yaw_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:
-        """All rows, with the numbers of their lines."""
+        """Read all rows, each with the number of its line."""
         stream = iter(rows)
         last = 0
         while piece := list(islice(stream, PIECE)):
             self._take(piece)
             last = piece[-1][0]
-        self.found.refused.is_last = self.found.refused.count > 0 and self.found.refused.line == last
-        self.found.began = self._stamps.began
-        return self.found
+        self.columns_read.refused.is_last = (
+            self.columns_read.refused.count > 0 and self.columns_read.refused.line == last
+        )
+        self.columns_read.began = self._stamps.began
+        return self.columns_read
 
     def _take(self, piece: list[tuple[int, list[str]]]) -> None:
         width, where = self._head.width, self._columns.where
@@ -98,36 +100,36 @@ class RowReader:
             values = self._converted([row])
         except ValueError as error:
             if [cell.strip() for cell in row] == list(self._head.labels):
-                self.found.headers += 1
+                self.columns_read.headers += 1
             else:
-                self.found.refused.add(line, self._why(row, error))
+                self.columns_read.refused.add(line, self._why(row, error))
         else:
             self._keep(values)
 
     def _is_row(self, line: int, row: list[str]) -> bool:
-        """Whether a row of another width is one: with a delimiter at its end. Others are counted."""
+        """Accept a row with one delimiter too many at its end; count every other row of a wrong width."""
         if len(row) == self._head.width + 1 and not row[-1].strip():
             row.pop()
             return True
         labels = len(self._head.labels) or self._head.width
         if [cell.strip() for cell in row] == list(self._head.labels):
-            self.found.headers += 1
+            self.columns_read.headers += 1
         else:
             zeros = any("\0" in cell for cell in row)
-            said = f"has {len(row)} values, the header has {labels} columns"
-            self.found.refused.add(line, "has zero bytes" if zeros else said)
+            reason = f"has {len(row)} values, the header has {labels} columns"
+            self.columns_read.refused.add(line, "has zero bytes" if zeros else reason)
         return False
 
     def _converted(self, rows: Sequence[Sequence[str]]) -> dict[str, Floats]:
         cells = list(zip(*rows, strict=True))
-        values = {each.target: self._numbers(each, cells[each.index]) for each in self._columns.taken}
+        values = {column.target: self._numbers(column, cells[column.index]) for column in self._columns.used}
         if self._keeps_empty:
             return values
-        is_known = ~np.isnan(values[self._moved])
-        self.found.without_rate += int((~is_known).sum())
-        return {target: column[is_known] for target, column in values.items()}
+        has_rate = ~np.isnan(values[self._moved])
+        self.columns_read.without_rate += int((~has_rate).sum())
+        return {target: numbers[has_rate] for target, numbers in values.items()}
 
-    def _numbers(self, taken: Taken, cells: Sequence[str]) -> Floats:
+    def _numbers(self, taken: UsedColumn, cells: Sequence[str]) -> Floats:
         if taken.target == "t_device_s" and self._columns.form != OWN:
             return self._stamps.read(cells if ":" in cells[0] else self._points(cells))
         numbers = _floats(self._points(cells))
@@ -135,7 +137,7 @@ class RowReader:
             return numbers if taken.scale == 1.0 else numbers * taken.scale
 
     def _points(self, cells: Sequence[str]) -> Sequence[str]:
-        """Cells with decimal points; none has both marks, and none a `_`, which Python alone takes for a digit."""
+        """Cells with decimal points; refuses cells with both marks, and `_`, which only Python allows in numbers."""
         joined = "\n".join(cells)
         if "_" in joined or (self._comma and "." in joined):
             raise WrongCellError
@@ -143,21 +145,21 @@ class RowReader:
 
     def _keep(self, values: dict[str, Floats]) -> None:
         for target, column in values.items():
-            self.found.pieces[target].append(column)
-        self.found.count += len(next(iter(values.values())))
+            self.columns_read.pieces[target].append(column)
+        self.columns_read.count += len(next(iter(values.values())))
 
     def _why(self, row: Sequence[str], error: ValueError) -> str:
-        """The first cell that is none of what it is to be."""
+        """Reason why a row is refused: its first wrong cell."""
         if any("\0" in cell for cell in row):
             return "has zero bytes"
-        for each in self._columns.taken:
+        for column in self._columns.used:
             try:
-                self._numbers(each, [row[each.index]])
+                self._numbers(column, [row[column.index]])
             except ValueError:
                 labels = self._head.labels
-                label = labels[each.index].strip() if each.index < len(labels) else f"column {each.index + 1}"
-                expected = "a time" if each.target == "t_device_s" else "a number"
-                shown = shortened(row[each.index], CELL_SHOWN)
+                label = labels[column.index].strip() if column.index < len(labels) else f"column {column.index + 1}"
+                expected = "a time" if column.target == "t_device_s" else "a number"
+                shown = shortened(row[column.index], CELL_SHOWN)
                 return f"{visible(shortened(label, CELL_SHOWN))} is {shown!r}, expected {expected}"
         return str(error)
 

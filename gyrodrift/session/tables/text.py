@@ -1,4 +1,4 @@
-"""The lines of a file that is said to be a table: its encoding, its comments, and what is no text."""
+"""Lines of a table file: encoding, comments, and rejection of files that are not text."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from gyrodrift.errors import DataError
 
 HEAD_BYTES = 1 << 16
 LONGEST_LINE = 1 << 16
-"""Characters of a line; a longer one is no row of a table."""
+"""Characters of the longest line that can be a row."""
 
 COMMENT = "#"
 MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -25,17 +25,17 @@ CONTAINERS = {
 }
 CONTROL_BYTES = bytes({*range(1, 9), *range(0x0E, 0x1A), *range(0x1C, 0x20), 0x7F})
 CONTROL_SHARE = 0.02
-"""Share of control characters beyond which bytes are no text."""
+"""Bytes with a larger share of control characters are not text."""
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[TextIO]:
-    """A table as text, whatever its encoding and its line ends.
+    """Open a table as text, with any encoding and line ends.
 
     Raises
     ------
     DataError
-        Where it cannot be read, or is no text.
+        It cannot be read, or is not text.
     """
     try:
         with path.open("rb") as file:
@@ -45,26 +45,26 @@ def opened(path: Path) -> Iterator[TextIO]:
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
     except MemoryError as error:
-        raise DataError(f"{path}: its samples need more memory than there is") from error
+        raise DataError(f"{path}: its samples need more memory than this computer has") from error
 
 
 def _encoding(path: Path, head: bytes) -> str:
-    for magic, what in CONTAINERS.items():
+    for magic, advice in CONTAINERS.items():
         if head.startswith(magic):
-            raise DataError(f"{path}: {what}")
-    found = next((codec for mark, codec in MARKS.items() if head.startswith(mark)), "") or _without_mark(head)
+            raise DataError(f"{path}: {advice}")
+    encoding = next((codec for mark, codec in MARKS.items() if head.startswith(mark)), "") or _without_mark(head)
     controls = len(head) - len(head.translate(None, CONTROL_BYTES))
-    if controls > CONTROL_SHARE * len(head) and not found.startswith("utf-16"):
+    if controls > CONTROL_SHARE * len(head) and not encoding.startswith("utf-16"):
         raise DataError(f"{path}: is not text: byte {_first_control(head)} is a control character")
-    return found
+    return encoding
 
 
 def _first_control(head: bytes) -> int:
-    return next(at for at, byte in enumerate(head) if byte in CONTROL_BYTES)
+    return next(index for index, byte in enumerate(head) if byte in CONTROL_BYTES)
 
 
 def _without_mark(head: bytes) -> str:
-    """UTF-16 has a zero in every second byte of ASCII; what is no UTF-8 is taken for Windows' Latin-1."""
+    """Encoding without a byte order mark: UTF-16 has zeros in every second byte; text that is not UTF-8 is cp1252."""
     for start, codec in ((1, "utf-16-le"), (0, "utf-16-be")):
         if len(head) > 1 and head[start::2].count(0) > 0.7 * len(head[start::2]) and head[1 - start :: 2].count(0) == 0:
             return codec
@@ -76,10 +76,10 @@ def _without_mark(head: bytes) -> str:
 
 
 class Lines:
-    """The lines that have content, without comments; `number` is that of the last one, from 1.
+    """Lines with content, without comments; `number` is the number of the last line, from 1.
 
     comments
-        The comments before the first other line, with their numbers.
+        Numbers and texts of the comments before the first line with content.
     """
 
     def __init__(self, file: TextIO) -> None:

@@ -1,4 +1,4 @@
-"""Clocks of tables, read without rounding: whole numbers of any unit, decimals, ISO 8601, and times of day."""
+"""Clocks of tables, read without rounding: integers of any unit, decimals, ISO 8601, and times of day."""
 
 import re
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from gyrodrift.arrays import Floats
 PER_S = {"t_s": 1, "t_ms": 10**3, "t_us": 10**6, "t_ns": 10**9}
 NS_PER_S, DAY_S = 10**9, 86400
 OFFSET_S = 1e8
-"""A clock that begins later counts from a date: its first stamp is subtracted before anything is rounded."""
+"""A clock that starts after this counts from a date; its first stamp is subtracted before rounding."""
 
 EPOCH_S = (946_684_800, 4_102_444_800)
 """The years 2000 to 2100 in Unix time."""
 
 STEP_S = (1e-6, 10.0)
-"""Time between samples that is plausible, which tells seconds since 1970 from microseconds since power-on."""
+"""Plausible time between samples; distinguishes seconds since 1970 from microseconds since power-on."""
 
 DATED = re.compile(
     r"(?:(?P<ymd>\d{4}[-/]\d\d[-/]\d\d)|(?P<dmy>\d\d?\.\d\d?\.\d{4}))[T ,]+"
@@ -31,12 +31,12 @@ LONGEST = 64
 
 
 def is_time(text: str) -> bool:
-    """Whether it is a date with a time, or a time of day."""
+    """Whether a text is a date with a time, or a time of day."""
     return ":" in text and len(text) <= LONGEST and bool(DATED.fullmatch(text) or TIMED.fullmatch(text))
 
 
 def epoch_unit(texts: Sequence[str]) -> str:
-    """The unit of a clock without one, as a SPEC calls it; empty where the numbers are no Unix time of these years."""
+    """Unit of a clock without a stated unit, as in a SPEC; empty if the numbers are no Unix time of these years."""
     try:
         stamps = [float(text.replace(",", ".")) for text in texts if text.strip()]
     except ValueError:
@@ -52,10 +52,10 @@ def epoch_unit(texts: Sequence[str]) -> str:
 
 
 class StampReader:
-    """Reads the stamps of one clock, piece by piece, as seconds; `began` is the first one where that is 0 s.
+    """Reads the stamps of a clock in pieces, as seconds; `began` is the first stamp if it counts as 0 s.
 
     unit
-        As a SPEC calls it, `t_us`; a date or a time of day has its own.
+        As in a SPEC, such as `t_us`; ignored for a date or a time of day.
     """
 
     def __init__(self, unit: str) -> None:
@@ -72,7 +72,7 @@ class StampReader:
         Raises
         ------
         ValueError
-            Where one of them is no time.
+            A text is no time.
         """
         if any(":" in text for text in texts[:1]):
             return self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0])
@@ -89,7 +89,7 @@ class StampReader:
         try:
             since = np.array(stamps, dtype=np.int64) - self._base
         except OverflowError as error:
-            raise ValueError("a clock has more digits than 64 bits hold") from error
+            raise ValueError("a clock has too many digits for 64 bits") from error
         return since / float(per_s)
 
     def _decimals(self, texts: Sequence[str]) -> Floats:
@@ -108,21 +108,21 @@ class StampReader:
         return np.array(exact) / float(self._per_s)
 
     def _time_ns(self, text: str) -> int:
-        found = DATED.fullmatch(text) or TIMED.fullmatch(text)
-        if found is None:
+        match = DATED.fullmatch(text) or TIMED.fullmatch(text)
+        if match is None:
             raise ValueError(f"{text!r} is no time")
-        part_ns = int((found["part"] or "0").ljust(9, "0")[:9])
-        if "ymd" not in found.re.groupindex:
-            return self._of_day_s(found["time"]) * NS_PER_S + part_ns
-        date, zone = found["ymd"] or ".".join(reversed(found["dmy"].split("."))), found["zone"] or ""
-        key = f"{date} {found['time']}", zone
+        part_ns = int((match["part"] or "0").ljust(9, "0")[:9])
+        if "ymd" not in match.re.groupindex:
+            return self._of_day_s(match["time"]) * NS_PER_S + part_ns
+        date, zone = match["ymd"] or ".".join(reversed(match["dmy"].split("."))), match["zone"] or ""
+        key = f"{date} {match['time']}", zone
         if key not in self._dates:
             self._dates.clear()
-            self._dates[key] = _unix_s(date, found["time"], zone)
+            self._dates[key] = _unix_s(date, match["time"], zone)
         return self._dates[key] * NS_PER_S + part_ns
 
     def _of_day_s(self, time: str) -> int:
-        """Seconds since the first midnight; a time that falls by half a day is one of the next day."""
+        """Seconds since the first midnight; a step back by half a day begins the next day."""
         hours, minutes, seconds = map(int, time.split(":"))
         of_day_s = 3600 * hours + 60 * minutes + seconds
         if of_day_s < self._last_s - DAY_S // 2:
@@ -132,8 +132,8 @@ class StampReader:
 
 
 def _part_of(text: str) -> float:
-    found = DECIMAL.fullmatch(text.strip())
-    return float(f"0.{found[2]}") if found else 0.0
+    match = DECIMAL.fullmatch(text.strip())
+    return float(f"0.{match[2]}") if match else 0.0
 
 
 def _unix_s(date: str, time: str, zone: str) -> int:

@@ -1,13 +1,13 @@
-"""Our own lines captured by another program: `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]` without a header.
+"""Lines of the csv protocol captured by another program: `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]`, no header.
 
-Two to five numbers may be anything, so that they are taken for this form only where all of its columns are plausible.
+Two to five numbers may mean anything. A table is read this way only if all columns are plausible.
 """
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.columns.ranges import TEMPERATURES_C
-from gyrodrift.session.tables.plan import Head, TableColumns, Taken
+from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
@@ -17,21 +17,21 @@ STEP_US = (50.0, 1e6)
 MOST_DPS = 4000.0
 LEAST_ROWS = 10
 MOST = 2.0**63
-"""Of microseconds and angles that are worth a look."""
+"""Limit of the numbers in the first columns."""
 
 TURN_DEG = 360.0
 SHARE = 0.5
-"""Of the motion of an angle, what its rate may leave of it at most."""
+"""Largest share of the encoder motion that the integrated rate may fail to explain."""
 
 LEVEL_DPS = 2.0
-"""What the bias of a gyro changes within some minutes at most (data sheets: less than 1 deg/s from -40 to 85 °C)."""
+"""Largest change of the bias within some minutes (data sheets: less than 1 deg/s from -40 to 85 °C)."""
 
 SMOOTH = 0.9
-"""Correlation of neighbouring samples; the noise of a rate at rest has none, an angle nearly 1."""
+"""Correlation of neighboring samples: about 0 for the noise of a rate at rest, nearly 1 for an angle."""
 
 
 def wire_columns(head: Head) -> TableColumns | None:
-    """The columns of such lines; None where they cannot be it."""
+    """Columns of such lines; None if the table is something else."""
     if head.labels or not 2 <= head.width <= len(TARGETS):
         return None
     try:
@@ -40,9 +40,11 @@ def wire_columns(head: Head) -> TableColumns | None:
         return None
     if len(table) < LEAST_ROWS or not (np.abs(table[:, :3]) < MOST).all() or not _is_plausible(table):
         return None
-    taken = [Taken(at, target, unit="t_us" if at == 0 else "") for at, target in enumerate(TARGETS[: head.width])]
-    said = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
-    return TableColumns(FORM, tuple(taken), remarks=(said,))
+    used = [
+        UsedColumn(index, target, unit="" if index else "t_us") for index, target in enumerate(TARGETS[: head.width])
+    ]
+    remark = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
+    return TableColumns(FORM, tuple(used), remarks=(remark,))
 
 
 def _is_plausible(table: Floats) -> bool:
@@ -53,7 +55,7 @@ def _is_plausible(table: Floats) -> bool:
 
 
 def _is_rate(table: Floats) -> bool:
-    """Not raw counts, which are whole, and without an encoder no angle, which is smooth where it does not turn."""
+    """Whether column 2 is a rate: no integer counts and, without an encoder, no angle, which is smooth at rest."""
     rate_dps = table[:, 1]
     if (rate_dps % 1.0 == 0.0).all() or not rate_dps.std() or not (np.abs(rate_dps) <= MOST_DPS).all():
         return False
@@ -64,9 +66,9 @@ def _is_rate(table: Floats) -> bool:
 
 
 def _quiet(values: Floats) -> list[Floats]:
-    """Stretches that move little, in order of time."""
+    """Parts that move little, in order of time."""
     size = max(LEAST_ROWS, len(values) // 16)
-    parts = [values[at : at + size] for at in range(0, len(values) - size + 1, size)]
+    parts = [values[start : start + size] for start in range(0, len(values) - size + 1, size)]
     spans = [float(np.ptp(part)) for part in parts]
     least = min((span for span in spans if span), default=0.0)
     return [part for part, span in zip(parts, spans, strict=True) if 0.0 < span <= 2.0 * least]
@@ -77,19 +79,22 @@ def _is_smooth(part: Floats) -> bool:
 
 
 def _is_level(first: Floats, last: Floats) -> bool:
-    """Whether it is back where it was: a rate is at rest, an angle stays where it turned to."""
+    """Whether the level returns: a rate does at rest, an angle stays turned."""
     return abs(float(np.median(last) - np.median(first))) <= max(LEVEL_DPS, float(np.ptp(first)))
 
 
 def _turns(table: Floats) -> bool:
-    """Whether the rate adds up to the angle; an angle that stands still says nothing against it."""
-    turned = (np.diff(table[:, 2]) + 0.5 * TURN_DEG) % TURN_DEG - 0.5 * TURN_DEG
-    expected = table[1:, 1] * np.diff(table[:, 0]) * 1e-6
-    moved = float(np.ptp(np.cumsum(turned)))
-    if moved == 0.0:
-        return float(np.ptp(np.cumsum(expected - np.median(expected)))) < 1.0
-    left = np.cumsum(turned - expected)
-    return float(np.ptp(left - np.linspace(left[0], left[-1], len(left)))) <= SHARE * moved
+    """Whether the integrated rate follows the encoder; if the encoder stands still, whether the rate does too."""
+    steps_deg = (np.diff(table[:, 2]) + 0.5 * TURN_DEG) % TURN_DEG - 0.5 * TURN_DEG
+    expected_deg = table[1:, 1] * np.diff(table[:, 0]) * 1e-6
+    moved_deg = float(np.ptp(np.cumsum(steps_deg)))
+    if moved_deg == 0.0:
+        return float(np.ptp(np.cumsum(expected_deg - np.median(expected_deg)))) < 1.0
+    residuals_deg = np.cumsum(steps_deg - expected_deg)
+    return (
+        float(np.ptp(residuals_deg - np.linspace(residuals_deg[0], residuals_deg[-1], len(residuals_deg))))
+        <= SHARE * moved_deg
+    )
 
 
 def _is_rest(table: Floats) -> bool:

@@ -1,4 +1,4 @@
-"""Tables for other programs: the ending of a path decides whether they are csv, JSON, Parquet or MCAP."""
+"""Tables for other programs as csv, JSON, Parquet or MCAP, by the ending of the path."""
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,7 +14,7 @@ from gyrodrift.session.session import Session
 
 WRITTEN = (".csv", ".json", ".jsonl", ".parquet", ".mcap")
 PIECE = 50_000
-"""Rows that are written at once."""
+"""Rows per write."""
 
 TOPIC, LATEST_LOG_NS = "/gyro", 2**64 - 1
 COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
@@ -24,12 +24,12 @@ Row = Sequence[Value]
 
 
 def written_ending(path: Path, option: str) -> str:
-    """The ending of a path to write to, in small letters; a device or a pipe gets csv.
+    """Ending of a path to write, in lower case; `.csv` for a device or a pipe.
 
     Raises
     ------
     UsageError
-        Where it is none of a format that can be written, or its package is missing.
+        The format cannot be written, or its package is missing.
     """
     if path.exists() and not path.is_file() and not path.is_dir():
         return ".csv"
@@ -49,12 +49,12 @@ def _need_parquet(what: str) -> None:
 
 
 def write_rows(path: Path, names: Sequence[str], rows: Iterable[Row]) -> None:
-    """Write rows with these columns as `.json`, `.jsonl`, `.parquet` or `.mcap`; what is no number is missing there.
+    """Write rows as `.json`, `.jsonl`, `.parquet` or `.mcap`, with null for values that are not finite.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to; nothing is left behind then.
+        The file cannot be written; nothing is left behind.
     """
     match path.suffix.lower():
         case ".json":
@@ -70,7 +70,7 @@ def write_rows(path: Path, names: Sequence[str], rows: Iterable[Row]) -> None:
 
 
 def session_table(chunks: Iterable[Session]) -> tuple[list[str], Iterator[Row]]:
-    """The columns that the first chunk of a session has, and the rows of all."""
+    """Columns of the first chunk of a session, and the rows of all chunks."""
     stream = iter(chunks)
     first = next(stream)
     names = [name for name in COLUMNS if getattr(first, name) is not None]
@@ -80,8 +80,8 @@ def session_table(chunks: Iterable[Session]) -> tuple[list[str], Iterator[Row]]:
 def _rows(chunk: Session, names: Sequence[str]) -> Iterator[Row]:
     columns = [getattr(chunk, name).tolist() for name in names]
     if "seq" in names:
-        at = names.index("seq")
-        columns[at] = [None if seq < 0 else seq for seq in columns[at]]
+        index = names.index("seq")
+        columns[index] = [None if seq < 0 else seq for seq in columns[index]]
     return zip(*columns, strict=True)
 
 
@@ -123,8 +123,8 @@ def _write_mcap(file: BinaryIO, names: Sequence[str], rows: Iterable[Row]) -> No
     writer = Writer(file)
     writer.start(library="gyrodrift")
     channel = writer.register_channel(TOPIC, "json", 0)
-    at = list(names).index("t_device_s")
+    time_index = list(names).index("t_device_s")
     for row in rows:
-        log_ns = min(max(round((_finite(row[at]) or 0.0) * 1e9), 0), LATEST_LOG_NS)
+        log_ns = min(max(round((_finite(row[time_index]) or 0.0) * 1e9), 0), LATEST_LOG_NS)
         writer.add_message(channel, log_ns, _object(names, row).encode(), log_ns)
     writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated

@@ -63,7 +63,7 @@ def test_a_log_of_ardupilot_is_read(tmp_path: Path, name: str, capsys: pytest.Ca
     pytest.importorskip("pymavlink")
     path = written(tmp_path / name, dataflash_text() if name.endswith(".log") else dataflash())
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
-    assert "its z axis points down, so the sign of the rate is turned" in capsys.readouterr().err
+    assert "its z axis points down, so the sign of the rate is reversed" in capsys.readouterr().err
     session = load_session(path)
     assert session.t_device_s[0] == 3.0
     assert session.temp_c is not None
