@@ -3,6 +3,7 @@
 python tests/web_pictures.py docs
 """
 
+import json
 import sys
 import tempfile
 import time
@@ -30,13 +31,21 @@ def main(folder: Path) -> None:
             _until(serve, CHANGED_S)
             config.write_text(CONFIG.read_text().replace("window_s: 0.3 ", "window_s: 0.25 "))
             _until(serve, SHOWN_S)
-            _take(path_of(serve, "web"), folder)
+            path_of(serve, "web")
+            _take(_address_with_buttons(config.with_name("control")), folder)
 
 
 def _serving(port: Path, config: Path, device: Command) -> Command:
     device.until(lambda _: port.exists(), "port")
-    options = ("--rate", "0.1", "--log-format", "json", "--config", config)
+    options = ("--rate", "0.1", "--log-format", "json", "--config", config, "--control", config.with_name("control"))
     return Command("serve", "--port", port, *options, "--output", "tcp:port=0", "--output", "web:port=0")
+
+
+def _address_with_buttons(control: Path) -> str:
+    """Address of the page with the token that only the local user has."""
+    with Command("ctl", control, "page") as ctl:
+        assert ctl.end() == 0
+        return str(json.loads(ctl.out)["url"])
 
 
 def _until(serve: Command, device_s: float) -> None:
@@ -55,6 +64,7 @@ def _take(address: str, folder: Path) -> None:
         ):
             tab.size(width, height, is_phone=name == "phone")
             tab.scheme(scheme)
+            tab.open("about:blank")
             tab.open(address)
             tab.until("document.querySelector('#values dd') && document.querySelector('#clients td')")
             tab.run("document.querySelector('#windows button:nth-child(3)').click()")
