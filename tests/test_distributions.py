@@ -1,9 +1,6 @@
 """The sdist and the wheel: checked as an index checks them, and run through uvx and pipx; and the lock file."""
 
-import os
 import re
-import shutil
-import subprocess
 import sys
 import tarfile
 import tomllib
@@ -13,41 +10,12 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from distribution_support import ROOT, built_distributions
+from distribution_support import ROOT, built_distributions, run, run_online, tool
 
 pytestmark = pytest.mark.xdist_group("wheel")  # it is built once
 
 PUBLIC_HOSTS = {"pypi.org", "files.pythonhosted.org"}
-NO_NETWORK = re.compile(r"dns error|failed to fetch|connect|network|timed? ?out|NewConnectionError", re.IGNORECASE)
-UV = {
-    "UV_CACHE_DIR": f"{sys.prefix}/uv-cache",  # kept between runs; `make clean` removes it
-    "UV_HTTP_TIMEOUT": "30",
-    "UV_SYSTEM_CERTS": "true",  # as pip: an index behind a proxy has a certificate of the machine
-}
 DEMO = ("gyrodrift", "demo", "--duration", "2", "--speed", "20")
-
-
-def tool(name: str) -> str:
-    """Path of a program of the extra test, or of this machine."""
-    path = shutil.which(name, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-    if path is None:
-        pytest.skip(f"{name} is not installed; the extra test brings it")
-    return path
-
-
-def run(*words: str | Path, **environment: str) -> "subprocess.CompletedProcess[str]":
-    without_clone = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
-    return subprocess.run(
-        [*map(str, words)], cwd=ROOT, env=without_clone | environment, capture_output=True, text=True, check=False
-    )
-
-
-def run_online(*words: str | Path, **environment: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command that fetches packages; skip the test if no index answers."""
-    done = run(*words, **UV, **environment)
-    if done.returncode and NO_NETWORK.search(done.stderr):
-        pytest.skip(f"no index of packages answers: {done.stderr.strip().splitlines()[-1]}")
-    return done
 
 
 def test_twine_accepts_both() -> None:
@@ -103,7 +71,7 @@ def test_pipx_installs_the_wheel(tmp_path: Path) -> None:
     pipx = (sys.executable, "-m", "pipx")
     wheel = built_distributions().wheel
     homes = {"PIPX_HOME": str(tmp_path / "home"), "PIPX_BIN_DIR": str(tmp_path / "bin"), "PIPX_MAN_DIR": str(tmp_path)}
-    done = run_online(*pipx, "install", "--backend", "uv", "--python", sys.executable, wheel, **homes)
+    done = run_online(*pipx, "install", "--backend", "uv", "--python", sys.executable, wheel, environment=homes)
     assert done.returncode == 0, done.stderr
     command = tmp_path / "bin" / "gyrodrift"
     demo = run(command, *DEMO[1:])

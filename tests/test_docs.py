@@ -15,7 +15,7 @@ from gyrodrift.errors import UsageError
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = sorted([ROOT / "README.md", *DOCS.rglob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
 SOURCES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 EQUATIONS = 11
 """1 to 8 are HDR, 9 PI, 10 E, 11 NE."""

@@ -18,7 +18,6 @@ from language import (
 )
 
 LATER = (
-    "docs/CHANGELOG.md",
     "gyrodrift/diagnose/",
     "gyrodrift/filters/restlevel/",
     # not rewritten yet
