@@ -9,7 +9,7 @@ from turntable_sessions import write_turntables
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
-NAMES, SAMPLES, RECORDING, DEVICE, ANALYSES = python_in("library.md")
+NAMES, SAMPLES, RECORDING, DEVICE, ANALYSES, SIMULATED = python_in("library.md")
 
 
 def run(code: str) -> dict[str, Any]:
@@ -53,3 +53,10 @@ def test_analyses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     assert told.startswith(("hdr HdrParams(i_c_dps=", "restlevel RestlevelParams(window_s="))
     assert "restlevel: " in told
     assert sorted(path.name for path in tmp_path.iterdir()) == ["sessions"]
+
+
+def test_simulated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("matplotlib", reason="plots need the workstation extra")
+    monkeypatch.chdir(tmp_path)
+    run(SIMULATED)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["session.mcap", "yaw.png"]
