@@ -24,8 +24,9 @@ def measure(seed: int, count: int, folder: Path, say: Callable[[str], None]) -> 
             sessions = list(_judged(case, range(seed, seed + count), is_still=is_still))
             name = f"{hard.name}, {'still' if is_still else 'moving'}"
             figures.append(mean_figure(f"{name}: E in deg", [e_deg for e_deg, _ in sessions]))
-            outside += [share for _, share in sessions]
-            say(f"{name}: done")
+            shares = [share for _, share in sessions]
+            outside += shares
+            say(f"{name}: within two yaw_sigma_deg {1.0 - np.mean(shares):.1%} of the time")
     return [*figures, mean_figure("share of time outside two yaw_sigma_deg", outside)]
 
 
