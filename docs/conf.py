@@ -9,12 +9,12 @@ from sphinx.application import Sphinx
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))  # the code beside these pages
 
-from gyrodrift import __version__  # noqa: E402 - after its folder is on the path
+import gyrodrift  # noqa: E402 - after its folder is on the path
 
 project = "gyrodrift"
 author = "The gyrodrift authors"
 copyright = f"2026, {author}"  # noqa: A001 - Sphinx names it so
-release = version = __version__
+release = version = gyrodrift.__version__
 
 extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc"]
 root_doc = "README"
@@ -32,7 +32,7 @@ autodoc_typehints = "none"  # numpydoc describes the types of parameters
 numpydoc_show_class_members = False
 
 html_theme = "furo"
-html_title = f"gyrodrift {__version__}"
+html_title = f"gyrodrift {release}"
 html_copy_source = False
 linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
 
@@ -63,9 +63,20 @@ def _table(heading: str, pages: list[str]) -> str:
 
 def adapt(app: Sphinx, docname: str, source: list[str]) -> None:
     """Add the contents to the front page, and turn anchors of HTML into anchors that Sphinx can check."""
+    if docname == API:
+        source[0] += missing_names(source[0])
+        return
     source[0] = ANCHOR.sub(r"[]{#\1}", source[0])
     if docname == app.config.root_doc:
         source[0] += contents()
+
+
+def missing_names(page: str) -> str:
+    """Entries of public names that the page of the interface does not have yet."""
+    missing = [name for name in gyrodrift.__all__ if f":: {name}\n" not in page and name != "__version__"]
+    kinds = {name: "class" if isinstance(getattr(gyrodrift, name), type) else "function" for name in missing}
+    entries = "\n".join(f".. auto{kind}:: {name}\n" for name, kind in kinds.items())
+    return f"\nMore\n----\n\n.. currentmodule:: gyrodrift\n\n{entries}" if missing else ""
 
 
 def redirect(app: Sphinx, error: Exception | None) -> None:
