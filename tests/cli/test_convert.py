@@ -158,7 +158,7 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "status", "message"),
     [
-        (["others.mcap", "o.csv", "--topic", "/c"], 4, "has no messages on /c; there are /a (no schema, json), /b"),
+        (["others.mcap", "o.csv", "--topic", "/c"], 4, "has no messages on /c; topics are /a (no schema, json), /b"),
         (["none.mcap", "o.csv", "--topic", "/c"], 4, "none.mcap: cannot be read: No such file or directory"),
         (["others.mcap", "o.csv"], 4, "samples may be on /a, /b; choose one with gyrodrift convert --topic"),
         (["none.mcap", "o.csv"], 4, "none.mcap: there is no such session"),
@@ -172,7 +172,11 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
         (["s.csv", "o.csv", "--as", "sample"], 2, "--as sample: needs an .mcap file as OUT"),
         (["s.csv", "o.bag", "--as", "imu"], 2, "--as imu: needs an .mcap file as OUT"),
         (["s.csv", "o.mcap", "--as", "bag"], 2, "--as bag: there are sample, imu, json"),
-        (["late.csv", "o.mcap", "--as", "imu"], 4, "o.mcap: sample 1 has 10000000000.0 as t_device_s, which no header"),
+        (
+            ["late.csv", "o.mcap", "--as", "imu"],
+            4,
+            "o.mcap: sample 1 has 10000000000.0 as t_device_s, which does not fit header",
+        ),
         (["s.csv", "none/o.mcap", "--as", "json"], 2, "none/o.mcap: cannot be written: No such file or directory"),
     ],
 )

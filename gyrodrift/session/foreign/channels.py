@@ -1,4 +1,4 @@
-"""The channels of an MCAP file that others wrote: which ones have messages, and which one to read."""
+"""Channels of an MCAP file of another program, and the choice of the channel to read."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ UNDERSTOOD = (
 
 @dataclass(frozen=True, slots=True)
 class Messages:
-    """The messages of one channel: where, in what form, how many."""
+    """Messages of a channel: topic, form and count."""
 
     topic: str
     encoding: str
@@ -36,12 +36,12 @@ class Messages:
 
     @property
     def is_imu(self) -> bool:
-        """Whether they are sensor_msgs/Imu, whose rates are in rad/s."""
+        """Whether they are sensor_msgs/Imu, with rates in rad/s."""
         return self.schema is not None and self.schema.name.endswith("/Imu")
 
     @property
     def is_understood(self) -> bool:
-        """Whether samples can be made of them, as far as the declaration tells."""
+        """Whether their declared form can be read."""
         if self.encoding == MessageEncoding.JSON or self.schema is None:
             return self.encoding == MessageEncoding.JSON
         forms = (self.encoding, self.schema.encoding)
@@ -52,32 +52,32 @@ class Messages:
 
 @dataclass(frozen=True, slots=True)
 class ForeignFile:
-    """What a file holds: its channels that have messages, by id, its metadata, by name, and how many attachments."""
+    """Contents of a file: messages by channel id, metadata by name, and number of attachments."""
 
     channels: dict[int, Messages]
     metadata: dict[str, dict[str, str]]
     attachments: int = 0
 
 
-def contents_of(records: Iterable[ForeignRecord], counted: Mapping[int, int] | None = None) -> ForeignFile:
-    """Read a file once for what it declares, and count.
+def contents_of(records: Iterable[ForeignRecord], other_counts: Mapping[int, int] | None = None) -> ForeignFile:
+    """Collect the declarations of a file, and count its messages.
 
     Parameters
     ----------
     records
-        Of the file.
-    counted
-        Messages that are not among the records, by channel.
+        Records of the file.
+    other_counts
+        Numbers of messages that are not among the records, by channel.
 
     Raises
     ------
     DamageError
-        Where messages are of a channel, or a channel of a schema, that is nowhere declared.
+        A channel or a schema is not declared.
     """
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     metadata: dict[str, dict[str, str]] = {}
-    counts = Counter(counted or {})
+    counts = Counter(other_counts or {})
     attachments = 0
     for record in records:
         match record.opcode:
@@ -94,35 +94,35 @@ def contents_of(records: Iterable[ForeignRecord], counted: Mapping[int, int] | N
                 metadata[table.name] = table.metadata
             case Opcode.ATTACHMENT:
                 attachments += 1
-    found = {key: _declared(key, count, channels, schemas) for key, count in counts.items()}
-    return ForeignFile(found, metadata, attachments)
+    messages = {key: _declared(key, count, channels, schemas) for key, count in counts.items()}
+    return ForeignFile(messages, metadata, attachments)
 
 
 def _declared(channel_id: int, count: int, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Messages:
     channel = channels.get(channel_id)
     if channel is None:
-        raise DamageError(f"it has messages of a channel {channel_id}, which is nowhere declared")
+        raise DamageError(f"it has messages of channel {channel_id}, which is not declared")
     if channel.schema_id and channel.schema_id not in schemas:
-        raise DamageError(f"{channel.topic} has a schema {channel.schema_id}, which is nowhere declared")
+        raise DamageError(f"{channel.topic} has schema {channel.schema_id}, which is not declared")
     return Messages(channel.topic, channel.message_encoding, schemas.get(channel.schema_id), count)
 
 
 def chosen_topic(path: Path, channels: Sequence[Messages], topic: str | None) -> str:
-    """The topic to read: the one that is asked for, or else `/gyro`, or else the only one that is understood.
+    """Topic to read: the given one, else `/gyro`, else the only readable one.
 
     Raises
     ------
     DataError
-        Where there is none, or more than one.
+        There is none, or more than one.
     """
-    there = ", ".join(sorted(map(str, channels)))
+    listing = ", ".join(sorted(map(str, channels)))
     if not channels:
         raise DataError(f"{path}: has no samples")
     if topic is not None and topic not in {channel.topic for channel in channels}:
-        raise DataError(f"{path}: has no messages on {topic}; there are {there}")
+        raise DataError(f"{path}: has no messages on {topic}; topics are {listing}")
     understood = {channel.topic for channel in channels if channel.is_understood}
     if not understood or (topic is not None and topic not in understood):
-        raise DataError(f"{path}: {topic or 'no channel'} holds samples; expected {UNDERSTOOD}; there are {there}")
+        raise DataError(f"{path}: {topic or 'no channel'} holds samples; expected {UNDERSTOOD}; topics are {listing}")
     if topic is None and len(understood) > 1 and SAMPLES.name not in understood:
         names = ", ".join(sorted(understood))
         raise DataError(f"{path}: samples may be on {names}; choose one with gyrodrift convert --topic")

@@ -1,4 +1,4 @@
-"""Samples from messages with the column names of a session, as in JSON objects; every value is checked."""
+"""Samples from messages with the column names of a session, such as JSON objects; every value is checked."""
 
 import json
 import math
@@ -12,15 +12,15 @@ from gyrodrift.session.csv import REQUIRED
 NS_PER_S = 1_000_000_000
 
 Decode = Callable[[bytes, int], Sample]
-"""From the bytes of a message and its log time in ns to a sample."""
+"""Makes a sample from the bytes of a message and its log time in ns."""
 
 
 class WrongValueError(Exception):
-    """A message that is whole and cannot be a sample."""
+    """A whole message is no sample."""
 
 
 def json_sample(payload: bytes, log_ns: int) -> Sample:
-    """A sample from a JSON object; what else stands in it is passed over."""
+    """Sample from a JSON object; other keys are ignored."""
     try:
         fields = json.loads(payload)
     except (ValueError, RecursionError) as error:
@@ -31,12 +31,12 @@ def json_sample(payload: bytes, log_ns: int) -> Sample:
 
 
 def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
-    """A sample from its columns by name; None is a value that is not there.
+    """Sample from columns by name; None is a missing value.
 
     Raises
     ------
     WrongValueError
-        Where a column is missing that every sample has, or a value is none that it can have.
+        A required column is missing, or a value is invalid.
     """
     for name in REQUIRED:
         if name not in fields:
@@ -54,7 +54,7 @@ def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
 
 
 def number(name: str, value: Any) -> float:
-    """A value as a float; NaN where it is not there."""
+    """A value as a float; NaN if it is missing."""
     if value is None:
         return math.nan
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -62,14 +62,14 @@ def number(name: str, value: Any) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise WrongValueError(f"has a number as {name} that no float can hold") from None
+        raise WrongValueError(f"has a number as {name} that is too large for a float") from None
 
 
 def whole(name: str, value: Any) -> int:
-    """A value as an integer of 64 bits; -1 where it is not there."""
-    known = number(name, value)
-    if math.isnan(known):
+    """A value as a 64-bit integer; -1 if it is missing."""
+    as_float = number(name, value)
+    if math.isnan(as_float):
         return -1
-    if not known.is_integer() or not -(2**63) <= int(value) < 2**63:
-        raise WrongValueError(f"has {reprlib.repr(value)} as {name}, expected a whole number of 64 bits")
+    if not as_float.is_integer() or not -(2**63) <= int(value) < 2**63:
+        raise WrongValueError(f"has {reprlib.repr(value)} as {name}, expected a 64-bit integer")
     return int(value)

@@ -1,4 +1,4 @@
-"""Writing sessions as other tools want them: chunked MCAP with `sensor_msgs/msg/Imu` messages, or with JSON."""
+"""Writing of sessions for other tools: chunked MCAP with `sensor_msgs/msg/Imu` messages or JSON."""
 
 import json
 import math
@@ -19,13 +19,13 @@ from gyrodrift.session.session import Session
 NS_PER_S = 1_000_000_000
 LATEST_LOG_NS = 2**64 - 1
 STAMP_SECONDS = range(-(2**31), 2**31)
-"""What `builtin_interfaces/Time` can say."""
+"""Range of `builtin_interfaces/Time`."""
 
 IMU_TOPIC = "/imu"
 IMU_SCHEMA = "sensor_msgs/msg/Imu"
 FRAME_ID = "gyro"
 
-# As it stands in the common_interfaces of ROS 2, each message behind the one that needs it.
+# From common_interfaces of ROS 2; every message follows the message that needs it.
 IMU_TEXT = f"""\
 # This is a message to hold data from an IMU (Inertial Measurement Unit)
 #
@@ -113,23 +113,23 @@ JSON_TEXT = json.dumps(
         "required": ["t_device_s", "rate_dps"],
     }
 )
-ALWAYS_SAID = ("t_device_s", "t_host_s", "rate_dps")
-"""Null where there is no number; without `t_host_s` a reader would take the log time for it."""
+ALWAYS_WRITTEN = ("t_device_s", "t_host_s", "rate_dps")
+"""Null without a number; without `t_host_s` a reader would use the log time instead."""
 
 
 def write_imu(path: Path, chunks: Iterable[Session]) -> None:
     """Write the consecutive chunks of a session as `sensor_msgs/msg/Imu` on `/imu`, the rate in rad/s about z.
 
-    Orientation and acceleration are marked as unknown. Angle, temperature and counter have no place there.
+    Orientation and acceleration are marked as unknown. Encoder angle, temperature and counter are left out.
 
     Raises
     ------
     DataError
-        Where a device time is none that a stamp can say: not finite, or beyond 32 bits of seconds.
+        A device time does not fit a stamp: not finite, or beyond 32 bits of seconds.
     UsageError
-        Where the place cannot be written to; nothing is left behind in either case.
+        The file cannot be written; nothing is left behind in either case.
     """
-    from mcap_ros2.writer import Writer  # noqa: PLC0415 - only who writes CDR pays for it
+    from mcap_ros2.writer import Writer  # noqa: PLC0415 - only for CDR
 
     with whole_file(path) as file:
         writer = Writer(file)
@@ -141,16 +141,16 @@ def write_imu(path: Path, chunks: Iterable[Session]) -> None:
 
 
 def write_json(path: Path, chunks: Iterable[Session]) -> None:
-    """Write the consecutive chunks of a session as JSON objects on `/gyro`, every value with all its digits.
+    """Write the consecutive chunks of a session as JSON objects on `/gyro`, with all digits.
 
-    A value that is no finite number is left out; times and rate are null then.
+    A value that is not finite is left out; times and rate are null instead.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to; nothing is left behind then.
+        The file cannot be written; nothing is left behind.
     """
-    from mcap.writer import Writer  # noqa: PLC0415 - as for the other one
+    from mcap.writer import Writer  # noqa: PLC0415 - as above
 
     with whole_file(path) as file:
         writer = Writer(file)
@@ -164,7 +164,7 @@ def write_json(path: Path, chunks: Iterable[Session]) -> None:
 
 
 def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
-    """Sample by sample; what the first chunk keeps beside them is written before them."""
+    """Yield the samples; the metadata of the first chunk is written before them."""
     for number, chunk in enumerate(chunks):
         for name, table in chunk.metadata.items() if number == 0 else ():
             writer.add_metadata(name, dict(table))
@@ -196,14 +196,14 @@ def _stamp(path: Path, number: int, t_device_s: float) -> dict[str, int]:
         sec, nanosec = divmod(_ns(t_device_s), NS_PER_S)
         if sec in STAMP_SECONDS:
             return {"sec": sec, "nanosec": nanosec}
-    raise DataError(f"{path}: sample {number} has {t_device_s!r} as t_device_s, which no header.stamp can say")
+    raise DataError(f"{path}: sample {number} has {t_device_s!r} as t_device_s, which does not fit header.stamp")
 
 
 def _json(sample: Sample) -> bytes:
     fields: dict[str, float | None] = {
         name: value if math.isfinite(value) else None
         for name, value in sample._asdict().items()
-        if name in ALWAYS_SAID or math.isfinite(value)
+        if name in ALWAYS_WRITTEN or math.isfinite(value)
     }
     if sample.seq < 0:
         del fields["seq"]
@@ -211,17 +211,17 @@ def _json(sample: Sample) -> bytes:
 
 
 def _sequence(sample: Sample) -> int:
-    """The counter inside what a message head can say; 0 is for none."""
+    """Counter in the range of a message head; 0 without one."""
     return max(sample.seq, 0) & 0xFFFFFFFF
 
 
 def _log_ns(sample: Sample) -> int:
-    """When it came, or else when it was taken, inside what a message head can say."""
+    """Arrival time, or else device time, in the range of a message head, ns."""
     t_s = sample.t_host_s if math.isfinite(sample.t_host_s) else sample.t_device_s
     return min(max(_ns(t_s), 0), LATEST_LOG_NS) if math.isfinite(t_s) else 0
 
 
 def _ns(seconds: float) -> int:
-    """Nanoseconds without the rounding of a product: any time that is a whole number of them is hit."""
+    """Nanoseconds without the rounding error of a product, so that whole nanoseconds are exact."""
     whole = math.floor(seconds)
     return whole * NS_PER_S + round((seconds - whole) * NS_PER_S)

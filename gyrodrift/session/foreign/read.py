@@ -1,7 +1,7 @@
-"""Sessions in MCAP files that others wrote.
+"""Sessions in MCAP files of other programs.
 
-Four kinds of messages are understood: `gyrodrift/Sample` and `sensor_msgs/msg/Imu` in CDR with a ros2msg schema, the
-latter as ROS 1 serialises it, and JSON objects with the column names of a session.
+Four kinds of messages can be read: `gyrodrift/Sample` and `sensor_msgs/msg/Imu` in CDR with a ros2msg schema,
+`sensor_msgs/Imu` as ROS 1 serializes it, and JSON objects with the column names of a session.
 """
 
 import math
@@ -30,22 +30,21 @@ ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in Sample._fiel
 
 
 def read_foreign(path: Path, topic: str | None = None) -> Session:
-    """Load a session from any MCAP file, samples in the order of the file.
+    """Load a session from any MCAP file, with the samples in the order of the file.
 
-    A file that was cut off gives every whole message before the cut.
+    A file that was cut off gives all whole messages before the cut.
 
     Parameters
     ----------
     path
         The file.
     topic
-        Which channel to read; without it `/gyro`, or else the only one that is understood.
+        Channel to read; without it `/gyro`, or else the only readable one.
 
     Raises
     ------
     DataError
-        Where it is no MCAP file or damaged, where no channel or more than one could be meant, or where a message lacks
-        what a sample needs.
+        It is no MCAP file, or damaged. Or no channel, or more than one, can be read. Or a message is no sample.
     """
     try:
         with path.open("rb") as file:
@@ -55,7 +54,7 @@ def read_foreign(path: Path, topic: str | None = None) -> Session:
     except (DamageError, BrokenRecordError) as error:
         raise DataError(f"{path}: is damaged: {error}") from error
     except (MemoryError, struct.error) as error:
-        raise DataError(f"{path}: cannot be read: it is larger than memory, or changes while it is read") from error
+        raise DataError(f"{path}: cannot be read: it needs too much memory, or changes while it is read") from error
 
 
 def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
@@ -90,21 +89,21 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
 
 
 def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:
-    """The clock of the samples: that of the log where their stamps stand still, as drivers that set none leave them."""
-    stands = len(stamps_s) > 1 and bool((stamps_s == stamps_s[0]).all())
-    if not stands or not len(np.unique(logged_s)) > 1:
+    """Times of the samples in s: their stamps, or the log times if a driver leaves all stamps equal; with a note."""
+    is_standing = len(stamps_s) > 1 and bool((stamps_s == stamps_s[0]).all())
+    if not is_standing or not len(np.unique(logged_s)) > 1:
         return stamps_s, ()
-    said = f"all of its stamps are {stamps_s[0]:g} s, so the time at which each message was logged is taken"
-    return logged_s - logged_s[0], (said,)
+    remark = f"all of its stamps are {stamps_s[0]:g} s, so the times of logging are used"
+    return logged_s - logged_s[0], (remark,)
 
 
 def _column(values: Floats) -> Floats | None:
     return None if np.isnan(values).all() else values.copy()
 
 
-def _samples(place: str, found: Iterable[ForeignRecord], decoders: dict[int, Decode]) -> Iterator[Sample]:
+def _samples(source: str, file_records: Iterable[ForeignRecord], decoders: dict[int, Decode]) -> Iterator[Sample]:
     number = 0
-    for record in found:
+    for record in file_records:
         if record.opcode != Opcode.MESSAGE:
             continue
         channel_id, log_ns, payload = message(record.body)
@@ -114,7 +113,7 @@ def _samples(place: str, found: Iterable[ForeignRecord], decoders: dict[int, Dec
         try:
             sample = decoders[channel_id](payload, log_ns)
         except WrongValueError as error:
-            raise DataError(f"{place}: message {number} {error}") from error
+            raise DataError(f"{source}: message {number} {error}") from error
         yield sample
 
 

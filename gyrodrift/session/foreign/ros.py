@@ -1,4 +1,4 @@
-"""Samples from messages in CDR, by the schema that the file brings: `sensor_msgs/Imu` of ROS 2, and our own."""
+"""Samples from CDR messages with the schema in the file: `sensor_msgs/Imu` of ROS 2, and `gyrodrift/Sample`."""
 
 import math
 from collections.abc import Callable
@@ -14,8 +14,8 @@ from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
 
 MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
-"""Of a schema that is parsed. The parser's time grows with the square of the fields: 2000 take 0.3 s, 40,000 took 19 s.
-sensor_msgs/msg/Imu with its nested types has 26 lines."""
+"""Limits of a schema. The time of its parser grows with the square of the fields: 2000 take 0.3 s, 40,000 take 19 s
+(measured). sensor_msgs/msg/Imu with its nested types has 26 lines."""
 
 
 def _own_sample(message: Any, log_ns: int) -> Sample:
@@ -23,7 +23,7 @@ def _own_sample(message: Any, log_ns: int) -> Sample:
 
 
 def _imu_sample(message: Any, log_ns: int) -> Sample:
-    """The turn about z; what the message cannot hold is missing."""
+    """Sample with the rate about z; other columns are missing."""
     try:
         stamp, rate, covariance = message.header.stamp, message.angular_velocity.z, message.angular_velocity_covariance
         parts, first = (stamp.sec, stamp.nanosec), covariance[0]
@@ -42,22 +42,22 @@ ROS_MESSAGES: dict[str, Callable[[Any, int], Sample]] = {
     "sensor_msgs/Imu": _imu_sample,
     "sensor_msgs/msg/Imu": _imu_sample,
 }
-"""By the name of the schema, as older and newer writers spell it."""
+"""Decoders by the name of the schema, in the old and the new form."""
 
 
-def cdr_decoder(place: str, schema: Schema) -> Decode:
-    """What makes samples of the messages of a channel at that place, which is known by its schema's name.
+def cdr_decoder(source: str, schema: Schema) -> Decode:
+    """Decoder of the messages of a channel with a known schema; `source` names it in messages.
 
     Raises
     ------
     DataError
-        Where the schema cannot be parsed.
+        The schema cannot be parsed.
     """
-    decode = _parsed(place, schema)
+    decode = _parsed(source, schema)
     to_sample = ROS_MESSAGES[schema.name]
 
     def decoded(payload: bytes, log_ns: int) -> Sample:
-        try:  # bytes from anywhere, by whatever that schema says
+        try:  # any bytes with any schema
             message = decode(payload) if decode else None
         except Exception as error:
             raise WrongValueError(f"does not fit its schema {schema.name}") from error
@@ -66,17 +66,17 @@ def cdr_decoder(place: str, schema: Schema) -> Decode:
     return decoded
 
 
-def _parsed(place: str, schema: Schema) -> Callable[[bytes], Any] | None:
-    """A schema is text from anywhere; its parser names few of its troubles, and prints them all."""
+def _parsed(source: str, schema: Schema) -> Callable[[bytes], Any] | None:
+    """Parse a schema, which may be any text; its parser prints errors and raises many types."""
     lines = schema.data.count(b"\n") + 1
     if lines > MOST_LINES or len(schema.data) > MOST_SCHEMA_BYTES:
         size = f"{lines} lines and {len(schema.data)} bytes"
-        most = f"at most {MOST_LINES} and {MOST_SCHEMA_BYTES} are read"
-        raise DataError(f"{place}: the schema {schema.name} has {size}; {most}")
-    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only who reads CDR pays for it
+        limits = f"at most {MOST_LINES} and {MOST_SCHEMA_BYTES} are read"
+        raise DataError(f"{source}: the schema {schema.name} has {size}; {limits}")
+    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only for CDR
 
     try:
         with redirect_stderr(StringIO()):
             return DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
     except Exception as error:
-        raise DataError(f"{place}: the schema {schema.name} cannot be parsed") from error
+        raise DataError(f"{source}: the schema {schema.name} cannot be parsed") from error

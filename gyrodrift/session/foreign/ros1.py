@@ -1,4 +1,4 @@
-"""Samples from `sensor_msgs/Imu` as ROS 1 writes it, which `mcap convert` keeps of a bag: a fixed layout."""
+"""Samples from `sensor_msgs/Imu` of ROS 1, as `mcap convert` writes it from a bag: a fixed layout."""
 
 import math
 import struct
@@ -8,22 +8,22 @@ from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError
 
 NAMES = frozenset({"sensor_msgs/Imu", "sensor_msgs/msg/Imu"})
 HEADER = struct.Struct("<IIII")
-"""Sequence number, stamp in s and ns, and the length of the frame's name that follows (std_msgs/Header)."""
+"""Sequence number, stamp in s and ns, and length of the following frame name (std_msgs/Header)."""
 
 VALUES = struct.Struct("<4d9d3d9d3d9d")
-"""Orientation, angular velocity and acceleration, with the covariance behind each."""
+"""Orientation, angular velocity and acceleration, each with its covariance."""
 
 RATE_Z, RATE_COVARIANCE = 15, 16
-"""Indices among the values."""
+"""Indices in the values."""
 
 
 def ros1_imu_sample(payload: bytes, log_ns: int) -> Sample:
-    """The turn about z.
+    """Sample with the rate about z.
 
     Raises
     ------
     WrongValueError
-        Where it has another length, or no rate.
+        The message has a wrong length, or no rate.
     """
     if len(payload) < HEADER.size:
         raise WrongValueError("does not fit its schema sensor_msgs/Imu")

@@ -1,9 +1,9 @@
-"""Checksums of short stretches of a session file, so that damage costs the samples it hits and no others.
+"""Checksums of short parts of a session file, so that damage costs only the samples that it hits.
 
-The checksum at the end of an MCAP file says only that something in it is damaged. So a record of a private opcode,
-which readers of MCAP pass over, follows every few hundred kilobytes or every flush. It is a table of the bytes before
-it, a CRC-32 for every 24 samples. Each table stands twice: once behind its bytes, once more in the table that follows.
-Nothing in a table depends on where it is found, so bytes may be missing or stand twice in front of it.
+The checksum at the end of an MCAP file only says that something is damaged. Therefore a table follows every few hundred
+kilobytes or every flush, with a CRC-32 for every 24 samples before it. It is a record with a private opcode, which MCAP
+readers skip. The next table repeats it. A table does not depend on its position: bytes before it may be missing or
+doubled.
 """
 
 import struct
@@ -14,30 +14,30 @@ from typing import NamedTuple
 from gyrodrift.session.mcap.layout import HEAD, MESSAGE
 
 OPCODE = 0x93
-"""In the range that the MCAP specification leaves to applications, 0x80 to 0xFF."""
+"""In the range of the MCAP specification for applications, 0x80 to 0xFF."""
 
 MARKER = b"gdcrc\x1a\x00\x01"
-"""What tables are searched by; the last byte is the version of their layout."""
+"""Marks a table for a search; the last byte is the version of the layout."""
 
 PIECE_SAMPLES = 24
 """Below 2 KiB, so that a damaged block of a disk (4 KiB) costs at most 96 samples."""
 
 TABLE_BYTES = 128 * PIECE_SAMPLES * MESSAGE.size
-"""A table follows after at most so many bytes of samples."""
+"""A table follows after at most this many bytes of samples."""
 
 LEAST_BYTES = 4096
-"""Fewer are left to the next flush: at low rates tables would be as large as what they are about."""
+"""Fewer bytes wait for the next flush; at low rates tables would be as large as the samples."""
 
 ID_BYTES = 8
 TABLE = struct.Struct(f"<8s{ID_BYTES}sQQIQQI")
-"""Marker, recording, then twice: first byte, number of the first sample, pieces (of this table, of the one before)."""
+"""Marker, recording, then first byte, number of the first sample and pieces, of this and of the previous table."""
 PIECE = struct.Struct("<III")
 CRC_BYTES = 4
 LONGEST_TABLE_BYTES = 1 << 20
 
 
 class Piece(NamedTuple):
-    """Whole records in a row: bytes, samples among them (0: other records), CRC-32."""
+    """Consecutive whole records: bytes, samples (0 for other records), CRC-32."""
 
     length: int
     samples: int
@@ -46,12 +46,12 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """What one table is about.
+    """The part of a file that a table covers.
 
     start
-        Where it began when it was written, bytes from the beginning of the file.
+        Offset of its start when it was written, bytes.
     first_sample
-        Samples of the file before it.
+        Number of samples before it.
     """
 
     start: int
@@ -60,18 +60,18 @@ class Region:
 
     @property
     def stop(self) -> int:
-        """Where its table began when it was written."""
+        """Offset of its table when it was written."""
         return self.start + sum(piece.length for piece in self.pieces)
 
     @property
     def samples(self) -> int:
-        """How many it holds."""
+        """Number of samples in it."""
         return sum(piece.samples for piece in self.pieces)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table as it stands in a file, with the region before its own; `size` is that of the whole record."""
+    """A table in a file, with the previous region; `size` is the size of the whole record."""
 
     recording_id: bytes
     region: Region
@@ -91,7 +91,7 @@ class ChecksumWriter:
 
     @classmethod
     def after(cls, table: Table) -> "ChecksumWriter":
-        """One that goes on behind a table."""
+        """A writer that continues after a table."""
         writer = cls(table.recording_id)
         writer._start = table.region.stop + table.size
         writer._first_sample = table.region.first_sample + table.region.samples
@@ -100,36 +100,36 @@ class ChecksumWriter:
 
     @property
     def is_due(self) -> bool:
-        """Whether enough has come for a table."""
+        """Whether enough bytes were added for a table."""
         return self._pending_bytes >= LEAST_BYTES
 
     @property
     def is_pending(self) -> bool:
-        """Whether something has come since the last table."""
+        """Whether bytes were added since the last table."""
         return bool(self._pieces)
 
     def add_samples(self, rows: bytes) -> None:
-        """Samples, packed as `layout.MESSAGE`; those of several flushes share a piece."""
-        view, at = memoryview(rows), 0
+        """Add samples, packed as `layout.MESSAGE`; samples of several flushes share a piece."""
+        view, first = memoryview(rows), 0
         last = self._pieces[-1] if self._pieces else None
         if last is not None and 0 < last.samples < PIECE_SAMPLES:
-            at = (PIECE_SAMPLES - last.samples) * MESSAGE.size
-            part = view[:at]
+            first = (PIECE_SAMPLES - last.samples) * MESSAGE.size
+            part = view[:first]
             samples = last.samples + len(part) // MESSAGE.size
             self._pieces[-1] = Piece(last.length + len(part), samples, zlib.crc32(part, last.crc))
-        for start in range(at, len(view), PIECE_SAMPLES * MESSAGE.size):
+        for start in range(first, len(view), PIECE_SAMPLES * MESSAGE.size):
             part = view[start : start + PIECE_SAMPLES * MESSAGE.size]
             self._pieces.append(Piece(len(part), len(part) // MESSAGE.size, zlib.crc32(part)))
         self._samples += len(rows) // MESSAGE.size
         self._pending_bytes += len(rows)
 
     def add_records(self, content: bytes) -> None:
-        """Records that are no samples."""
+        """Add records that are no samples."""
         self._pieces.append(Piece(len(content), 0, zlib.crc32(content)))
         self._pending_bytes += len(content)
 
     def table(self) -> bytes:
-        """The record that belongs into the file now."""
+        """The table record for the bytes since the last one."""
         region = Region(self._start, self._first_sample, tuple(self._pieces))
         record = encoded_table(self._id, region, self._before)
         self._start = region.stop + len(record)
@@ -141,15 +141,15 @@ class ChecksumWriter:
 
 
 def encoded_table(recording_id: bytes, region: Region, before: Region) -> bytes:
-    """A table as it stands in a file."""
-    numbers = [n for each in (region, before) for n in (each.start, each.first_sample, len(each.pieces))]
+    """A table as bytes of its record."""
+    numbers = [n for part in (region, before) for n in (part.start, part.first_sample, len(part.pieces))]
     body = TABLE.pack(MARKER, recording_id, *numbers)
-    body += b"".join(PIECE.pack(*piece) for each in (region, before) for piece in each.pieces)
+    body += b"".join(PIECE.pack(*piece) for part in (region, before) for piece in part.pieces)
     return HEAD.pack(OPCODE, len(body) + CRC_BYTES) + body + zlib.crc32(body).to_bytes(CRC_BYTES, "little")
 
 
 def table_of(record: bytes) -> Table | None:
-    """The table that bytes begin with, head included; None where there is none or it is damaged."""
+    """Table at the start of bytes, record head included; None without one, or if it is damaged."""
     if len(record) < HEAD.size + TABLE.size + CRC_BYTES:
         return None
     opcode, length = HEAD.unpack_from(record)

@@ -1,6 +1,6 @@
-"""Telling session files that were never closed from others, by their last bytes; and who is writing one.
+"""Detection of session files that were never closed, by their last bytes, and locks of files being written.
 
-Light, since every recording begins with a look at its folder.
+Light, because every recording first examines its folder.
 """
 
 import os
@@ -14,32 +14,32 @@ from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
 from gyrodrift.system import lock_file, read_at
 
 MOST_BARE_BYTES = 1 << 16
-"""Of zeros, that a power cut leaves of a file into which little was written."""
+"""Largest file of zeros that a power cut leaves of a short recording, bytes."""
 
 
 def is_closed(file: IO[bytes]) -> bool:
-    """Whether it ends as a finished MCAP file does."""
+    """Whether a file ends like a finished MCAP file."""
     size = os.fstat(file.fileno()).st_size
     tail = read_at(file.fileno(), CLOSED_TAIL_BYTES, max(0, size - CLOSED_TAIL_BYTES))
     return tail.startswith(CLOSED_TAIL) and tail.endswith(MAGIC)
 
 
 def is_bare(file: IO[bytes]) -> bool:
-    """Whether a recording was cut off before a record of it was written: nothing, or zeros, behind the first word.
+    """Whether a recording was cut off before its first record: nothing or zeros after the magic bytes.
 
-    Such a file is left alone, since it may be another program's, which is about to write.
+    Such a file is not touched, because another program may be about to write it.
     """
     head = read_at(file.fileno(), MOST_BARE_BYTES + 1, 0)
     return len(head) <= MOST_BARE_BYTES and MAGIC.startswith(head.rstrip(b"\0"))
 
 
 def lock(path: Path, file: IO[bytes]) -> None:
-    """Make this process the only one that writes or repairs the file, for as long as it is open.
+    """Lock a file for writing or repair by this process only, until it is closed.
 
     Raises
     ------
     DataError
-        Where another process does.
+        Another process has the lock.
     """
     try:
         lock_file(file, wait=False)
@@ -48,9 +48,9 @@ def lock(path: Path, file: IO[bytes]) -> None:
 
 
 def interrupted(folder: Path) -> Iterator[Path]:
-    """The `.mcap` files of a folder that were never closed and that nobody is writing.
+    """Yield the `.mcap` files of a folder that were never closed and are not being written.
 
-    What cannot be looked into, or is gone in the meantime, is passed over.
+    Files that cannot be read or disappear meanwhile are skipped.
     """
     for path in sorted(folder.glob("*.mcap")):
         is_left_open = False

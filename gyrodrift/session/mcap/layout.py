@@ -1,9 +1,9 @@
-"""What stands in a session file: MCAP without chunks, so that every flushed sample survives whatever happens.
+"""Layout of a session file: MCAP without chunks, so that every flushed sample survives a kill.
 
-A sample is one message of fixed size on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`: a run of
-them is a table that numpy reads in one look, finished or not, and a torn tail costs the torn message alone.
-`/raw` holds the bytes of the link, one message a read; `/link` what happened on it, as JSON; `/still` what something
-else than the rate said of rest.
+A sample is a message of fixed size on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`. A run of samples
+is a table that numpy reads at once, also in an unfinished file. A torn end costs only the torn message. `/raw` has the
+bytes of the link, a message per read; `/link` has link events as JSON; `/still` has rest flags from other sources than
+the rate.
 """
 
 import struct
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
-"""What every record begins with: its opcode and the length of the rest."""
+"""Head of every record: opcode, and length of the rest."""
 
 FOOTER_LENGTH = 20
 CLOSED_TAIL = HEAD.pack(2, FOOTER_LENGTH)
-"""Where the footer of a finished file begins: `CLOSED_TAIL_BYTES` before its end."""
+"""Start of the footer of a finished file, `CLOSED_TAIL_BYTES` before its end."""
 CLOSED_TAIL_BYTES = HEAD.size + FOOTER_LENGTH + len(MAGIC)
 
 
@@ -76,18 +76,18 @@ STILLS = Topic(
     schema_text='{"type": "object", '
     '"properties": {"sample": {"type": "integer"}, "still": {"type": ["number", "null"]}}}',
 )
-"""What was said from outside of rest: a message where it changes, with the number of the first sample it holds for."""
+"""Rest flags: a message per change, with the number of the first sample that it applies to."""
 
 MESSAGE_OPCODE = 5
 CDR_LITTLE_ENDIAN = 0x00000100
 """The four bytes 00 01 00 00 before the values."""
 
 MESSAGE = struct.Struct("<BQHIQQIqddddd")
-"""A sample as it stands in the file: record head, channel, sequence, log and publish time in ns, CDR head, values."""
+"""A sample in the file: record head, channel, sequence, log and publish time in ns, CDR head, values."""
 MESSAGE_LENGTH = MESSAGE.size - HEAD.size
 
 READ_HEAD = struct.Struct("<BQHIQQIdI")
-"""A read up to its bytes; the last value is how many there are."""
+"""A read up to its bytes; the last value is their number."""
 
 LATEST_NS = 1 << 63
-"""A time that leaves this range or is not finite is cut to it in the message heads; the values stay as they are."""
+"""Times in message heads are clipped to this; the values of the samples are not."""

@@ -1,4 +1,4 @@
-"""The raw bytes of a link, where a recording kept them."""
+"""Raw bytes of the link in a recording."""
 
 import struct
 from collections.abc import Iterator
@@ -13,63 +13,63 @@ from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, Walk, channel_of
 
 READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
-"""A read behind its record head, up to its bytes."""
+"""A read after its record head, up to its bytes."""
 
 
 class Read(NamedTuple):
-    """What one read of the port gave, and when: Unix time in s."""
+    """Bytes of a read of the port, and its Unix time in s."""
 
     t_host_s: float
     content: bytes
 
 
 class RawSize(NamedTuple):
-    """How much of the link a recording kept: reads of the port, and their bytes."""
+    """Number of reads of the port in a recording, and their bytes."""
 
     reads: int
     total_bytes: int
 
 
 class _NoRawBytesError(DataError):
-    """A recording that did not keep them."""
+    """The recording has no raw bytes."""
 
 
 def raw_size(path: Path, *, allow_damage: bool = False) -> RawSize | None:
-    """How much of the link a session kept; None where it kept nothing of it.
+    """Amount of raw bytes in a session; None without any.
 
     Raises
     ------
     DataError
-        Where the file cannot be read.
+        The file cannot be read.
     """
     if path.suffix != ".mcap":
         return None
     try:
-        sizes = [len(one.content) for one in read_raw(path, allow_damage=allow_damage)]
+        sizes = [len(read.content) for read in read_raw(path, allow_damage=allow_damage)]
     except _NoRawBytesError:
         return None
     return RawSize(len(sizes), sum(sizes))
 
 
 def read_raw(path: Path, *, allow_damage: bool = False) -> Iterator[Read]:
-    """The reads of a session in their order, one at a time; of a damaged one, those that are whole, if asked for.
+    """Yield the reads of a session in order; with `allow_damage`, the whole reads of a damaged one.
 
     Raises
     ------
     DataError
-        Where it is no MCAP file or damaged, or no raw bytes were kept in it.
+        It is no MCAP file, is damaged, or has no raw bytes.
     """
-    found = False
+    has_reads = False
     try:
         with path.open("rb") as file:
             if not allow_damage and file.read(len(MAGIC)) != MAGIC:
-                raise DataError(f"{path}: is no MCAP file; only those keep raw bytes")
+                raise DataError(f"{path}: is no MCAP file; only MCAP files have raw bytes")
             walk = Walk(file, survey(file).stretches if allow_damage else None)
             for step in walk:
                 match step:
                     case PlacedRecord(opcode=Opcode.CHANNEL):
-                        found = found or channel_of(walk.body(step)).topic == READS.name
-                    case PlacedRecord(opcode=Opcode.MESSAGE) if found:
+                        has_reads = has_reads or channel_of(walk.body(step)).topic == READS.name
+                    case PlacedRecord(opcode=Opcode.MESSAGE) if has_reads:
                         body = walk.body(step)
                         if int.from_bytes(body[:2], "little") == READS.channel_id and len(body) >= READ_BODY.size:
                             yield _read(body)
@@ -79,8 +79,8 @@ def read_raw(path: Path, *, allow_damage: bool = False) -> Iterator[Read]:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     except BrokenRecordError as error:
         raise DataError(f"{path}: {error}; the file was changed since it was written") from error
-    if not found:
-        raise _NoRawBytesError(f"{path}: no raw bytes were kept in it; record with --raw")
+    if not has_reads:
+        raise _NoRawBytesError(f"{path}: it has no raw bytes; record with --raw")
 
 
 def _read(body: bytes) -> Read:

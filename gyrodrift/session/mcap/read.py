@@ -1,6 +1,6 @@
-"""Reading a session from MCAP into arrays: at once where it is laid out as ours, finished or torn.
+"""Sessions from MCAP as arrays: files in the own layout at once, finished or torn.
 
-Files that others wrote are handed to the public reader.
+`foreign` reads files of other programs.
 """
 
 import json
@@ -44,10 +44,10 @@ from gyrodrift.session.session import Session
 from gyrodrift.system import read_at
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
-"""Columns that a session may lack: all NaN then."""
+"""Optional columns; all NaN in a file without them."""
 
 MESSAGE_BODY = 22
-"""Where the content of a message begins: behind channel, sequence, log and publish time."""
+"""Offset of the content of a message, after channel, sequence, log and publish time."""
 
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
@@ -55,29 +55,29 @@ VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
     """Load a session from `.mcap`.
 
-    A file that was never closed gives every whole sample in it.
+    A file that was never closed gives all its whole samples.
 
     Raises
     ------
     DamagedError
-        Where bytes were changed or are missing, unless what is whole is asked for with `allow_damage`.
+        Bytes were changed or are missing, and `allow_damage` is not given.
     DataError
-        Where it is no MCAP file, has no samples, or says something impossible.
+        It is no MCAP file, has no samples, or contradicts itself.
     """
     try:
         with path.open("rb") as file:
             if is_bare(file):
                 raise DataError(f"{path}: nothing was recorded before it was cut off; it can be deleted")
-            found = survey(file)
-            if not found.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
+            file_survey = survey(file)
+            if not file_survey.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file: it does not begin as one")
-            session = _read_ours(path, file, found)
+            session = _read_own(path, file, file_survey)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     except MemoryError as error:
-        raise DataError(f"{path}: its samples need more memory than there is") from error
+        raise DataError(f"{path}: its samples need more memory than this computer has") from error
     if session is None:
-        from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - brings decoders that ours do without
+        from gyrodrift.session.foreign.read import read_foreign  # noqa: PLC0415 - imports decoders that own files do not need
 
         return read_foreign(path)
     if session.damage is not None and not allow_damage:
@@ -85,10 +85,10 @@ def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
     return session
 
 
-def _read_ours(path: Path, file: BinaryIO, found: Survey) -> Session | None:
-    """The session, or None where no samples are laid out as ours."""
-    walk = Walk(file, found.stretches)
-    columns, declared = _Columns(found, walk.zeros_at), _Declared(is_ours=found.is_ours)
+def _read_own(path: Path, file: BinaryIO, file_survey: Survey) -> Session | None:
+    """The session; None if its samples have another layout."""
+    walk = Walk(file, file_survey.stretches)
+    columns, declared = _Columns(file_survey, walk.zeros_at), _Declared(is_ours=file_survey.is_ours)
     for step in walk:
         match step:
             case SampleRows(rows=rows) if declared.is_ours:
@@ -100,68 +100,68 @@ def _read_ours(path: Path, file: BinaryIO, found: Survey) -> Session | None:
             case PlacedRecord():
                 try:
                     if step.opcode == Opcode.MESSAGE:
-                        columns.hear(walk.body(step))
+                        columns.take_message(walk.body(step))
                     else:
                         declared.take(step, walk)
                 except BrokenRecordError as error:
-                    if not found.is_damaged:
+                    if not file_survey.is_damaged:
                         raise DataError(f"{path}: {error}; the file was changed since it was written") from error
-    if not columns.count and found.is_ours and found.lost:
-        raise DamagedError([(path, RecordingDamage(found.lost, 0, found.remarks))])
+    if not columns.count and file_survey.is_ours and file_survey.lost:
+        raise DamagedError([(path, RecordingDamage(file_survey.lost, 0, file_survey.remarks))])
     return columns.session(path.stem, declared.metadata) if columns.count else None
 
 
 class _Columns:
-    """The arrays of a session while they fill; memory that no sample reaches is never touched."""
+    """Arrays of a session while they fill; memory without samples is never touched."""
 
-    def __init__(self, found: Survey, zeros_at: int) -> None:
+    def __init__(self, file_survey: Survey, zeros_at: int) -> None:
         self.count = 0
-        most = sum(stretch.stop - stretch.start for stretch in found.stretches)
-        self._most = min(zeros_at, most) // ROW.itemsize + 1  # the last one may end in zeros
-        self._found = found
+        most = sum(stretch.stop - stretch.start for stretch in file_survey.stretches)
+        self._most = min(zeros_at, most) // ROW.itemsize + 1  # the last sample may end in zeros
+        self._survey = file_survey
         self._stills: list[tuple[int, float]] = []
         self._arrays = {name: np.empty(self._most, ROW[name]) for name in VALUES}
 
     def take(self, rows: Rows) -> None:
-        """Put a table of samples behind those that are there."""
+        """Append a table of samples."""
         end = self.count + len(rows)
         for name, array in self._arrays.items():
             array[self.count : end] = rows[name]
         self.count = end
 
-    def hear(self, body: bytes) -> None:
-        """A message that is no sample: what was said of rest is kept."""
+    def take_message(self, body: bytes) -> None:
+        """Read a message that is no sample: only rest flags are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             try:
-                said = json.loads(body[MESSAGE_BODY:])
-                first = self._found.kept_before(min(max(int(said["sample"]), 0), LATEST_NS))
+                values = json.loads(body[MESSAGE_BODY:])
+                first = self._survey.kept_before(min(max(int(values["sample"]), 0), LATEST_NS))
                 first = min(first, self._most)
-                self._stills.append((first, np.nan if said["still"] is None else float(said["still"])))
+                self._stills.append((first, np.nan if values["still"] is None else float(values["still"])))
             except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
                 raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
 
     def _still(self) -> Floats | None:
-        """What was said of rest, sample by sample; nothing from where a word of it may be lost to the next one."""
+        """Rest flag of every sample; unknown from a loss of records to the next flag."""
         if not self._stills:
             return None
-        lost = [(self._found.kept_before(number), nan) for number in self._found.unheard]
-        firsts, said = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
-        ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # each holds until the next
-        still: Floats = np.repeat([np.nan, *said], np.diff(ends, prepend=0))
+        lost = [(self._survey.kept_before(number), nan) for number in self._survey.record_losses]
+        firsts, flags = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
+        ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # a flag holds until the next one
+        still: Floats = np.repeat([np.nan, *flags], np.diff(ends, prepend=0))
         return still
 
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
-        """All of it, without the columns that the device never filled."""
-        found = {key: array[: self.count] for key, array in self._arrays.items()}
+        """The session, without the columns that the device never filled."""
+        columns = {key: array[: self.count] for key, array in self._arrays.items()}
         return Session(
             name=name,
-            t_device_s=found["t_device_s"],
-            rate_dps=found["rate_dps"],
-            seq=None if (found["seq"] < 0).all() else found["seq"],
-            **{key: None if _is_empty(found[key]) else found[key] for key in OPTIONAL},  # type: ignore[arg-type]
+            t_device_s=columns["t_device_s"],
+            rate_dps=columns["rate_dps"],
+            seq=None if (columns["seq"] < 0).all() else columns["seq"],
+            **{key: None if _is_empty(columns[key]) else columns[key] for key in OPTIONAL},  # type: ignore[arg-type]
             still=self._still(),
             metadata=metadata,
-            damage=self._found.damage(found["t_device_s"]),
+            damage=self._survey.damage(columns["t_device_s"]),
             remarks=(),
         )
 
@@ -171,7 +171,7 @@ def _is_empty(column: Floats) -> bool:
 
 
 class _Declared:
-    """What the file has said so far of the channel that samples stand on, and beside them."""
+    """Schema, channel and metadata that a file declared so far."""
 
     def __init__(self, *, is_ours: bool) -> None:
         self.metadata: dict[str, dict[str, str]] = {}
@@ -179,11 +179,11 @@ class _Declared:
 
     @property
     def is_ours(self) -> bool:
-        """Whether samples are laid out as this version writes them."""
+        """Whether samples have the layout of this version."""
         return self._has_schema and self._has_channel
 
     def take(self, record: PlacedRecord, walk: Walk) -> None:
-        """A record that is no table of samples."""
+        """Read a record that is no table of samples."""
         match record.opcode:
             case Opcode.SCHEMA:
                 schema = schema_of(walk.body(record))
@@ -194,15 +194,15 @@ class _Declared:
             case Opcode.CHANNEL:
                 channel = channel_of(walk.body(record))
                 if channel.id == SAMPLES.channel_id:
-                    about = (channel.topic, channel.message_encoding, channel.schema_id)
-                    self._has_channel = about == (SAMPLES.name, SAMPLES.message_encoding, SAMPLES.channel_id)
+                    declared = (channel.topic, channel.message_encoding, channel.schema_id)
+                    self._has_channel = declared == (SAMPLES.name, SAMPLES.message_encoding, SAMPLES.channel_id)
             case Opcode.METADATA:
                 table = metadata_of(walk.body(record))
                 self.metadata[table.name] = table.metadata
 
 
 def add_chunk(writer: McapWriter, session: Session) -> None:
-    """Add the samples of a session, all at once."""
+    """Add the samples of a session at once."""
     rows = np.zeros(len(session.t_device_s), ROW)
     if not len(rows):
         return
@@ -222,14 +222,14 @@ def add_chunk(writer: McapWriter, session: Session) -> None:
 
 
 def _add_stills(writer: McapWriter, still: Floats, log_time: NDArray[np.uint64]) -> None:
-    """Where what is said of rest changes, with that at the first sample."""
-    is_said = ~np.isnan(still)
-    changes = (still[1:] != still[:-1]) & (is_said[1:] | is_said[:-1])
-    for at in [0, *(np.flatnonzero(changes) + 1).tolist()]:
-        writer.add_still(writer.count + at, float(still[at]), float(log_time[at]) * 1e-9)
+    """Add the rest flag of the first sample, and every change."""
+    is_known = ~np.isnan(still)
+    changes = (still[1:] != still[:-1]) & (is_known[1:] | is_known[:-1])
+    for index in [0, *(np.flatnonzero(changes) + 1).tolist()]:
+        writer.add_still(writer.count + index, float(still[index]), float(log_time[index]) * 1e-9)
 
 
 def _nanoseconds(seconds: Floats) -> NDArray[np.uint64]:
     finite = np.where(np.isfinite(seconds), seconds, 0.0)
-    with np.errstate(over="ignore"):  # cut to the latest
+    with np.errstate(over="ignore"):  # clipped to the latest
         return np.clip(finite * 1e9, 0, LATEST_NS).astype(np.uint64)

@@ -1,4 +1,4 @@
-"""Writing a damaged session file anew, from all that is whole in it."""
+"""Repair of a damaged session file: a new file with everything that is whole."""
 
 import json
 import os
@@ -21,16 +21,16 @@ from gyrodrift.session.mcap.write import MESSAGE_START, McapWriter
 TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
 
 
-def rebuild(path: Path, file: IO[bytes], found: Survey, damage: RecordingDamage) -> Path:
-    """Put a whole file in the place of a damaged one; where the damaged one is kept."""
+def rebuild(path: Path, file: IO[bytes], file_survey: Survey, damage: RecordingDamage) -> Path:
+    """Replace a damaged file by a whole one; returns the new path of the damaged file."""
     kept = _free_name(path)
     try:
         os.link(path, kept)
     except OSError:  # a disk without links, such as FAT, or a file of another user
         shutil.copy(path, kept)
     with whole_file(path) as fresh:
-        writer = McapWriter(fresh, {"repair": _told(damage)})
-        _Copy(Walk(file, found.stretches), found, writer).run()
+        writer = McapWriter(fresh, {"repair": _damage_table(damage)})
+        _Copy(Walk(file, file_survey.stretches), file_survey, writer).run()
         writer.finish()
     return kept
 
@@ -43,8 +43,8 @@ def _free_name(path: Path) -> Path:
     return kept
 
 
-def _told(damage: RecordingDamage) -> dict[str, str]:
-    """What a reader of the new file should know."""
+def _damage_table(damage: RecordingDamage) -> dict[str, str]:
+    """Metadata table about the damage."""
     return {
         "damage": str(damage),
         "samples_lost": str(damage.lost_count),
@@ -53,17 +53,17 @@ def _told(damage: RecordingDamage) -> dict[str, str]:
 
 
 class _Copy:
-    """Copies what is whole, the word of rest with the numbers that its samples have now."""
+    """Copies everything whole; rest flags get the new numbers of their samples."""
 
-    def __init__(self, walk: Walk, found: Survey, writer: McapWriter) -> None:
+    def __init__(self, walk: Walk, file_survey: Survey, writer: McapWriter) -> None:
         self._walk = walk
-        self._found = found
+        self._survey = file_survey
         self._writer = writer
-        self._unheard = deque(found.unheard)
+        self._record_losses = deque(file_survey.record_losses)
         self._last_ns = 0
 
     def run(self) -> None:
-        """All of it."""
+        """Copy all records."""
         for step in self._walk:
             self._forget_rest()
             match step:
@@ -78,9 +78,9 @@ class _Copy:
                         self._record(step)
 
     def _forget_rest(self) -> None:
-        """Behind lost records nobody knows what was said of rest."""
-        while self._unheard and self._found.kept_before(self._unheard[0]) <= self._writer.count:
-            self._unheard.popleft()
+        """Write an unknown rest flag after lost records."""
+        while self._record_losses and self._survey.kept_before(self._record_losses[0]) <= self._writer.count:
+            self._record_losses.popleft()
             self._writer.add_still(self._writer.count, nan, self._last_ns * 1e-9)
 
     def _record(self, record: PlacedRecord) -> None:
@@ -98,6 +98,6 @@ class _Copy:
 
     def _still(self, content: bytes, log_ns: int) -> None:
         with suppress(ValueError, KeyError, TypeError, OverflowError, RecursionError):
-            said = json.loads(content)
-            number = self._found.kept_before(int(said["sample"]))
-            self._writer.add_still(number, nan if said["still"] is None else float(said["still"]), log_ns * 1e-9)
+            values = json.loads(content)
+            number = self._survey.kept_before(int(values["sample"]))
+            self._writer.add_still(number, nan if values["still"] is None else float(values["still"]), log_ns * 1e-9)

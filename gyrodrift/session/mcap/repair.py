@@ -1,6 +1,6 @@
-"""Closing a session file whose writer was killed: its whole records stay as they are, and the end is added.
+"""Repair of a session file whose writer was killed: whole records stay, and the end is added.
 
-Whatever interrupts a repair leaves a file that can be repaired again. A damaged file is written anew, by `rebuild`.
+After an interrupted repair the file can be repaired again. For a damaged file, `rebuild` writes a new one.
 """
 
 import os
@@ -43,16 +43,16 @@ MESSAGE_START = struct.Struct("<HIQ")
 
 @dataclass(frozen=True, slots=True)
 class Repaired:
-    """What a repair made of a file.
+    """Result of a repair.
 
     samples
-        How many it holds.
+        Number of samples in the file.
     cut_bytes
-        What stood behind the last whole record.
+        Bytes removed after the last whole record.
     tail
-        Where those bytes were saved, if they were more than one torn record.
+        File with these bytes, if they were more than one torn record.
     damage
-        What could not be recovered, where the file was damaged; its bytes as they were are then in `kept`.
+        Losses, if the file was damaged; the damaged file is then `kept`.
     """
 
     path: Path
@@ -64,43 +64,43 @@ class Repaired:
 
 
 def repair(path: Path, *, rebuilds: bool = True) -> Repaired | None:
-    """Close a session file, or write it anew where it is damaged; None where it is whole already.
+    """Close a session file, or replace a damaged one by a whole file; None if it is whole already.
 
     Raises
     ------
     DamagedError
-        Where it is damaged and is not to be written anew.
+        It is damaged and `rebuilds` is false.
     DataError
-        Where it was not written by gyrodrift, is being written, or cannot be written to.
+        It was not written by gyrodrift, is being written, or cannot be written to.
     """
     try:
         check_ordinary(path)
         with path.open("r+b") as file:
             lock(path, file)
-            found = _found(path, file)
-            if not found.is_hit:
-                return None if is_closed(file) else _close(path, file, found)
-            if not found.is_ours:
+            file_survey = _own_survey(path, file)
+            if not file_survey.has_inner_damage:
+                return None if is_closed(file) else _close(path, file, file_survey)
+            if not file_survey.is_ours:
                 _check_writer(next(iter(Walk(file)), None), Walk(file), path)
-            return _rebuilt(path, file, found, rebuilds=rebuilds)
+            return _rebuilt(path, file, file_survey, rebuilds=rebuilds)
     except OSError as error:
         raise DataError(f"{path}: cannot be repaired: {error.strerror}") from error
     except (BrokenRecordError, UnreadableError) as error:
         raise DataError(f"{path}: cannot be repaired: {error}") from error
 
 
-def _found(path: Path, file: IO[bytes]) -> Survey:
-    """What is whole in a file that is one of ours, or looks like it."""
+def _own_survey(path: Path, file: IO[bytes]) -> Survey:
+    """Survey of a file that this program wrote or may have written."""
     if is_bare(file):
         raise DataError(f"{path}: cannot be repaired: nothing was recorded into it; it can be deleted")
-    found = survey(file)
-    if not found.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
+    file_survey = survey(file)
+    if not file_survey.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
-    return found
+    return file_survey
 
 
-def _rebuilt(path: Path, file: IO[bytes], found: Survey, *, rebuilds: bool) -> Repaired:
-    from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - damaged files alone need them
+def _rebuilt(path: Path, file: IO[bytes], file_survey: Survey, *, rebuilds: bool) -> Repaired:
+    from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - only for damaged files
     from gyrodrift.session.mcap.rebuild import rebuild  # noqa: PLC0415
 
     damage = read_mcap(path, allow_damage=True).damage
@@ -108,14 +108,14 @@ def _rebuilt(path: Path, file: IO[bytes], found: Survey, *, rebuilds: bool) -> R
         raise DataError(f"{path}: cannot be repaired: it changes while it is read")
     if not rebuilds:
         raise DamagedError([(path, damage)])
-    return Repaired(path, damage.kept, 0, None, damage, rebuild(path, file, found, damage))
+    return Repaired(path, damage.kept, 0, None, damage, rebuild(path, file, file_survey, damage))
 
 
-def _close(path: Path, file: IO[bytes], found: Survey) -> Repaired:
+def _close(path: Path, file: IO[bytes], file_survey: Survey) -> Repaired:
     walk = Walk(file)
     contents, end = _contents(path, walk)
     contents.size, contents.crc = end, crc_of(file, 0, end)
-    tables = _last_tables(file, found, end)
+    tables = _last_tables(file, file_survey, end)
     contents.add_bytes(tables)
     closing = tables + contents.end()
     tail = _keep_tail(path, file, end, walk, closing)
@@ -127,24 +127,24 @@ def _close(path: Path, file: IO[bytes], found: Survey) -> Repaired:
     return Repaired(path, contents.counts.get(SAMPLES.channel_id, 0), walk.size - end, tail)
 
 
-def _last_tables(file: IO[bytes], found: Survey, end: int) -> bytes:
-    """The checksums of what no table is about yet, and the last table for the second time."""
-    if found.last_table is None:
+def _last_tables(file: IO[bytes], file_survey: Survey, end: int) -> bytes:
+    """Checksum tables for the bytes after the last table, and the repetition of the last one."""
+    if file_survey.last_table is None:
         return b""
-    at, table = found.last_table.at, found.last_table.table
+    offset, table = file_survey.last_table.offset, file_survey.last_table.table
     writer = ChecksumWriter.after(table)
-    for step in Walk(file, [ByteStretch(at + table.size, end)]):
+    for step in Walk(file, [ByteStretch(offset + table.size, end)]):
         match step:
             case SampleRows(rows=rows):
                 writer.add_samples(rows.tobytes())
-            case PlacedRecord(at=start, length=length):
+            case PlacedRecord(offset=start, length=length):
                 writer.add_records(read_at(file.fileno(), HEAD.size + length, start))
     tables = writer.table() if writer.is_pending else b""
     return tables + writer.table() if tables or table.region.pieces else b""
 
 
 def _contents(path: Path, walk: Walk) -> tuple[FileSummary, int]:
-    """What the whole records hold, and where the data ends."""
+    """Summary of the whole records, and the offset of their end."""
     contents = FileSummary()
     steps = iter(walk)
     _check_writer(next(steps, None), walk, path)
@@ -154,14 +154,14 @@ def _contents(path: Path, walk: Walk) -> tuple[FileSummary, int]:
                 times = rows["log_time"]
                 contents.add_messages(SAMPLES.channel_id, len(rows), int(times.min()), int(times.max()))
             case PlacedRecord(opcode=Opcode.DATA_END):
-                return contents, step.at
+                return contents, step.offset
             case PlacedRecord():
                 _add(contents, step, walk)
     return contents, walk.end
 
 
 def _check_writer(first: SampleRows | PlacedRecord | None, walk: Walk, path: Path) -> None:
-    """Files of others are laid out in ways that are not known here."""
+    """Check that gyrodrift wrote the file; other programs use other layouts."""
     match first:
         case PlacedRecord(opcode=Opcode.HEADER):
             if not header_of(walk.body(first)).library.startswith("gyrodrift"):
@@ -178,7 +178,7 @@ def _add(contents: FileSummary, record: PlacedRecord, walk: Walk) -> None:
             contents.channels.append(channel_of(walk.body(record)))
         case Opcode.METADATA:
             name = metadata_of(walk.body(record)).name
-            contents.metadata.append(MetadataIndex(record.at, HEAD.size + record.length, name))
+            contents.metadata.append(MetadataIndex(record.offset, HEAD.size + record.length, name))
         case Opcode.MESSAGE:
             if record.length < MESSAGE_START.size:
                 raise BrokenRecordError("a message is too short")
@@ -187,7 +187,7 @@ def _add(contents: FileSummary, record: PlacedRecord, walk: Walk) -> None:
 
 
 def _keep_tail(path: Path, file: IO[bytes], end: int, walk: Walk, closing: bytes) -> Path | None:
-    """Save what stands behind the last whole record, unless it is one torn record or a torn end, zeros behind it."""
+    """Save the bytes after the last whole record, unless they are a torn record or a torn end, then zeros."""
     length = min(LONGEST_RECORD_BYTES + HEAD.size + 1, max(0, walk.zeros_at - end))
     tail = read_at(file.fileno(), length, end)
     if closing.startswith(tail) or is_torn_record(tail, len(tail)):

@@ -1,4 +1,4 @@
-"""Finding the samples behind damage by how records are laid out, where no checksum tells of them."""
+"""Search for samples after damage by the layout of records, without checksums."""
 
 import os
 from dataclasses import dataclass, replace
@@ -15,33 +15,33 @@ from gyrodrift.session.mcap.walk import ROW_START, ByteStretch, PlacedRecord, Sa
 from gyrodrift.system import read_at
 
 LONGEST_RECORD_BYTES = 1 << 20
-"""No record of ours is longer."""
+"""Limit of the records that this program writes."""
 
 OPCODES = frozenset({*Opcode, OPCODE})
 
 
-def is_torn_record(tail: bytes, left: int) -> bool:
-    """Whether bytes are the beginning of a record of which only `left` bytes were written."""
-    if left < HEAD.size or len(tail) < HEAD.size:
+def is_torn_record(tail: bytes, available: int) -> bool:
+    """Whether bytes are the start of a record of which only `available` bytes were written."""
+    if available < HEAD.size or len(tail) < HEAD.size:
         return True
     opcode, length = HEAD.unpack_from(tail)
-    return opcode in OPCODES and left - HEAD.size < length <= LONGEST_RECORD_BYTES
+    return opcode in OPCODES and available - HEAD.size < length <= LONGEST_RECORD_BYTES
 
 
 def by_structure(file: IO[bytes], ending: Ending) -> Survey:
-    """A file without tables of checksums: what can be found by the layout of its records."""
-    found = resynchronised(file, len(MAGIC))
+    """Survey of a file without checksum tables, by the layout of its records."""
+    survey = resynchronized(file, len(MAGIC))
     if ending is Ending.DAMAGED:
-        return replace(found, is_sure=False)
-    return found
+        return replace(survey, is_sure=False)
+    return survey
 
 
-def resynchronised(file: IO[bytes], start: int) -> Survey:
-    """Whole records from a place on; behind bytes that are none it goes on with the next sample.
+def resynchronized(file: IO[bytes], start: int) -> Survey:
+    """Whole records from an offset on; after bytes that are no record, from the next sample on.
 
-    Samples are counted from that place on.
+    Samples are counted from the offset on.
     """
-    size, state = os.fstat(file.fileno()).st_size, _Found([], [])
+    size, state = os.fstat(file.fileno()).st_size, _Progress([], [])
     while start < size:
         walk = Walk(file, [ByteStretch(start, size)])
         end, samples, is_ended = _walked(walk)
@@ -66,21 +66,21 @@ def resynchronised(file: IO[bytes], start: int) -> Survey:
 
 
 @dataclass(slots=True)
-class _Found:
+class _Progress:
     stretches: list[ByteStretch]
     lost: list[LostSamples]
     samples: int = 0
     bad_tail_bytes: int = 0
 
     def keep(self, start: int, end: int, samples: int) -> None:
-        """A stretch of whole records."""
+        """Add a stretch of whole records."""
         if end > start:
             self.stretches.append(ByteStretch(start, end, self.samples))
             self.samples += samples
 
 
 def _walked(walk: Walk) -> tuple[int, int, bool]:
-    """Where whole records end, how many samples are among them, and whether the data was ended there."""
+    """End of the whole records, number of samples among them, and whether the data section ended."""
     samples = 0
     for step in walk:
         match step:
@@ -94,7 +94,7 @@ def _walked(walk: Walk) -> tuple[int, int, bool]:
 
 
 def _before_damage(walk: Walk, start: int, end: int, samples: int) -> tuple[int, int]:
-    """Without the last sample: its beginning may be whole and the rest damaged."""
+    """End and samples without the last sample, which may be damaged after its first bytes."""
     last = end - MESSAGE.size
     if last >= start and samples and read_at(walk.fd, len(ROW_START), last) == ROW_START:
         return last, samples - 1
@@ -102,33 +102,33 @@ def _before_damage(walk: Walk, start: int, end: int, samples: int) -> tuple[int,
 
 
 def _is_cut_off(file: IO[bytes], walk: Walk, end: int) -> bool:
-    """Whether what stands behind the last whole record is what a kill or a power cut leaves: a torn record, zeros."""
-    left = max(0, walk.zeros_at - end)
-    return is_torn_record(read_at(file.fileno(), HEAD.size, end), left)
+    """Whether the bytes after the last whole record are from a kill or a power cut: a torn record, or zeros."""
+    available = max(0, walk.zeros_at - end)
+    return is_torn_record(read_at(file.fileno(), HEAD.size, end), available)
 
 
 def _next_sample(file: IO[bytes], walk: Walk, end: int) -> int | None:
-    """Where samples go on behind bytes that are no record; None where there are none, or a read of the link is torn."""
+    """Offset of the next sample after bytes that are no record; None without one, or after a torn read of the link."""
     head = read_at(file.fileno(), HEAD.size + 2, end)
-    left = max(0, walk.zeros_at - end)
+    available = max(0, walk.zeros_at - end)
     is_read = head[:1] == bytes([MESSAGE_OPCODE]) and head[HEAD.size :] == READS.channel_id.to_bytes(2, "little")
-    if is_read and is_torn_record(head, left):  # its bytes are a device's, which may look like samples
+    if is_read and is_torn_record(head, available):  # bytes of a device may look like samples
         return None
     for start, block in data_blocks(file, end + 1, walk.zeros_at, len(ROW_START) - 1):
-        at = block.find(ROW_START)
-        while at >= 0:
-            if _is_followed(file, walk, start + at + MESSAGE.size):
-                return start + at
-            at = block.find(ROW_START, at + 1)
+        index = block.find(ROW_START)
+        while index >= 0:
+            if _is_followed(file, walk, start + index + MESSAGE.size):
+                return start + index
+            index = block.find(ROW_START, index + 1)
     return None
 
 
-def _is_followed(file: IO[bytes], walk: Walk, at: int) -> bool:
-    """Whether a record, or the end of the file, stands where a sample would end."""
-    head = read_at(file.fileno(), HEAD.size, at)
-    if at == walk.size:
+def _is_followed(file: IO[bytes], walk: Walk, offset: int) -> bool:
+    """Whether a record or the end of the file follows at the end of a possible sample."""
+    head = read_at(file.fileno(), HEAD.size, offset)
+    if offset == walk.size:
         return True
-    if at > walk.zeros_at or len(head) < HEAD.size:
+    if offset > walk.zeros_at or len(head) < HEAD.size:
         return False
     opcode, length = HEAD.unpack(head)
     return opcode in OPCODES and length <= LONGEST_RECORD_BYTES

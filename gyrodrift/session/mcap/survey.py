@@ -1,4 +1,4 @@
-"""Which stretches of a session file are as they were written, and what is missing between them."""
+"""Search for the whole stretches of a session file, and for the losses between them."""
 
 import os
 import zlib
@@ -15,11 +15,11 @@ from gyrodrift.session.mcap.walk import ByteStretch, data_blocks
 from gyrodrift.system import read_at
 
 MOST_SHIFTS = 64
-"""How many places are tried for a piece that is not where it was written, one for each hole before it."""
+"""Offsets to try for a moved piece, one per gap before it."""
 
 
 def survey(file: IO[bytes]) -> Survey:
-    """Check a file and find what is whole in it; a file without damage is one stretch."""
+    """Check a file and find its whole stretches; a file without damage is one stretch."""
     size = os.fstat(file.fileno()).st_size
     everything = Survey((ByteStretch(len(MAGIC), size),))
     ending = ending_of(file)
@@ -28,64 +28,64 @@ def survey(file: IO[bytes]) -> Survey:
     tables = list(_tables(file, size))
     if tables:
         return _Checked(file, size, tables, ending).survey()
-    from gyrodrift.session.mcap.structure import by_structure  # noqa: PLC0415 - files of earlier versions alone need it
+    from gyrodrift.session.mcap.structure import by_structure  # noqa: PLC0415 - only for files of earlier versions
 
     return by_structure(file, ending)
 
 
 def _tables(file: IO[bytes], size: int) -> Iterator[PlacedTable]:
-    """All whole tables of the recording whose table comes first."""
+    """All whole tables of the recording that has the first table."""
     recording_id = None
-    for at in _places(file, size):
-        table = _table_at(file, at)
+    for offset in _table_offsets(file, size):
+        table = _table_at(file, offset)
         if table is not None and (recording_id is None or table.recording_id == recording_id):
             recording_id = table.recording_id
-            yield PlacedTable(at, table)
+            yield PlacedTable(offset, table)
 
 
-def _table_at(file: IO[bytes], at: int) -> Table | None:
-    head = read_at(file.fileno(), HEAD.size, at)
+def _table_at(file: IO[bytes], offset: int) -> Table | None:
+    head = read_at(file.fileno(), HEAD.size, offset)
     opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
     if opcode != OPCODE or length > LONGEST_TABLE_BYTES:
         return None
-    return table_of(read_at(file.fileno(), HEAD.size + length, at))
+    return table_of(read_at(file.fileno(), HEAD.size + length, offset))
 
 
-def _places(file: IO[bytes], size: int) -> Iterator[int]:
-    """Where the records begin that the marker of a table stands in."""
+def _table_offsets(file: IO[bytes], size: int) -> Iterator[int]:
+    """Offsets of possible table records, by their marker."""
     for start, block in data_blocks(file, 0, size, len(MARKER) - 1):
-        at = block.find(MARKER)
-        while at >= 0:
-            if start + at >= HEAD.size:
-                yield start + at - HEAD.size
-            at = block.find(MARKER, at + 1)
+        index = block.find(MARKER)
+        while index >= 0:
+            if start + index >= HEAD.size:
+                yield start + index - HEAD.size
+            index = block.find(MARKER, index + 1)
 
 
 @dataclass(slots=True)
 class _Checked:
-    """Holds each piece of a file against its checksum."""
+    """Compares every piece of a file with its checksum."""
 
     file: IO[bytes]
     size: int
-    found: list[PlacedTable]
+    found_tables: list[PlacedTable]
     ending: Ending
     stretches: list[ByteStretch] = field(default_factory=list)
     lost: list[LostSamples] = field(default_factory=list)
-    unheard: list[int] = field(default_factory=list)
+    record_losses: list[int] = field(default_factory=list)
     is_moved: bool = False
     end: int = 0
     bad_tail_bytes: int = 0
 
     def survey(self) -> Survey:
-        """All of it."""
+        """Survey the whole file."""
         tables: dict[int, PlacedTable] = {}
         regions: dict[int, Region] = {}
-        for each in self.found:
-            regions[each.table.before.start] = each.table.before
-        for each in self.found:
-            regions[each.table.region.start] = each.table.region
-            tables.setdefault(each.table.region.start, each)
-        shifts = list(dict.fromkeys(each.shift for each in tables.values()))[:MOST_SHIFTS]
+        for placed in self.found_tables:
+            regions[placed.table.before.start] = placed.table.before
+        for placed in self.found_tables:
+            regions[placed.table.region.start] = placed.table.region
+            tables.setdefault(placed.table.region.start, placed)
+        shifts = list(dict.fromkeys(placed.shift for placed in tables.values()))[:MOST_SHIFTS]
         shift, expected_at, expected_sample = 0, 0, 0
         for start in sorted(regions):
             region, own = regions[start], tables.get(start)
@@ -95,15 +95,15 @@ class _Checked:
             shift = likely
             expected_at, expected_sample = region.stop, region.first_sample + region.samples
             if own is not None:
-                self._keep(own.at, own.at + own.table.size, expected_sample)
+                self._keep(own.offset, own.offset + own.table.size, expected_sample)
                 expected_at += own.table.size
         remarks = [*self._remarks()]
-        last = max(self.found, key=lambda each: each.table.region.start)
+        last = max(self.found_tables, key=lambda placed: placed.table.region.start)
         remarks += self._ended(last, expected_sample, is_damaged=bool(self.lost or remarks))
         return Survey(
             tuple(self.stretches),
             _joined(self.lost),
-            tuple(self.unheard),
+            tuple(self.record_losses),
             tuple(remarks),
             is_ours=True,
             last_table=last,
@@ -111,13 +111,13 @@ class _Checked:
         )
 
     def _skip(self, count: int, samples: int, first: int) -> None:
-        """What no table tells of: damaged tables, and all that they are about."""
+        """Record the loss of damaged tables and of the bytes that only they cover."""
         if count <= 0:
             return
         self.is_moved = True
         if samples > 0:
             self.lost.append(LostSamples(first, samples))
-            self.unheard.append(first)
+            self.record_losses.append(first)
 
     def _take(self, region: Region, shifts: list[int]) -> None:
         """Find the pieces of a region."""
@@ -136,18 +136,18 @@ class _Checked:
             number += piece.samples
 
     def _search(self, piece: Piece, start: int, number: int, shifts: list[int]) -> None:
-        """A piece that is not where it should be."""
+        """Search for a piece that is not at its expected offset."""
         for shift in shifts[1:]:
-            at = start + shift
-            if at >= 0 and at + piece.length <= self.size:
-                content = read_at(self.file.fileno(), piece.length, at)
+            offset = start + shift
+            if offset >= 0 and offset + piece.length <= self.size:
+                content = read_at(self.file.fileno(), piece.length, offset)
                 if zlib.crc32(content) == piece.crc:
-                    self._keep(at, at + piece.length, number)
+                    self._keep(offset, offset + piece.length, number)
                     return
         if piece.samples:
             self.lost.append(LostSamples(number, piece.samples))
         else:
-            self.unheard.append(number)
+            self.record_losses.append(number)
 
     def _keep(self, start: int, stop: int, first_sample: int) -> None:
         last = self.stretches[-1] if self.stretches else None
@@ -159,44 +159,44 @@ class _Checked:
         self.end = stop
 
     def _remarks(self) -> Iterator[str]:
-        if self.unheard:
-            yield "records beside the samples are lost (what is known of the device, link events, raw bytes)"
-        if self.is_moved and not self.lost and not self.unheard:
+        if self.record_losses:
+            yield "records other than samples are lost (description of the device, link events, raw bytes)"
+        if self.is_moved and not self.lost and not self.record_losses:
             yield "bytes between its records are damaged"
 
     def _ended(self, last: PlacedTable, samples: int, *, is_damaged: bool) -> Iterator[str]:
-        """What stands behind the last table: the end of a closed file, or what was on its way."""
-        end = last.at + last.table.size
+        """Check the bytes after the last table: the end of a closed file, or unfinished records."""
+        end = last.offset + last.table.size
         if self.ending is Ending.OPEN:
             self._tail(end, samples)
             return
         begin = read_at(self.file.fileno(), len(DATA_END), end)
-        if begin != DATA_END and data_end_of(self.file) > end:  # the last tables are damaged, too
+        if begin != DATA_END and data_end_of(self.file) > end:  # the last tables are damaged too
             self.lost.append(LostSamples(samples, None))
-            self.unheard.append(samples)
+            self.record_losses.append(samples)
         elif not is_damaged:
             yield "its end is damaged"
 
     def _tail(self, end: int, samples: int) -> None:
-        """Records of an interrupted recording that no table tells of yet."""
+        """Add the records of an interrupted recording after its last table."""
         if end >= self.size:
             return
-        from gyrodrift.session.mcap.structure import resynchronised  # noqa: PLC0415 - knows the records
+        from gyrodrift.session.mcap.structure import resynchronized  # noqa: PLC0415 - rarely needed
 
-        tail = resynchronised(self.file, end)
+        tail = resynchronized(self.file, end)
         for stretch in tail.stretches:
             self._keep(stretch.start, stretch.stop, samples + stretch.first_sample)
-        self.lost += [LostSamples(samples + each.first, each.count) for each in tail.lost]
+        self.lost += [LostSamples(samples + loss.first, loss.count) for loss in tail.lost]
         self.bad_tail_bytes = tail.bad_tail_bytes
 
 
 def _joined(lost: list[LostSamples]) -> tuple[LostSamples, ...]:
-    """Losses that follow each other are one."""
-    found: list[LostSamples] = []
-    for each in lost:
-        last = found[-1] if found else None
-        if last is not None and last.count is not None and last.first + last.count == each.first:
-            found[-1] = LostSamples(last.first, None if each.count is None else last.count + each.count)
+    """Merge adjacent losses."""
+    joined: list[LostSamples] = []
+    for loss in lost:
+        last = joined[-1] if joined else None
+        if last is not None and last.count is not None and last.first + last.count == loss.first:
+            joined[-1] = LostSamples(last.first, None if loss.count is None else last.count + loss.count)
         else:
-            found.append(each)
-    return tuple(found)
+            joined.append(loss)
+    return tuple(joined)

@@ -1,4 +1,4 @@
-"""What a survey of a session file found: stretches that are whole, and what is missing between them."""
+"""Survey of a session file: whole stretches, and the losses between them."""
 
 from dataclasses import dataclass
 
@@ -10,42 +10,42 @@ from gyrodrift.session.mcap.walk import ByteStretch
 
 @dataclass(frozen=True, slots=True)
 class PlacedTable:
-    """A table and where it stands now."""
+    """A table with its present offset."""
 
-    at: int
+    offset: int
     table: Table
 
     @property
     def shift(self) -> int:
-        """How far it stands behind where it was written."""
-        return self.at - self.table.region.stop
+        """Present offset minus the offset when it was written, bytes."""
+        return self.offset - self.table.region.stop
 
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """What is left of a file.
+    """Survey of a file.
 
     stretches
-        Whole records, in the order in which they were written.
+        Stretches of whole records, in the order of writing.
     lost
-        Samples that are not in them, in their order.
-    unheard
-        Where records that are no samples are lost: how many samples come before.
+        Lost samples in order.
+    record_losses
+        Numbers of samples before each loss of other records.
     remarks
-        What is damaged beside the samples.
+        Other damage, a phrase each.
     is_ours
-        Whether the file has tables of checksums, which gyrodrift alone writes.
+        Whether the file has checksum tables, which only gyrodrift writes.
     is_sure
-        Whether the stretches are known to be as they were written.
+        Whether checksums prove the stretches.
     bad_tail_bytes
-        Bytes at the end of an interrupted recording that are no records, nor what a kill or a power cut leaves.
+        Bytes at the end of an interrupted recording that are no records and not the result of a kill or a power cut.
     last_table
-        The last table of checksums, where the end of the file did not make looking for them needless.
+        Last checksum table; None if the end of the file already proves all bytes.
     """
 
     stretches: tuple[ByteStretch, ...]
     lost: tuple[LostSamples, ...] = ()
-    unheard: tuple[int, ...] = ()
+    record_losses: tuple[int, ...] = ()
     remarks: tuple[str, ...] = ()
     is_ours: bool = False
     is_sure: bool = True
@@ -54,20 +54,20 @@ class Survey:
 
     @property
     def is_damaged(self) -> bool:
-        """Whether anything is not as it was written; an interrupted recording is not damaged."""
-        return self.is_hit or bool(self.bad_tail_bytes)
+        """Whether any byte is damaged; an interrupted recording is not."""
+        return self.has_inner_damage or bool(self.bad_tail_bytes)
 
     @property
-    def is_hit(self) -> bool:
-        """Whether damage is anywhere but behind the last record."""
+    def has_inner_damage(self) -> bool:
+        """Whether there is damage before the end of the last record."""
         return bool(self.lost or self.remarks) or not self.is_sure
 
     def kept_before(self, number: int) -> int:
-        """How many samples are left of the first `number` of the recording."""
-        return number - sum(min(each.count or 0, max(0, number - each.first)) for each in self.lost)
+        """Number of whole samples among the first `number` samples of the recording."""
+        return number - sum(min(loss.count or 0, max(0, number - loss.first)) for loss in self.lost)
 
     def damage(self, t_device_s: Floats) -> RecordingDamage | None:
-        """What to tell, by the device times of the samples that are left, shape (n,)."""
+        """Damage with times, from the device times of the whole samples, shape (n,); None without damage."""
         if not self.is_damaged:
             return None
         bad_tail = [f"its last {self.bad_tail_bytes} bytes are no records"] if self.bad_tail_bytes else []

@@ -1,6 +1,7 @@
-"""What stands behind the last whole record of a session file, kept in a file of its own, without secrets.
+"""Copy of the bytes after the last whole record of a session file, without secrets.
 
-Nobody knows what is in it. Older versions wrote the config with its passwords, so text that mentions one is covered.
+These bytes may be anything. Older versions wrote the config with passwords, so stars replace text that mentions a
+password.
 """
 
 import os
@@ -13,51 +14,51 @@ from gyrodrift.session.mcap.walk import data_blocks
 from gyrodrift.system import read_at, set_mode
 
 LONGEST_TEXT = 1 << 17
-"""Bytes of a config, the longest text that has secrets."""
+"""Bytes of a config, the longest text with secrets."""
 
 TEXT = bytes(byte for byte in range(256) if byte in b"\t\n\r" or 0x20 <= byte != 0x7F)
 IS_TEXT = bytes(byte in TEXT for byte in range(256))
-"""For `bytes.translate`: 1 for a byte of text, 0 for another."""
+"""Table for `bytes.translate`: 1 for a byte of text, 0 for another byte."""
 
 
 def keep_tail(path: Path, file: IO[bytes], end: int, size: int) -> Path:
-    """Copy what stands between two places of a session file; where to. Nobody may read it who may not read that."""
+    """Copy the bytes between two offsets to a new file with the permissions of the session file; returns its path."""
     saved, number = path.with_name(f"{path.name}.tail"), 1
-    while os.path.lexists(saved):  # an earlier one, or whatever it is
+    while os.path.lexists(saved):  # an earlier copy, or another file
         number += 1
         saved = path.with_name(f"{path.name}.tail_{number}")
-    with open(saved, "xb", opener=_for_us_alone) as copy:
+    with open(saved, "xb", opener=_open_private) as copy:
         set_mode(copy.fileno(), stat.S_IMODE(os.fstat(file.fileno()).st_mode))
-        for at, block in data_blocks(file, end, size):
-            copy.seek(at - end)
-            copy.write(_public(file, at, block, end))
+        for offset, block in data_blocks(file, end, size):
+            copy.seek(offset - end)
+            copy.write(_public(file, offset, block, end))
         copy.truncate(size - end)
         copy.flush()
         os.fsync(copy.fileno())
     return saved
 
 
-def _for_us_alone(name: str, flags: int) -> int:
-    """Open a new file that nobody else can open before its mode is set."""
+def _open_private(name: str, flags: int) -> int:
+    """Open a new file that no other user can open until its mode is set."""
     return os.open(name, flags, 0o600)
 
 
-def _public(file: IO[bytes], at: int, block: bytes, least: int) -> bytes:
-    """A block with stars for text that mentions a secret; the text may begin before it and end behind it."""
-    start = max(least, at - LONGEST_TEXT)
-    around = read_at(file.fileno(), at - start + len(block) + LONGEST_TEXT, start)
-    return covered(around)[at - start : at - start + len(block)]
+def _public(file: IO[bytes], offset: int, block: bytes, least: int) -> bytes:
+    """A block with stars for text that mentions a secret; the text may start before it and end after it."""
+    start = max(least, offset - LONGEST_TEXT)
+    context = read_at(file.fileno(), offset - start + len(block) + LONGEST_TEXT, start)
+    return covered(context)[offset - start : offset - start + len(block)]
 
 
 def covered(content: bytes) -> bytes:
-    """Bytes of the same length, with stars for text around each mention of a secret."""
+    """Bytes of the same length, with stars for the text around every mention of a secret."""
     is_text, public = content.translate(IS_TEXT), bytearray(content)
-    words, at = content.decode("latin-1"), 0
-    while found := MENTION.search(words, at):
-        before, at = found.start(), found.end()
-        first = is_text.rfind(0, max(0, before - LONGEST_TEXT), before)
-        first = max(0, before - LONGEST_TEXT) if first < 0 else first + 1
-        behind = is_text.find(0, at, at + LONGEST_TEXT)
-        at = min(len(content), at + LONGEST_TEXT) if behind < 0 else behind
-        public[first:at] = b"*" * (at - first)
+    words, index = content.decode("latin-1"), 0
+    while match := MENTION.search(words, index):
+        mention_start, index = match.start(), match.end()
+        first = is_text.rfind(0, max(0, mention_start - LONGEST_TEXT), mention_start)
+        first = max(0, mention_start - LONGEST_TEXT) if first < 0 else first + 1
+        text_end = is_text.find(0, index, index + LONGEST_TEXT)
+        index = min(len(content), index + LONGEST_TEXT) if text_end < 0 else text_end
+        public[first:index] = b"*" * (index - first)
     return bytes(public)

@@ -1,4 +1,4 @@
-"""Walking through the records of an MCAP file without chunks, samples a table at a time, in bounded memory."""
+"""Iteration over the records of an MCAP file without chunks, in bounded memory; samples come in tables."""
 
 import os
 import struct
@@ -19,14 +19,14 @@ from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_O
 from gyrodrift.system import read_at
 
 CONFIG_TABLE = "config"
-"""Metadata of a recording with the text of the config."""
+"""Name of the metadata table with the text of the config."""
 
 BLOCK_BYTES = 1 << 22
 ZEROS_BLOCK_BYTES = 1 << 16
 FIRST_LOOK_ROWS = 16
 
 MOST_BODY_BYTES = 1 << 28
-"""Of a record that is read whole; ours have less than a megabyte, and a file of holes may claim any length."""
+"""Longest record that is read whole; a file with holes may claim any length."""
 
 ROW = np.dtype(
     [
@@ -45,7 +45,7 @@ ROW = np.dtype(
         ("temp_c", "<f8"),
     ]
 )
-"""A sample as it stands in the file; the same bytes as `layout.MESSAGE`."""
+"""A sample in the file; the same bytes as `layout.MESSAGE`."""
 
 Rows = NDArray[np.void]
 ROW_START = HEAD.pack(MESSAGE_OPCODE, MESSAGE_LENGTH) + SAMPLES.channel_id.to_bytes(2, "little")
@@ -54,23 +54,23 @@ R = TypeVar("R", bound=McapRecord)
 
 @dataclass(frozen=True, slots=True)
 class SampleRows:
-    """Samples that stand one behind the other, shape (n,) of `ROW`; only good until the next step of the walk."""
+    """Consecutive samples, shape (n,) of `ROW`; valid only until the next step of the walk."""
 
-    at: int
+    offset: int
     rows: Rows
 
 
 @dataclass(frozen=True, slots=True)
 class PlacedRecord:
-    """Any other record: where it begins in the file, its opcode, and how many bytes follow its head."""
+    """Another record: its offset in the file, its opcode, and the number of bytes after its head."""
 
-    at: int
+    offset: int
     opcode: int
     length: int
 
 
 class ByteStretch(NamedTuple):
-    """Bytes of a file that are whole records: from one place to before another, and how many samples came before."""
+    """Whole records from `start` to before `stop`, and the number of samples before them."""
 
     start: int
     stop: int
@@ -78,12 +78,11 @@ class ByteStretch(NamedTuple):
 
 
 class Walk:
-    """Iterates over tables of samples and other records, from the beginning to the first thing that is not whole.
+    """Iterates over tables of samples and other records, up to the first incomplete record.
 
-    Where stretches are given, over those, each to the first thing in it that is not whole.
-
-    `end` is then the place behind the last whole record. After a power cut a file may have its length, and zeros
-    where its last bytes should be: from `zeros_at` on there is nothing else, and what reaches into them is not whole.
+    With stretches it iterates over every stretch, up to the first incomplete record in it. Afterwards `end` is the
+    offset after the last whole record. After a power cut a file may end in zeros instead of its last bytes: from
+    `zeros_at` on there are only zeros, and a record that reaches into them is incomplete.
     """
 
     def __init__(self, file: IO[bytes], stretches: Sequence[ByteStretch] | None = None) -> None:
@@ -104,66 +103,66 @@ class Walk:
         while True:
             start = self.end
             block = read_at(self._file.fileno(), max(0, min(BLOCK_BYTES, stop - start)), start)
-            at = 0
-            while (step := self._step(block, at)) is not None:
-                at = self.end - start
+            index = 0
+            while (step := self._step(block, index)) is not None:
+                index = self.end - start
                 yield step
-                if at >= len(block):
+                if index >= len(block):
                     break
             if self.end == start:
                 return
 
     def body(self, record: PlacedRecord) -> bytes:
-        """The bytes of a record behind its head.
+        """Bytes of a record after its head.
 
         Raises
         ------
         BrokenRecordError
-            Where there are more than anybody would write.
+            The record is too long.
         """
         if record.length > MOST_BODY_BYTES:
-            raise BrokenRecordError(f"the record at byte {record.at} has {record.length} bytes")
-        return read_at(self._file.fileno(), record.length, record.at + HEAD.size)
+            raise BrokenRecordError(f"the record at byte {record.offset} has {record.length} bytes")
+        return read_at(self._file.fileno(), record.length, record.offset + HEAD.size)
 
-    def _step(self, block: bytes, at: int) -> SampleRows | PlacedRecord | None:
-        """The next thing in the block, with `end` moved behind it; None where the block has nothing whole any more."""
-        if len(block) - at < HEAD.size + 2:
+    def _step(self, block: bytes, index: int) -> SampleRows | PlacedRecord | None:
+        """Next samples or record of the block, and move `end` after it; None if the rest is incomplete."""
+        if len(block) - index < HEAD.size + 2:
             return None
-        place = self.end
-        if block.startswith(ROW_START, at):
-            rows = np.frombuffer(block, ROW, (len(block) - at) // ROW.itemsize, at)
+        offset = self.end
+        if block.startswith(ROW_START, index):
+            rows = np.frombuffer(block, ROW, (len(block) - index) // ROW.itemsize, index)
             run = _run(rows)
-            if run and not self._is_whole(place + run * ROW.itemsize):
+            if run and not self._is_whole(offset + run * ROW.itemsize):
                 run -= 1
             if not run:
                 return None
             self.end += run * ROW.itemsize
-            return SampleRows(place, rows[:run])
-        opcode, length = HEAD.unpack_from(block, at)
-        if not opcode or not self._is_whole(place + HEAD.size + length):
+            return SampleRows(offset, rows[:run])
+        opcode, length = HEAD.unpack_from(block, index)
+        if not opcode or not self._is_whole(offset + HEAD.size + length):
             return None
         self.end += HEAD.size + length
-        return PlacedRecord(place, opcode, length)
+        return PlacedRecord(offset, opcode, length)
 
     def _is_whole(self, end: int) -> bool:
-        """Whether a record that ends there was written to its end."""
+        """Whether a record that ends there is complete."""
         return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop
 
 
 def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iterator[tuple[int, bytes]]:
-    """What stands between two places and where, without holes; each block begins with the last bytes of the one before.
+    """Yield offsets and blocks of bytes between two offsets, without holes of the file.
 
-    `overlap` is how many: something so long, and a byte, is whole in one of them.
+    Blocks overlap by `overlap` bytes, so that anything one byte longer is whole in one of them.
     """
     fd = file.fileno()
     while start < end:
         before = os.lseek(fd, 0, os.SEEK_CUR)
         try:
             start = os.lseek(fd, start, os.SEEK_DATA)
-        except OSError:  # no data any more
+        except OSError:  # no data after it
             return
         finally:
-            os.lseek(fd, before, os.SEEK_SET)  # where the buffer of the file believes it to be
+            os.lseek(fd, before, os.SEEK_SET)  # the buffer of the file relies on this position
         block = read_at(fd, min(BLOCK_BYTES, max(0, end - start)), start)
         if not block:
             return
@@ -172,41 +171,41 @@ def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iter
 
 
 def _zeros_at(file: IO[bytes], size: int) -> int:
-    """Where the zeros begin that the file ends with; its size where there are none."""
+    """Offset of the zeros at the end of the file; its size without any."""
     end = _data_end(file, size)
     while end > 0:
         start = max(0, end - ZEROS_BLOCK_BYTES)
-        if rest := read_at(file.fileno(), end - start, start).rstrip(b"\0"):
-            return start + len(rest)
+        if data := read_at(file.fileno(), end - start, start).rstrip(b"\0"):
+            return start + len(data)
         end = start
     return 0
 
 
 def _data_end(file: IO[bytes], size: int) -> int:
-    """Where the hole begins that the file ends with, which need not be read; its size where there is none."""
-    fd, place, hole = file.fileno(), 0, size
+    """Offset of the hole at the end of the file, which need not be read; its size without one."""
+    fd, position, hole = file.fileno(), 0, size
     before = os.lseek(fd, 0, os.SEEK_CUR)
     try:
-        while (hole := os.lseek(fd, place, os.SEEK_HOLE)) < size:
-            place = os.lseek(fd, hole, os.SEEK_DATA)
-    except OSError:  # no data behind it, or a disk that knows of no holes
-        return hole if place <= hole < size else size
+        while (hole := os.lseek(fd, position, os.SEEK_HOLE)) < size:
+            position = os.lseek(fd, hole, os.SEEK_DATA)
+    except OSError:  # no data after it, or a disk without holes
+        return hole if position <= hole < size else size
     finally:
         os.lseek(fd, before, os.SEEK_SET)
     return size
 
 
 def _run(rows: Rows) -> int:
-    """How many rows there are before something else; what is looked at grows with what was found.
+    """Number of sample rows before another record; the examined part doubles as long as all rows are samples.
 
-    Samples and reads of the link may take turns: a look at all that is left, for each of them, would never end.
+    Samples and reads of the link may alternate: examining all remaining rows for every sample would be quadratic.
     """
     run, looked_at = 0, FIRST_LOOK_ROWS
     while run < len(rows):
         part = rows[run : run + looked_at]
-        found = _run_length(part)
-        run += found
-        if found < len(part):
+        count = _run_length(part)
+        run += count
+        if count < len(part):
             break
         looked_at *= 2
     return run
@@ -220,29 +219,29 @@ def _run_length(rows: Rows) -> int:
 
 
 class BrokenRecordError(Exception):
-    """A record whose inside does not fit its length."""
+    """The content of a record does not fit its length."""
 
 
 def header_of(body: bytes) -> Header:
-    """The header record."""
+    """Decode the header record."""
     return _read(Header, body)
 
 
 def schema_of(body: bytes) -> Schema:
-    """A schema record."""
+    """Decode a schema record."""
     return _read(Schema, body)
 
 
 def channel_of(body: bytes) -> Channel:
-    """A channel record."""
+    """Decode a channel record."""
     return _read(Channel, body)
 
 
 def metadata_of(body: bytes) -> Metadata:
-    """A metadata record, without the secrets that older versions kept with a config."""
-    found = _read(Metadata, body)
-    public = public_yaml if found.name == CONFIG_TABLE else without_secrets
-    return Metadata(found.name, {key: public(text) for key, text in found.metadata.items()})
+    """Decode a metadata record, without the secrets that older versions wrote with a config."""
+    table = _read(Metadata, body)
+    public = public_yaml if table.name == CONFIG_TABLE else without_secrets
+    return Metadata(table.name, {key: public(text) for key, text in table.metadata.items()})
 
 
 def _read(kind: type[R], body: bytes) -> R:

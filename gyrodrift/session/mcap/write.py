@@ -1,6 +1,6 @@
-"""Writing a session file as the samples come, light enough for the service: no numpy.
+"""Writing of a session file as samples arrive, light enough for the service: without numpy.
 
-Records other than messages are the `mcap` package's.
+The `mcap` package encodes all records except messages.
 """
 
 import json
@@ -48,22 +48,22 @@ from gyrodrift.session.mcap.layout import (
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 MESSAGE_START = struct.Struct("<HIQQ")
-"""A message behind its record head, up to its content: channel, sequence, log and publish time in ns."""
+"""A message after its record head, up to its content: channel, sequence, log and publish time in ns."""
 
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
 
 
 class Stream(Protocol):
-    """What a session is written to."""
+    """Target of a session file."""
 
     def write(self, content: bytes, /) -> Any:
-        """Take all of it."""
+        """Write all bytes."""
         ...
 
 
 class FileSummary:
-    """What a file holds, as its end has to tell: worked out while writing, or afterwards while repairing."""
+    """Contents of a file for the records at its end, collected during writing or repair."""
 
     def __init__(self) -> None:
         self.size = 0
@@ -75,17 +75,17 @@ class FileSummary:
         self.metadata: list[MetadataIndex] = []
 
     def add_bytes(self, content: bytes) -> None:
-        """Bytes that stand in the file."""
+        """Add bytes of the file."""
         self.size += len(content)
         self.crc = zlib.crc32(content, self.crc)
 
     def add_messages(self, channel_id: int, count: int, first_ns: int, last_ns: int) -> None:
-        """Messages of one channel, the earliest and the latest of their log times."""
+        """Add messages of a channel, with their earliest and latest log time."""
         self.counts[channel_id] = self.counts.get(channel_id, 0) + count
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
 
     def end(self) -> bytes:
-        """What makes it a whole file: that the data ends, what is in it and where."""
+        """End of the file: end of the data, summary with offsets, and footer."""
         data_end = encoded(DataEnd(self.crc))
         start = self.size + len(data_end)
         groups: list[tuple[Opcode, list[McapRecord]]] = [
@@ -122,28 +122,28 @@ class FileSummary:
 
 
 class McapWriter:
-    """Writes a session to a stream; what is added goes out with the next `flush`.
+    """Writes a session to a stream; the next `flush` writes everything added.
 
     Parameters
     ----------
     stream
-        Where to write; at its beginning. Whoever opened it closes it.
+        Stream at its start; the caller closes it.
     metadata
-        Named tables of what is worth keeping beside the samples: device, host, config.
+        Named tables beside the samples: device, host, config.
     """
 
     def __init__(self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None) -> None:
         self._stream = stream
         self._contents = FileSummary()
-        self._rows = bytearray()  # apart from the rest, so that samples stand in long runs
+        self._rows = bytearray()  # apart from other records, so that samples form long runs
         self._others = bytearray()
         self._out = bytearray()
         self._still = nan
         begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(SAMPLES)
-        told = repr(metadata or {}).encode(
+        metadata_bytes = repr(metadata or {}).encode(
             errors="backslashreplace"
-        )  # no device knows it: its bytes cannot hold our tables
-        self._checksums = ChecksumWriter(blake2b(told, digest_size=ID_BYTES).digest())
+        )  # unknown to devices: their bytes cannot imitate tables
+        self._checksums = ChecksumWriter(blake2b(metadata_bytes, digest_size=ID_BYTES).digest())
         self._write(begin)
         self._write_table()
         self._send()
@@ -152,26 +152,26 @@ class McapWriter:
 
     @property
     def count(self) -> int:
-        """Samples so far."""
+        """Number of samples so far."""
         return self._contents.counts.get(CHANNEL, 0)
 
     @property
     def size(self) -> int:
-        """Bytes so far."""
+        """Number of bytes so far."""
         return self._contents.size + len(self._rows) + len(self._others)
 
     def add(self, sample: Sample) -> None:
-        """One sample."""
+        """Add a sample."""
         self.add_all((sample,))
 
     def add_all(self, samples: Iterable[Sample]) -> None:
-        """Samples as they come."""
+        """Add samples in order."""
         pack, rows = MESSAGE.pack, self._rows
         last_host_s, log_ns, count = nan, 0, 0
         for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(self.count + count, still, t_host_s)
-            if t_host_s != last_host_s:  # what arrived together has one time
+            if t_host_s != last_host_s:  # samples that arrive together have the same time
                 last_host_s, log_ns = t_host_s, to_ns(t_host_s)
                 self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
             device_ns = int(t_device_s * 1e9) if 0.0 <= t_device_s < LATEST_S else to_ns(t_device_s)
@@ -194,18 +194,18 @@ class McapWriter:
         self._contents.counts[CHANNEL] = self.count + count
 
     def add_rows(self, rows: bytes, first_ns: int, last_ns: int) -> None:
-        """Many samples, packed as `MESSAGE`, with the earliest and the latest of their log times."""
+        """Add many samples, packed as `MESSAGE`, with their earliest and latest log time."""
         self._rows += rows
         self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
         self.flush()
 
     def add_message(self, topic: Topic, content: bytes, log_ns: int) -> None:
-        """A message of another recording, on any channel but that of the samples."""
+        """Add a message of another recording, on another channel than the samples."""
         self._others += self._message_head(topic, MESSAGE_HEAD.size - HEAD.size + len(content), log_ns)
         self._others += content
 
     def add_still(self, sample: int, still: float, t_host_s: float) -> None:
-        """What is said of rest from a sample on: 1, 0, or NaN where nobody says; nothing where that is no change."""
+        """Add the rest flag from a sample on, if it changes: 1, 0, or NaN for unknown."""
         if still == self._still or (isnan(still) and isnan(self._still)):
             return
         self._still = still
@@ -213,17 +213,17 @@ class McapWriter:
         self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
     def add_read(self, content: bytes, t_host_s: float) -> None:
-        """The bytes that one read of the port gave."""
+        """Add the bytes of a read of the port."""
         head = self._message_head(READS, READ_HEAD.size - HEAD.size + len(content), to_ns(t_host_s))
         self._others += head + struct.pack("<IdI", CDR_LITTLE_ENDIAN, t_host_s, len(content)) + content
 
     def add_event(self, event: str, t_host_s: float, fields: dict[str, Any]) -> None:
-        """Something that happened on the link."""
+        """Add a link event."""
         text = json.dumps({"event": event, "t_host_s": t_host_s, **fields}, default=str).encode()
         self._others += self._message_head(EVENTS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
     def add_metadata(self, name: str, table: dict[str, str]) -> None:
-        """A named table of texts."""
+        """Add a named table of texts."""
         self.flush()
         record = encoded(Metadata(name, {key: _in_utf_8(text) for key, text in table.items()}))
         self._contents.metadata.append(MetadataIndex(self._contents.size, len(record), name))
@@ -231,11 +231,11 @@ class McapWriter:
         self._send()
 
     def flush(self) -> None:
-        """Hand to the stream what has been added."""
+        """Write everything added to the stream."""
         rows = bytes(self._rows)
         self._rows.clear()
-        for at in range(0, len(rows), TABLE_BYTES):
-            self._write_rows(rows[at : at + TABLE_BYTES])
+        for start in range(0, len(rows), TABLE_BYTES):
+            self._write_rows(rows[start : start + TABLE_BYTES])
         if self._others:
             self._write(bytes(self._others))
             self._others.clear()
@@ -244,16 +244,16 @@ class McapWriter:
         self._send()
 
     def finish(self) -> None:
-        """The end that makes it a whole file."""
+        """Write the end of the file."""
         self.flush()
         if self._checksums.is_pending:
             self._write_table()
-        self._write_table()  # without bytes of its own: each table stands twice
+        self._write_table()  # repeats the previous table
         self._send()
         self._stream.write(self._contents.end())
 
     def _message_head(self, topic: Topic, length: int, log_ns: int) -> bytes:
-        """The head of a message on a channel that is declared when it is first used."""
+        """Head of a message; the first message of a channel also declares it."""
         sequence = self._contents.counts.get(topic.channel_id, 0)
         declared = b"" if sequence else self._declared(topic)
         self._contents.add_messages(topic.channel_id, 1, log_ns, log_ns)
@@ -268,7 +268,7 @@ class McapWriter:
         return encoded(schema) + encoded(channel)
 
     def _write(self, content: bytes) -> None:
-        """Records that are no samples."""
+        """Write records that are no samples."""
         self._hand_over(content)
         self._checksums.add_records(content)
 
@@ -278,7 +278,7 @@ class McapWriter:
             self._out.clear()
 
     def _write_rows(self, rows: bytes) -> None:
-        """Samples, as many as a table is about."""
+        """Write samples, at most as many as a table covers."""
         self._hand_over(rows)
         self._checksums.add_samples(rows)
         if len(rows) == TABLE_BYTES:
@@ -288,18 +288,18 @@ class McapWriter:
         self._hand_over(self._checksums.table())
 
     def _hand_over(self, content: bytes) -> None:
-        """What belongs together goes out in one piece, with the next `_send`."""
+        """Queue bytes for the next `_send`, which writes them in one piece."""
         self._out += content
         self._contents.add_bytes(content)
 
 
 def _in_utf_8(text: str) -> str:
-    r"""A text as MCAP takes it: bytes of an argument that are not UTF-8, which Python keeps, become `\udcff`."""
+    r"""Text as UTF-8 for MCAP; surrogates of undecodable bytes become text such as `\udcff`."""
     return text.encode("utf-8", "backslashreplace").decode()
 
 
 def encoded(record: McapRecord) -> bytes:
-    """A record as it stands in a file."""
+    """Bytes of a record."""
     builder = RecordBuilder()
     record.write(builder)
     content: bytes = builder.end()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
@@ -307,5 +307,5 @@ def encoded(record: McapRecord) -> bytes:
 
 
 def to_ns(seconds: float) -> int:
-    """Whole nanoseconds, inside what a message head can say."""
+    """Whole nanoseconds, clipped to the range of a message head."""
     return int(min(seconds * 1e9, LATEST_NS)) if 0.0 <= seconds < float("inf") else 0

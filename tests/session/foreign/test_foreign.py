@@ -63,7 +63,7 @@ def test_several_channels_want_a_choice(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="samples may be on /a, /b; choose one with gyrodrift convert --topic"):
         read_foreign(path)
     assert len(read_foreign(path, "/b").rate_dps) == 2
-    with pytest.raises(DataError, match=r"has no messages on /c; there are /a \(no schema, json\), /b"):
+    with pytest.raises(DataError, match=r"has no messages on /c; topics are /a \(no schema, json\), /b"):
         read_foreign(path, "/c")
 
     recorder = Recorder()
@@ -92,7 +92,7 @@ def test_what_is_not_understood_is_listed(tmp_path: Path, topic: str | None) -> 
         f"{topic or 'no channel'} holds samples; "
         "expected gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr; ros1msg, ros1), "
         "or json with t_device_s and rate_dps; "
-        "there are /camera (sensor_msgs/msg/Image, ros2msg, cdr), "
+        "topics are /camera (sensor_msgs/msg/Image, ros2msg, cdr), "
         "/idl (sensor_msgs/msg/Imu, ros2idl, cdr), /p (no schema, protobuf)"
     )
 

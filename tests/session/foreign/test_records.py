@@ -91,31 +91,37 @@ LAST = b"\xff" * 8
         (b"", "is no MCAP file: it does not begin as one"),
         (b"t_device_s,rate_dps\n", "is no MCAP file: it does not begin as one"),
         (MAGIC, "has no samples"),
-        (MAGIC + b"\xff" * 100, "the record at byte 8 claims to have 18446744073709551615 bytes, 91 are left"),
+        (MAGIC + b"\xff" * 100, "the record at byte 8 claims 18446744073709551615 bytes, only 91 follow"),
         (changed(PLAIN, place_of(PLAIN, MESSAGE) + 1, b"\0" * 8), "a message has 0 bytes, fewer than its head"),
-        (changed(PLAIN, place_of(PLAIN, MESSAGE) + 1, struct.pack("<Q", 1 << 20)), "claims to have 1048576 bytes"),
+        (changed(PLAIN, place_of(PLAIN, MESSAGE) + 1, struct.pack("<Q", 1 << 20)), "claims 1048576 bytes"),
         (changed(PLAIN, place_of(PLAIN, MESSAGE) + 60, b"\x01"), "the checksum of its data is wrong"),
-        (changed(BARE, place_of(BARE, MESSAGE) + 9, b"\7"), "has messages of a channel 7, which is nowhere declared"),
-        (changed(BARE, place_of(BARE, CHANNEL) + 11, b"\7"), "/gyro has a schema 7, which is nowhere declared"),
+        (changed(BARE, place_of(BARE, MESSAGE) + 9, b"\7"), "has messages of channel 7, which is not declared"),
+        (changed(BARE, place_of(BARE, CHANNEL) + 11, b"\7"), "/gyro has schema 7, which is not declared"),
         (changed(PLAIN, place_of(PLAIN, CHANNEL) + 13, b"\xff\xff\xff\xff"), "a record Channel is damaged"),
         (
             changed(CHUNKED["stored"], place_of(CHUNKED["stored"], CHUNK) + 400, b"\x55"),
             "the checksum of a chunk is wrong",
         ),
-        (changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 60, LAST), "a chunk cannot be opened: lz4 says no"),
+        (
+            changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 60, LAST),
+            "a chunk cannot be opened: lz4 refuses it",
+        ),
         (
             changed(CHUNKED["zstd"], place_of(CHUNKED["zstd"], CHUNK) + 60, LAST),
-            "a chunk cannot be opened: zstd says no",
+            "a chunk cannot be opened: zstd refuses it",
         ),
         (
             changed(CHUNKED["zstd"], place_of(CHUNKED["zstd"], CHUNK) + 25, LAST),
-            "a chunk claims to have 1844674407370955",
+            "a chunk claims 1844674407370955",
         ),
         (
             changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 25, b"\7\0\0\0"),
-            "has not the 7 bytes that it claims",
+            "does not have the 7 bytes that it claims",
         ),
-        (changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 25, b"\7\0\1\0"), "has not the 65543 bytes that it"),
+        (
+            changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 25, b"\7\0\1\0"),
+            "does not have the 65543 bytes that it",
+        ),
         (changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 41, b"lz5"), "is compressed with 'lz5'; known are"),
         (changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 41, b"\xff"), "a chunk cannot be opened"),
         (changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 44, LAST), "a chunk cannot be opened"),
@@ -156,4 +162,4 @@ def test_a_few_bytes_that_would_open_to_a_great_many_are_not_opened(tmp_path: Pa
     many = in_json([payload] * 80, chunk_size=1 << 20, compression=CompressionType.ZSTD)
     for content in (one, many):
         assert len(content) < 50_000
-        assert "more than is believed of this file" in refused(tmp_path, content)
+        assert "too many for this file" in refused(tmp_path, content)
