@@ -40,8 +40,8 @@ INTERRUPTED = 130
 POSIX_MODULES = frozenset({"fcntl", "grp", "pty", "pwd", "resource", "termios", "tty"})
 """Windows has none of them."""
 
-NEEDS = {"ctl": "fcntl", "demo": "pty", "install-service": "pwd", "replay": "pty"}
-"""Commands that begin other programs or use unix sockets, with a module that shows whether the system can."""
+LINUX_COMMANDS = frozenset({"demo", "install-service", "replay", "simulated-device"})
+"""Commands that need a pty in packet mode or systemd."""
 
 ASKED_BY_A_SHELL = "_ARGCOMPLETE"
 EXAMPLES = """\
@@ -103,8 +103,7 @@ def _run(name: str, arguments: list[str]) -> int:
         hide_secrets()
     try:
         parsed = parser_of(name).read(arguments)
-        if name in NEEDS:
-            import_module(NEEDS[name])
+        _check_system(name)
         parsed.command_line = shown_words(["gyrodrift", name, *arguments])
         status: int = command_of(name).run(parsed)
     except ModuleNotFoundError as error:
@@ -112,6 +111,23 @@ def _run(name: str, arguments: list[str]) -> int:
             raise
         raise UsageError(f"{name} needs Linux or macOS: this Python has no module {error.name}") from error
     return status
+
+
+def _check_system(name: str) -> None:
+    """Refuse a command that cannot run on this system.
+
+    Raises
+    ------
+    UsageError
+        With the systems on which it runs.
+    """
+    if name in LINUX_COMMANDS and not (sys.platform == "linux" and hasattr(os, "openpty")):
+        raise UsageError(f"{name} needs Linux")
+    if name == "ctl":
+        import socket
+
+        if not hasattr(socket, "AF_UNIX"):
+            raise UsageError("ctl needs Linux or macOS: this system has no unix sockets")
 
 
 def command_of(name: str) -> ModuleType:

@@ -113,8 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
     baud = numbers.baud(arguments.baud)
     specs = _outputs(arguments.output)
     watch = _watch(arguments.config)
-    if specs or arguments.control is not None or (watch is not None and watch.config.outputs):
-        _need_unix_sockets()
+    _check_system(arguments, has_outputs=bool(specs or (watch is not None and watch.config.outputs)))
 
     from gyrodrift.filters.registry import DEFAULT, FILTERS
     from gyrodrift.link.events import LinkEvents
@@ -155,10 +154,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _need_unix_sockets() -> None:
-    """Refuse outputs and control on Windows: both reach the service through unix sockets."""
-    if not hasattr(socket, "AF_UNIX"):
-        raise UsageError("outputs and --control need Linux or macOS: this system has no unix sockets")
+def _check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
+    """Refuse outputs and control where the system lacks the sockets that lead to them."""
+    if has_outputs and not (sys.platform == "linux" and hasattr(socket, "AF_UNIX")):
+        raise UsageError("outputs need Linux: their process is reached through a unix socket that keeps messages whole")
+    if arguments.control is not None and not hasattr(socket, "AF_UNIX"):
+        raise UsageError("--control needs Linux or macOS: this system has no unix sockets")
 
 
 def _watch(path: Path | None) -> "ConfigWatch | None":
