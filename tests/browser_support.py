@@ -100,6 +100,10 @@ class Tab:
         """The page as a PNG."""
         return base64.b64decode(self._ask("Page.captureScreenshot", format="png")["data"])
 
+    def paper(self) -> bytes:
+        """The page as a PDF."""
+        return base64.b64decode(self._ask("Page.printToPDF")["data"])
+
     def frames_shown(self, seconds: float) -> int:
         """How many frames the browser puts on its screen in so many seconds."""
         self._traced.clear()

@@ -1,19 +1,19 @@
-/* The script of a report: curves are switched on and off by their names, and panels are zoomed into.
-   Without it the page reads the same; nothing is fetched, and all that is drawn already stands in the figures. */
+/* The script of a report: legend entries switch curves, and panels can be zoomed.
+   Without it the page shows the same; nothing is fetched, because the figures already have all curves. */
 (() => {
 "use strict";
 
-const HINT = "Click a name to switch its curves, with Shift for it alone. Drag across a panel to zoom into that time; " +
-  "a double click shows all of it again. The vertical scale follows what is shown.";
+const HINT = "Click a name to switch its curves; with Shift, only its curves stay. Drag across a panel to zoom into that " +
+  "time; a double click shows everything again. The vertical scale follows the visible curves.";
 const MOST_TICKS = 6;
-const LEAST_APART = { x: 16, y: 9 }; // of marks, in units of the drawing
-const LEAST_SHARE = 1e-3; // of a panel's width: no deeper zoom
+const LEAST_APART = { x: 16, y: 9 }; // distance of ticks, in units of the drawing
+const LEAST_SHARE = 1e-3; // share of the width of a panel: the deepest zoom
 const MARGIN = 0.06;
 
 const all = (root, what) => [...root.querySelectorAll(what)];
 const made = (name, kind, words) => Object.assign(document.createElement(name), { className: kind, textContent: words });
 
-/* Values on a scale, and back: as matplotlib draws them. */
+/* Values on a scale, and back, as matplotlib draws them. */
 const LINEAR_SHARE = 10 / 9;
 const SCALES = {
   linear: { to: v => v, from: u => u },
@@ -45,7 +45,7 @@ function marks(kind, low, high) {
   return known.length >= 3 ? known : even(low, high);
 }
 
-/* One axis of a panel: its pixels from `begin` to `end`, and its marks. */
+/* An axis of a panel: its pixels from `begin` to `end`, and its ticks. */
 class Axis {
   constructor(group, begin, end, scale) {
     Object.assign(this, { group, begin, end, kind: scale.kind, scale: SCALES[scale.kind] });
@@ -65,14 +65,14 @@ class Axis {
     return this.begin + share * (this.end - this.begin);
   }
 
-  /* Shows the pixels from `low` to `high` of the drawing over the whole length, or the drawing as it was. */
+  /* Stretches the pixels from `low` to `high` over the whole axis, or restores the drawing. */
   show(low, high, isWhole) {
     this.extra.forEach(one => one.remove());
     this.drawn.forEach(one => one.classList.toggle("passed", !isWhole));
     this.extra = isWhole || !this.drawn.length ? [] : this.places(low, high).map(([value, at]) => this.mark(value, at));
   }
 
-  /* Marks and where they come to stand, with room for what is written. */
+  /* Ticks and their pixels, with enough distance for their labels. */
   places(low, high) {
     const kept = [], least = LEAST_APART[this.group.dataset.axis];
     for (const value of marks(this.kind, this.value(low), this.value(high))) {
@@ -93,7 +93,7 @@ class Axis {
   }
 }
 
-/* A curve: its points as they are drawn, in pixels; NaN where a stroke ends. */
+/* A curve: its drawn points in pixels; a stroke ends at NaN. */
 class Curve {
   constructor(group) {
     this.group = group;
@@ -133,7 +133,7 @@ class Panel {
     this.y.show(bottom, top, isWhole);
   }
 
-  /* Of what is shown, at most what was drawn: pixels of its lowest and its highest point, with a margin. */
+  /* Pixels of the lowest and the highest visible point, with a margin, within the drawing. */
   heights(low, high) {
     const found = this.curves.filter(one => one.isShown).flatMap(one => one.points)
       .filter(([, x]) => x >= low && x <= high).map(([, , y]) => Math.min(Math.max(y, this.top), this.bottom));
@@ -144,7 +144,7 @@ class Panel {
   }
 }
 
-/* A drawing of panels above each other with one time. */
+/* A drawing of panels above each other with a common time axis. */
 class Drawing {
   constructor(svg) {
     this.svg = svg;
@@ -218,7 +218,7 @@ class Drawing {
   }
 }
 
-/* A figure: the names of its legend switch the curves of all its drawings. */
+/* A figure: its legend entries switch the curves of all its drawings. */
 class Figure {
   constructor(figure) {
     this.figure = figure;
@@ -265,7 +265,7 @@ class Figure {
 
   enlarger(panel) {
     const button = made("button", "small larger", "⤢");
-    button.title = "larger, and small again";
+    button.title = "enlarge, or shrink again";
     button.addEventListener("click", () => panel.classList.toggle("wide"));
     return button;
   }
@@ -273,6 +273,6 @@ class Figure {
 
 addEventListener("DOMContentLoaded", () => {
   const figures = all(document, "figure").filter(one => one.querySelector("[data-curve]")).map(one => new Figure(one));
-  figures[0]?.figure.querySelector("figcaption").append(made("span", "hint", HINT)); // said once
+  figures[0]?.figure.querySelector("figcaption").append(made("span", "hint", HINT)); // only once per page
 });
 })();

@@ -1,13 +1,16 @@
 """A page for a person: text stays text, and every part is whole HTML."""
 
 import re
+from pathlib import Path
 
+from browser_support import browsing
 from page_support import parsed, row, words
 
 from gyrodrift.html.html import (
     command_line,
     facts,
     figure,
+    folded,
     header,
     headings,
     legend,
@@ -120,3 +123,15 @@ def test_the_first_value_of_a_tile_is_large() -> None:
     """The others are not."""
     found = parsed(page("T", [tile("E", [("now", "1°"), ("then", "2°"), ("once", "3°")])])).iter("dd")
     assert [value.get("class") for value in found] == ["main", None, None]
+
+
+def test_folded_details_are_printed_in_full(tmp_path: Path) -> None:
+    """On a screen a click unfolds them; paper has no clicks."""
+    assert folded("Details", "") == ""
+    tall = '<svg width="99" height="2500"><rect width="99" height="2500"/></svg>'
+    (tmp_path / "page.html").write_text(page("T", [header("k", "h"), folded("Details", tall)]))
+    with browsing(tmp_path / "browser") as tab:
+        tab.open((tmp_path / "page.html").as_uri())
+        tab.until("document.querySelector('details.folded')")
+        assert tab.run("document.documentElement.scrollHeight") < 1500
+        assert len(re.findall(rb"/Type\s*/Page\b", tab.paper())) >= 3
