@@ -22,7 +22,26 @@ LATER = (
     "gyrodrift/filters/restlevel/",
     # not rewritten yet
     "firmware_sim/",
-    "gyrodrift/",
+    "gyrodrift/callable_room.py",
+    "gyrodrift/cli/",
+    "gyrodrift/cluster.py",
+    "gyrodrift/columns/",
+    "gyrodrift/compare/",
+    "gyrodrift/compile.py",
+    "gyrodrift/demo/",
+    "gyrodrift/errors.py",
+    "gyrodrift/evaluation/",
+    "gyrodrift/filters/",
+    "gyrodrift/library/",
+    "gyrodrift/link/",
+    "gyrodrift/outputs/",
+    "gyrodrift/parallel.py",
+    "gyrodrift/result_table.py",
+    "gyrodrift/service/",
+    "gyrodrift/simulation/hard_cases.py",
+    "gyrodrift/text_chart.py",
+    "gyrodrift/top/",
+    "gyrodrift/tune/",
 )
 """Texts that are not checked."""
 

@@ -128,8 +128,8 @@ def _overview(rows: Sequence[SessionRow]) -> str:
         "Hz",
         "missing",
         "bias, deg/s",
-        "random walk, °/√h",
-        "bias instability, °/h",
+        "random walk, °/\u2060√h",
+        "bias instability, °/\u2060h",
         "raw error",
         "corrected error",
     ]
