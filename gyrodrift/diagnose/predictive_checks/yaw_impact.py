@@ -9,6 +9,7 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.diagnose.simulate.noise_beneath import corrected_recording, corrected_session
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference, reference_of
@@ -51,7 +52,7 @@ def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> 
     real = [reference_of(_as_session(subject.seen.recording)) for subject in subjects]
     before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
     after = [
-        reference_of(subject.session(effects_in(causes, number, subject), number))
+        reference_of(corrected_session(subject, effects_in(causes, number, subject), number))
         for number, subject in enumerate(subjects)
     ]
     number = range(len(subjects))
@@ -70,7 +71,8 @@ def cost_deg(subjects: Sequence[Subject], causes: Sequence[NamedCause], one: Nam
     costs = []
     for number, subject in enumerate(subjects[:COST_SESSIONS]):
         with_it, without = (
-            yaw_error_deg(subject.played(effects_in(each, number, subject), number)) for each in (causes, others)
+            yaw_error_deg(corrected_recording(subject, effects_in(each, number, subject), number))
+            for each in (causes, others)
         )
         costs.append(float(np.nanmean(np.abs(with_it - without))))
     return float(np.mean(costs))

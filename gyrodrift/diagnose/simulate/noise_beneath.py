@@ -5,9 +5,11 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.features.spectral_line import WHITE_BAND
+from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.calibration import is_hidden_at_rest
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, hides_rest
 from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.session.session import Session
 
 BAND = np.linspace(*WHITE_BAND, 64)
 """Shares of the sample rate at which a low-pass is looked at."""
@@ -38,6 +40,19 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
     if is_hidden_at_rest(subject.seen, subject.design, subject.rig):
         return subject.recalibrated(effects)
     return subject.beside(effects).with_noise(share)
+
+
+def corrected_session(subject: Subject, effects: tuple[Effect, ...], seed: int) -> Session:
+    """The simulated session with effects added, as a host would have recorded it.
+
+    The rig is calibrated beside the effects: the bias that a session shows is not counted a second time.
+    """
+    return with_noise_beneath(subject, effects).session(effects, seed)
+
+
+def corrected_recording(subject: Subject, effects: tuple[Effect, ...], seed: int) -> Recording:
+    """The same, with what the recording holds and no more."""
+    return with_noise_beneath(subject, effects).played(effects, seed)
 
 
 def _before_low_pass(rig: Rig, effects: tuple[Effect, ...]) -> float:
