@@ -32,6 +32,9 @@ autodoc_typehints = "none"  # numpydoc describes the types of parameters
 numpydoc_show_class_members = False
 
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["tables.css"]
+highlight_language = "text"  # of blocks that name no language
 html_title = f"gyrodrift {release}"
 html_copy_source = False
 linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
