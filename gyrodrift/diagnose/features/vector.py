@@ -33,6 +33,9 @@ SLOW = LINEAR | _mask(
 )
 """What does not speak of single samples, so that another sample rate leaves it as it is."""
 
+REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(residuals.FEATURES))
+"""Coefficients of a design matrix, which a motion may lack; the clock ratio is linear too, and no motion lacks it."""
+
 OF_MOTION = SLOW | _mask(lambda feature: feature.name.endswith("ripple"))
 """What a motion is taken out of; values, noise, stamps and arrivals are seen without one."""
 

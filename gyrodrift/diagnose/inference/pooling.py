@@ -5,7 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, NUMBER, OF_EVENTS, OF_MOTION, happened_in, mean_where
+from gyrodrift.diagnose.features.vector import (
+    IS_LOG,
+    LINEAR,
+    NUMBER,
+    OF_EVENTS,
+    OF_MOTION,
+    REGRESSORS_OF_MOTION,
+    happened_in,
+    mean_where,
+)
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response, Usual
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.least_squares import MAD_TO_SIGMA
@@ -83,7 +92,7 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     """(sessions, F) regressors that some replays of a session have and others have not."""
     shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
     differs = np.array([table.difference != 0.0 for table in tables])
-    found: Mask = LINEAR & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
+    found: Mask = REGRESSORS_OF_MOTION & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
     return found
 
 

@@ -339,3 +339,11 @@ def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
         table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {}, NONE)
         z = evidence_of([table], []).z[0, number]
         assert bool(abs(z) > 3.0) is (present == 8)
+
+
+def test_a_clock_that_is_exact_in_every_replay_is_compared() -> None:
+    """Every recording has a clock ratio, so that a null of 0 says how exact it is."""
+    nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
+    nulls[:, NUMBER["clock_ratio"]] = 0.0
+    table = ResponseTable("s", row({"clock_ratio": 9.0}), np.ones(len(FEATURES)), nulls, nulls, {}, NONE)
+    assert evidence_of([table], []).z[0, NUMBER["clock_ratio"]] == pytest.approx(9.0)
