@@ -66,7 +66,7 @@ def _simulated() -> "list[SerialPort]":
 
 
 def _rows(heard: "HeardPort") -> str:
-    from gyrodrift.link.search import said
+    from gyrodrift.link.search import speech_text
 
     port = heard.port
     adapter = " ".join(filter(None, (port.maker, port.product, port.usb_id and f"({port.usb_id})")))
@@ -75,7 +75,7 @@ def _rows(heard: "HeardPort") -> str:
         "adapter": adapter,
         "serial number": port.serial_number or "",
         "in use by": str(heard.holder or ""),
-        "speaks": said(heard.speech) if heard.speech else "",
+        "speaks": speech_text(heard.speech) if heard.speech else "",
         "nothing heard": heard.reason if heard.holder is None else "",
     }
     return "\n".join([port.name, *(f"  {name:13}  {value}" for name, value in rows.items() if value)])

@@ -1,4 +1,4 @@
-"""What columns are called: the names that sketches give to quantities, and a column while it is being found out."""
+"""Names that sketches give to quantities, and a column while its meaning is being determined."""
 
 import re
 from dataclasses import dataclass
@@ -15,20 +15,20 @@ GYRO_ABROAD = (
 YAW_RATE_ABROAD = (
     "gierrate|giergeschwindigkeit|gierwinkelgeschwindigkeit|vitessedelacet|tauxdelacet|velocidaddegui[nñ]ada"
 )
-BESIDE = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
-"""Units and remarks beside a name."""
+BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
+"""Units and remarks in brackets after a name."""
 
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor)+")
-"""Words and chips that are named before a quantity."""
+"""Words and chip names before a quantity."""
 
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
-"""A name that is multiplied or divided, `gz*100`, `10 gz` or `gz/10`, is that of another number."""
+"""Factors in a name, `gz*100`, `10 gz` or `gz/10`, which make it another quantity."""
 
 INDEX = re.compile(r"\[([012])\]")
 EITHER = re.compile(r"rot(ation)?z")
-"""Rate or angle: only a unit of rates says which."""
+"""Names of a rate or an angle; only a unit decides."""
 
-PLACES = {"0": "x", "1": "y", "2": "z"}
+AXIS_OF_INDEX = {"0": "x", "1": "y", "2": "z"}
 KINDS = {
     "clock": r"t|ts|time|timestamp|clock|millis|micros|ms|us|t(ime(stamp)?)?(ms|us|s|sec)|sec(onds)?",
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
@@ -74,9 +74,9 @@ KNOWN_ROWS: dict[str, tuple[str, ...]] = {
     "areal": ("ax", "ay", "az"),
     "aworld": ("ax", "ay", "az"),
 }
-"""Columns behind a word that known firmware begins its lines with, as entries of a SPEC.
+"""Columns after the first word of a line of known firmware, as entries of a SPEC.
 
-In small letters the examples of i2cdevlib; in capitals Razor AHRS, whose z axis is downwards.
+Lower case: examples of i2cdevlib. Upper case: Razor AHRS, whose z axis points down.
 """
 
 AXIS_OF = {"gx": "x", "gy": "y", "rate": "z"}
@@ -89,23 +89,23 @@ AXES_OF_RATES: dict[tuple[str, ...], tuple[str, ...]] = {
         for order in permutations(names)
     },
 }
-"""Kinds of columns in units of rates, by their labels; unlabelled ones stand in the order x, y, z."""
+"""Kinds of columns in units of rates, by their labels; columns without labels have the order x, y, z."""
 
 USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
 
 
 @dataclass(slots=True)
 class SeenColumn:
-    """A column while it is being found out.
+    """Column whose meaning is being determined.
 
     texts, numbers
-        Of each line; `numbers` are empty where one of them is none.
+        Values of all lines; `numbers` are empty if one of them is not a number.
     unit
-        What a label, a header or a word behind the value says; None where nothing does.
+        Unit from a label, a header or a word after the value; None without one.
     kind, why
-        A key of KINDS, empty while unknown, and what speaks for it.
+        Key of KINDS, empty while unknown, and the reason.
     option
-        What follows the kind in a SPEC where known firmware lays it down, as in `rads:-`.
+        Options after the kind in a SPEC, for known firmware, as in `rads:-`.
     """
 
     label: str
@@ -118,29 +118,29 @@ class SeenColumn:
 
     @property
     def is_numeric(self) -> bool:
-        """Whether every line has a number there."""
+        """Whether all values are numbers."""
         return bool(self.numbers)
 
     @property
     def moves(self) -> float:
-        """From the smallest number to the largest."""
+        """Range of the numbers."""
         return max(self.numbers) - min(self.numbers) if self.numbers else 0.0
 
 
 def kind_of(label: str) -> str:
-    """The key of KINDS that a label means; empty where it is none of them."""
-    name = BESIDE.sub(_beside, INDEX.sub(r".\1", label)).strip()
+    """Key of KINDS for a label; empty without one."""
+    name = BRACKETED.sub(_bracket_words, INDEX.sub(r".\1", label)).strip()
     if SCALED.search(name):
         return ""
-    words, mark, place = name.rpartition(".")
-    named = f"{words}{PLACES[place]}" if mark and place in PLACES else f"{words}{place}"
+    words, mark, axis = name.rpartition(".")
+    named = f"{words}{AXIS_OF_INDEX[axis]}" if mark and axis in AXIS_OF_INDEX else f"{words}{axis}"
     without_unit = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
     return _kind_of(named) or _kind_of(without_unit)
 
 
-def _beside(found: re.Match[str]) -> str:
-    """Nothing for a unit and for what has numbers, such as a range; words may say another quantity: `gz (bias)`."""
-    inner = found[0][1:-1]
+def _bracket_words(match: re.Match[str]) -> str:
+    """Words in brackets, which may name another quantity: `gz (bias)`; empty for units and numbers."""
+    inner = match[0][1:-1]
     is_word = inner.replace(" ", "").isalpha() and len(inner) > 1 and unit_of(inner) is None
     return f" {inner} " if is_word else ""
 
@@ -151,15 +151,15 @@ def _kind_of(name: str) -> str:
 
 
 def name_by_label(columns: list[SeenColumn]) -> None:
-    """What the labels say; of two rates the first. A label never stands against its unit: a rate in Hz is none."""
+    """Name columns by their labels. Of two rates the first counts. Label and unit must agree: Hz is not a rate."""
     taken = {column.kind for column in columns}
     is_one = sum(map(_is_rate, columns)) == 1
-    for column in sorted(columns, key=_is_rate, reverse=True):  # of `gz_raw` and `gz` in deg/s the latter
+    for column in sorted(columns, key=_is_rate, reverse=True):  # `gz` in deg/s comes before `gz_raw`
         kind = kind_of(column.label) if column.is_numeric and not column.kind else ""
         if kind == "rates" and _is_rate(column) and is_one:
-            kind = "rate"  # one value of a gyro, in a unit of rates
+            kind = "rate"  # a single value of a gyro, in a unit of rates
         if kind and not (kind in USED and kind in taken) and _agrees(kind, column):
-            column.kind, column.why = kind, f"is labelled {column.label}"
+            column.kind, column.why = kind, f"is labeled {column.label}"
             taken.add(kind)
 
 
@@ -170,7 +170,7 @@ DIMENSIONS = {
     **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll"), (Dimension.ANGLE, Dimension.COUNTS)),
     "temp": (Dimension.TEMPERATURE, Dimension.COUNTS),
 }
-"""What a kind may be measured in; sketches write deg for deg/s, too, and that is asked for."""
+"""Allowed dimensions of a kind; some sketches write deg for deg/s, which is asked."""
 
 
 def _agrees(kind: str, column: SeenColumn) -> bool:
@@ -184,7 +184,7 @@ def _measures(column: SeenColumn, *dimensions: Dimension) -> bool:
 
 
 def name_by_known_row(columns: list[SeenColumn]) -> None:
-    """What known firmware puts behind the word that its lines begin with."""
+    """Name the columns of known firmware by the first word of its lines."""
     word = columns[0].texts[0].rstrip(":=")
     for column, entry in zip(columns[1:], KNOWN_ROWS.get(word, ()), strict=False):
         if column.is_numeric:
@@ -193,9 +193,9 @@ def name_by_known_row(columns: list[SeenColumn]) -> None:
 
 
 def name_by_unit(columns: list[SeenColumn]) -> None:
-    """One value, or three, in units of rates, whose labels name an axis at most.
+    """Name one or three columns in units of rates, whose labels have at most an axis.
 
-    Other words beside the unit may say that it is no rate of the device: `gz_bias`, `yaw_rate_setpoint`, `motor`.
+    Other words may mean another rate: `gz_bias`, `yaw_rate_setpoint`, `motor`.
     """
     if any(column.kind in {"rate", "gx", "gy"} for column in columns):
         return
@@ -209,7 +209,7 @@ def name_by_unit(columns: list[SeenColumn]) -> None:
 
 
 def _name(column: SeenColumn) -> str:
-    """The words of a label without the unit."""
+    """Words of a label without its unit."""
     return " ".join(word for word in without_unit(column.label).lower().split() if unit_of(word) is None)
 
 
@@ -218,5 +218,5 @@ def _is_rate(column: SeenColumn) -> bool:
 
 
 def _is_setting(column: SeenColumn) -> bool:
-    """Whether it is always the same, as a range or a limit is; a rate of 0 may be that of a device at rest."""
+    """Whether a value is constant, like a range or a limit; 0 may be the rate of a device at rest."""
     return not column.label and column.numbers[0] != 0.0 and column.moves == 0.0

@@ -1,4 +1,4 @@
-"""The columns of other people's text and tables as a person writes them down: `t_ms, _, _, rate:lsb/131:-`."""
+"""Columns of foreign text and tables, as the user writes them: `t_ms, _, _, rate:lsb/131:-`."""
 
 import re
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from gyrodrift.nearest import did_you_mean
 
 IGNORED = "_"
 CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
-"""Microseconds in one unit of a clock."""
+"""Microseconds per unit of a clock."""
 
 RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 ANGLE_DEG = {"deg": 1.0, "rad": degrees(1.0)}
@@ -22,16 +22,16 @@ ACCELERATION_MPS2 = {"mps2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": 1e-3 * STAND
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """What `:UNIT` may follow a meaning.
+    """Units that may follow a meaning as `:UNIT`.
 
     units
-        Name and factor to the unit of a session.
+        Name, and factor to the unit of a session.
     per
-        `lsb` or `counts`, where a scale may be given as lsb/N or counts/N.
+        `lsb` or `counts`, if a scale may be given as lsb/N or counts/N.
     per_scale
-        Value of N counts, in the unit of a session.
+        Value of N counts in the unit of a session.
     is_signed
-        Whether `:-` may turn its sign.
+        Whether `:-` may reverse its sign.
     """
 
     units: Mapping[str, float] = field(default_factory=dict)
@@ -53,31 +53,31 @@ QUANTITIES: Mapping[str, Quantity] = {
     **dict.fromkeys(("gx", "gy"), RATE),
     **dict.fromkeys(("ax", "ay", "az"), ACCELERATION),
 }
-"""Every meaning that a column can have; the rate is about the vertical axis, z."""
+"""All meanings of a column; the rate is about the vertical axis, z."""
 
 MEANINGS = tuple(QUANTITIES)
 OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg": "encoder", "yaw_deg": "yaw"}
 EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'
 EXPECTED = (
-    f"expected one entry a column: {', '.join(MEANINGS)}; rate, gx and gy may say :dps, :mdps, :rads, :mrads or :lsb/N,"
-    f" encoder :deg or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of them :- for the"
-    f" other sign, as in {EXAMPLE}"
+    f"expected one entry per column: {', '.join(MEANINGS)}; rate, gx and gy may have :dps, :mdps, :rads, :mrads or"
+    f" :lsb/N, encoder :deg or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of them :-"
+    f" for the other sign, as in {EXAMPLE}"
 )
 PER = re.compile(r"(lsb|counts)/([0-9]{1,12}(?:\.[0-9]{0,12})?)")
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column.
+    """Column of a text or a table.
 
     meaning
         One of MEANINGS.
     scale
         Factor to µs, deg/s, degrees or m/s², with its sign.
     label
-        Label that finds it in a line; empty where its place does.
+        Label in a line; empty if the position identifies it.
     unit
-        Unit as it was written, `rads` or `lsb/131`; empty where none was.
+        Unit as written, `rads` or `lsb/131`; empty without one.
     """
 
     meaning: str
@@ -87,12 +87,12 @@ class Column:
 
 
 def columns_of(spec: str) -> tuple[Column, ...]:
-    """The columns of the option `--columns SPEC`.
+    """Columns of the option `--columns SPEC`.
 
     Raises
     ------
     UsageError
-        With the entry that is wrong, and what is expected.
+        An entry is wrong; the message says what is expected.
     """
     try:
         return parsed(spec)
@@ -101,12 +101,12 @@ def columns_of(spec: str) -> tuple[Column, ...]:
 
 
 def parsed(spec: str) -> tuple[Column, ...]:
-    """The columns of a SPEC.
+    """Columns of a SPEC.
 
     Raises
     ------
     ValueError
-        With the entry that is wrong, and what is expected.
+        An entry is wrong; the message says what is expected.
     """
     columns = tuple(_column(entry.strip()) for entry in spec.split(","))
     for meaning in MEANINGS[1:]:
@@ -117,35 +117,35 @@ def parsed(spec: str) -> tuple[Column, ...]:
     if len(meanings & CLOCK_US.keys()) > 1:
         raise ValueError(f"{spec!r}: there are two clocks; call one of them {IGNORED}")
     if not meanings & {"rate", "yaw"}:
-        raise ValueError(f"{spec!r}: no column is the rate, and none is yaw; {EXPECTED}")
+        raise ValueError(f"{spec!r}: no column is the rate or yaw; {EXPECTED}")
     if {"rate", "yaw"} <= meanings:
-        raise ValueError(f"{spec!r}: there are a rate and yaw; call one of them {IGNORED}, or yaw the encoder")
+        raise ValueError(f"{spec!r}: there are a rate and yaw; call one of them {IGNORED}, or call yaw encoder")
     if len({bool(column.label) for column in columns}) > 1:
-        raise ValueError(f"{spec!r}: either all columns have a label (LABEL=rate), or none has")
+        raise ValueError(f"{spec!r}: either all columns need a label (LABEL=rate), or none")
     return columns
 
 
 def _column(entry: str) -> Column:
-    label, mark, said = entry.rpartition("=")
-    name, *options = (part.strip() for part in said.strip().split(":"))
+    label, mark, meaning_text = entry.rpartition("=")
+    name, *options = (part.strip() for part in meaning_text.strip().split(":"))
     meaning = OTHER_NAMES.get(name, name)
     if meaning not in QUANTITIES or (mark and not label.strip()):
         meant = f"{did_you_mean(name, [*MEANINGS, *OTHER_NAMES])} ".lstrip()
-        raise ValueError(f"{entry!r} is no column; {meant}{EXPECTED}")
+        raise ValueError(f"{entry!r} is not a column; {meant}{EXPECTED}")
     quantity, scale, unit = QUANTITIES[meaning], CLOCK_US.get(meaning, 1.0), ""
     for option in options:
         factor = -1.0 if option == "-" and quantity.is_signed else scale_of(quantity, option)
         if factor is None:
-            raise ValueError(f"{entry!r}: {option!r} is no unit of {meaning}; {EXPECTED}")
+            raise ValueError(f"{entry!r}: {option!r} is not a unit of {meaning}; {EXPECTED}")
         scale *= factor
         unit = unit if option == "-" else option
     return Column(meaning, scale, " ".join(label.split()), unit)
 
 
 def scale_of(quantity: Quantity, option: str) -> float | None:
-    """Factor of a unit to that of a session; None for a unit that the quantity does not have."""
+    """Factor of a unit to the unit of a session; None for an unknown unit."""
     if option in quantity.units:
         return quantity.units[option]
-    found = PER.fullmatch(option)
-    per = float(found[2]) if found and found[1] == quantity.per else 0.0
+    match = PER.fullmatch(option)
+    per = float(match[2]) if match and match[1] == quantity.per else 0.0
     return quantity.per_scale / per if per else None

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 
 class Dimension(StrEnum):
-    """What a unit measures."""
+    """Dimension of a unit."""
 
     RATE = "rate"
     ANGLE = "angle"
@@ -25,10 +25,10 @@ class Dimension(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit of a dimension.
+    """Unit of a dimension.
 
     option
-        What a SPEC calls it: `rads` of a rate, `t_us` of a time; empty where a SPEC has no word for it.
+        Name in a SPEC: `rads` of a rate, `t_us` of a time; empty without one.
     """
 
     dimension: Dimension
@@ -36,7 +36,7 @@ class Unit:
 
 
 def _units(dimension: Dimension, **spellings: str) -> dict[str, Unit]:
-    """By spelling; the names of the keywords are options, with `per_N` for lsb/N."""
+    """Units by spelling; the names of the keywords are options, with `per_N` for lsb/N."""
     named = {option.replace("per_", "lsb/").replace("_", "."): words for option, words in spellings.items()}
     return {
         word: Unit(dimension, "" if option == "other" else option)
@@ -83,13 +83,13 @@ SPELLINGS: dict[str, Unit] = {
     **_units(Dimension.LENGTH, other="m mm cm km ft m/s km/h mph kn knots"),
     **_units(Dimension.COUNTS, other="lsb lsbs count counts raw adc"),
 }
-"""By the plain spelling that `_plain` makes."""
+"""Units by the normalized spelling of `_plain`."""
 
 MIXED_CASE = {"mG": Unit(Dimension.FIELD), "MHz": Unit(Dimension.FREQUENCY), "mT": Unit(Dimension.FIELD)}
 """Spellings whose case matters: mg is an acceleration, mG a magnetic field."""
 
 AMBIGUOUS = {"G"}
-"""Gauss or gravity: one letter does not say which."""
+"""Spellings with two meanings: gauss or gravity."""
 
 REPLACED = tuple(
     (re.compile(pattern), text)
@@ -109,10 +109,10 @@ REPLACED = tuple(
     )
 )
 REMEMBERED = 256
-"""Texts whose unit is kept: a stream says the same few words with every line."""
+"""Size of the cache: a stream repeats a few words in every line."""
 
 LONGEST = 40
-"""Characters of a unit and of a label that are looked at; none has more, and foreign text has no end."""
+"""Largest number of characters of a unit or a label that are read."""
 
 AXES = {"x", "y", "z"}
 BRACKETED = re.compile(r"[(\[{<]([^()\[\]{}<>]{1,40})[)\]}>]")
@@ -121,7 +121,7 @@ TAILS = re.compile(r"[\s_,;|-]+")
 
 @lru_cache(maxsize=REMEMBERED)
 def unit_of(text: str) -> Unit | None:
-    """The unit that a text is, `rad/s`, `°/s` or `m/s^2`; None where it is none."""
+    """Unit of a text such as `rad/s`, `°/s` or `m/s^2`; None if it is not a unit."""
     word = text.strip(" .,;:")
     if not word or len(word) > LONGEST or word in AMBIGUOUS:
         return None
@@ -129,7 +129,7 @@ def unit_of(text: str) -> Unit | None:
 
 
 def unit_in(label: str) -> Unit | None:
-    """The unit that a label names, in brackets or as its last words: `Gyro Z (rad/s)`, `gyro_z_rad_s`, `time us`."""
+    """Unit in a label, in brackets or as its last words: `Gyro Z (rad/s)`, `gyro_z_rad_s`, `time us`."""
     label = label.strip()[:LONGEST]
     for bracketed in BRACKETED.findall(label):
         if unit := unit_of(bracketed):
@@ -143,7 +143,7 @@ def unit_in(label: str) -> Unit | None:
 
 
 def _short_tail(words: list[str]) -> Unit | None:
-    """A letter alone is an axis more often than a unit: seconds behind a time are taken, and nothing else."""
+    """Unit of a single last letter, usually an axis: only s after a time counts."""
     is_time = len(words) > 1 and words[-1] == "s" and words[-2].lower() in {"t", "time", "timestamp", "stamp", "clock"}
     return SPELLINGS["s"] if is_time else None
 
@@ -156,9 +156,9 @@ def _plain(word: str) -> str:
 
 
 def without_unit(label: str) -> str:
-    """The name in a label without the unit that `unit_in` finds there: `gyro_z_rad_s` is `gyro z`."""
+    """Label without the unit of `unit_in`: `gyro_z_rad_s` is `gyro z`."""
     label = label.strip()[:LONGEST]
-    named = BRACKETED.sub(lambda found: " " if unit_of(found[1]) else found[0], label)
+    named = BRACKETED.sub(lambda match: " " if unit_of(match[1]) else match[0], label)
     name = " ".join(word for word in TAILS.split(named) if word)
     if unit_in(label) is None or any(unit_of(bracketed) for bracketed in BRACKETED.findall(label)):
         return name

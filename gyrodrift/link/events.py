@@ -1,6 +1,6 @@
-"""What the link reports, as log lines: never more than one a second for what may happen with every sample.
+"""Link events as log lines, at most one per second for events that may come with every sample.
 
-A recording and the outputs hear the same.
+Recordings and outputs get the same events.
 """
 
 import time
@@ -26,38 +26,38 @@ WARNINGS = frozenset(
     }
 )
 OFTEN = frozenset({"gap", "device", "device_reset"})
-"""What a bad link or a device that boots over and over may bring with every sample."""
+"""Events that may come with every sample, from a bad link or a device that keeps booting."""
 
 OFTEN_S = 1.0
 
 
 class LinkEvents:
-    """What a link calls with its events; of those that may come OFTEN, one is told in OFTEN_S, with what followed it.
+    """Event handler of a link; events in OFTEN are logged once per OFTEN_S.
 
-    Gaps are added up. Of other events the last is told, with `times` where there were more.
+    Gaps are added up. For other events the last one is logged, with `times` if there were several.
     """
 
     def __init__(self, log: FilteringBoundLogger, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.listeners: list[Callable[[str, dict[str, Any]], Any]] = []
         self._log = log
         self._monotonic = monotonic
-        self._held: dict[str, dict[str, Any]] = {}
+        self._pending: dict[str, dict[str, Any]] = {}
         self._next_s: dict[str, float] = {}
 
     def __call__(self, event: str, **fields: Any) -> None:
-        """Log an event; one that comes often perhaps a little later."""
+        """Log an event; a frequent one may be delayed."""
         if event not in OFTEN:
             self._report(event, fields)
             return
-        self._held[event] = _together(event, self._held.get(event), fields)
-        self.report_held()
+        self._pending[event] = _merged(event, self._pending.get(event), fields)
+        self.report_pending()
 
-    def report_held(self, *, is_end: bool = False) -> None:
-        """Log what has added up, of each kind whose last line is old enough; at the end of all kinds."""
+    def report_pending(self, *, is_end: bool = False) -> None:
+        """Log pending events whose last line is old enough; at the end, all of them."""
         now_s = self._monotonic()
-        for event in [each for each in self._held if is_end or now_s >= self._next_s.get(each, now_s)]:
+        for event in [name for name in self._pending if is_end or now_s >= self._next_s.get(name, now_s)]:
             self._next_s[event] = now_s + OFTEN_S
-            self._report(event, self._held.pop(event))
+            self._report(event, self._pending.pop(event))
 
     def _report(self, event: str, fields: dict[str, Any]) -> None:
         if event in WARNINGS:
@@ -68,9 +68,11 @@ class LinkEvents:
             listener(event, fields)
 
 
-def _together(event: str, held: dict[str, Any] | None, fields: dict[str, Any]) -> dict[str, Any]:
+def _merged(event: str, pending: dict[str, Any] | None, fields: dict[str, Any]) -> dict[str, Any]:
     if event == "gap":
-        holes, missing, longest_s = (held["holes"], held["missing"], held["longest_s"]) if held else (0, 0, 0.0)
+        holes, missing, longest_s = (
+            (pending["holes"], pending["missing"], pending["longest_s"]) if pending else (0, 0, 0.0)
+        )
         longest_s = max(longest_s, float(fields["seconds"]))
         return {"holes": holes + 1, "missing": missing + int(fields["missing"]), "longest_s": longest_s}
-    return fields if held is None else fields | {"times": held.get("times", 1) + 1}
+    return fields if pending is None else fields | {"times": pending.get("times", 1) + 1}

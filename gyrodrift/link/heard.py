@@ -1,18 +1,18 @@
-"""The last bytes that came while it is not clear yet what they are, and whether they are text."""
+"""Last bytes of a stream whose protocol is unknown, and whether they are text."""
 
 import re
 
-MOST_BYTES = 32_768
-"""Some lines of the longest kind, JSON of 4 KiB."""
+BYTES_MAX = 32_768
+"""Several of the longest lines, JSON of 4 KiB."""
 
-LEAST_TEXT_BYTES = 16
-"""At a wrong line rate a third of the bytes are printable: so many in a row are by chance in one of 10^7 tries."""
+TEXT_BYTES_MIN = 16
+"""At a wrong baud rate a third of the bytes are printable: 16 in a row happen by chance once in 10^7."""
 
 TEXT_SHARE, ASCII_SHARE = 0.97, 0.8
-"""Of printable characters, and of those of ASCII: a degree sign is rare in a line."""
+"""Smallest shares of printable characters, and of ASCII characters, in a text."""
 
 CONTROL = re.compile(rb"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]|\x00")
-"""What tells a terminal a colour or a place (ECMA-48), and the zero that some programs send with their texts."""
+"""Terminal control sequences (ECMA-48), and the zero bytes that some programs send with text."""
 
 PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
 
@@ -20,7 +20,7 @@ LONGEST_QUOTE = 80
 
 
 class Heard:
-    """Holds a few kilobytes; `lines_per_s` is the pace of all lines that came."""
+    """Last kilobytes of a stream, and the rate of its lines."""
 
     def __init__(self) -> None:
         self.content = b""
@@ -28,24 +28,24 @@ class Heard:
         self._first_s = self._last_s = 0.0
 
     def add(self, chunk: bytes, arrival_s: float) -> None:
-        """What has come, and when (s, monotonic)."""
+        """Add bytes with their arrival time, s, monotonic."""
         if not self._lines:
             self._first_s = arrival_s
         self._lines += max(chunk.count(b"\n"), chunk.count(b"\r"))
         self._last_s = arrival_s
-        self.content = (self.content + chunk)[-MOST_BYTES:]
+        self.content = (self.content + chunk)[-BYTES_MAX:]
 
     @property
     def lines_per_s(self) -> float | None:
-        """None before lines have come for half a second."""
+        """Lines per second; None before half a second of lines."""
         elapsed_s = self._last_s - self._first_s
         return self._lines / elapsed_s if elapsed_s >= 0.5 else None
 
     @property
     def is_text(self) -> bool:
-        """Whether it is printable characters: then the line rate is right, whatever they say."""
+        """Whether the bytes are printable text, so that the baud rate is right."""
         text = plain_text(self.content)
-        if len(text) < LEAST_TEXT_BYTES:
+        if len(text) < TEXT_BYTES_MIN:
             return False
         characters = decoded(text)
         printable = sum(character.isprintable() or character in "\t\r\n" for character in characters)
@@ -54,17 +54,17 @@ class Heard:
 
     @property
     def may_be_text(self) -> bool:
-        """Whether it is too little to tell, and printable so far: a board that prints slowly needs a longer look."""
+        """Whether the bytes are printable so far, but too few: a board may print slowly."""
         text = plain_text(self.content)
-        return 0 < len(text) < LEAST_TEXT_BYTES and all(byte in PRINTABLE for byte in text)
+        return 0 < len(text) < TEXT_BYTES_MIN and all(byte in PRINTABLE for byte in text)
 
     def lines(self) -> list[str]:
-        """Whole lines without empty ones; the one at which listening began is left out where others are left."""
+        """Complete lines that are not empty, without the first one if there are others, since it may be cut."""
         *whole, _ = re.split(r"[\r\n]+", decoded(plain_text(self.content)))
         return [line.strip() for line in (whole[1:] or whole) if line.strip()]
 
     def last_words(self) -> str:
-        """The last text that came, whether its line has ended or not."""
+        """Last text, also of an incomplete line."""
         return next((line.strip() for line in reversed(self._all_lines()) if line.strip()), "")
 
     def _all_lines(self) -> list[str]:
@@ -72,14 +72,14 @@ class Heard:
 
 
 def plain_text(text: bytes) -> bytes:
-    """The text without what steers a terminal."""
+    """Text without terminal control sequences."""
     return CONTROL.sub(b"", text) if b"\x1b" in text or b"\x00" in text else text
 
 
 def decoded(text: bytes) -> str:
-    """As UTF-8, else as Latin-1, in which a sketch or its editor may have written a degree sign.
+    """Decode as UTF-8, else as Latin-1, in which an editor may have written a degree sign.
 
-    A character that is cut at either end, where listening began or ended, does not count.
+    A character that is cut at either end is ignored.
     """
     for begin in range(4):
         for end in range(4):
@@ -91,6 +91,6 @@ def decoded(text: bytes) -> str:
 
 
 def quoted(line: str) -> str:
-    """A line for a message: printable, and of no more than LONGEST_QUOTE characters."""
+    """Line for a message: printable, at most LONGEST_QUOTE characters."""
     shown = "".join(character if character.isprintable() else " " for character in line.replace('"', "'"))
     return f'"{shown}"' if len(shown) <= LONGEST_QUOTE else f'"{shown[: LONGEST_QUOTE - 1]}…"'

@@ -1,6 +1,6 @@
-"""Who has a port open already: another process, a program that left a lock file, or the kernel's console.
+"""Program that has a port open: a process, the owner of a lock file, or the kernel console.
 
-Nothing here opens the port.
+The port itself is not opened.
 """
 
 import os
@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 LOCKS = Path("/var/lock")
-"""Where terminal programs and modem daemons leave LCK..ttyUSB0, with the number of their process in it."""
+"""Folder of lock files such as LCK..ttyUSB0, which hold a process number."""
 
 CONSOLES = Path("/sys/class/tty/console/active")
-"""The terminals that the kernel writes its messages to."""
+"""Terminals that the kernel writes messages to."""
 
 
 @dataclass(frozen=True, slots=True)
 class PortHolder:
-    """A program that has a port open; `pid` is None for the kernel."""
+    """Program that has a port open; `pid` is None for the kernel."""
 
     name: str
     pid: int | None
@@ -27,9 +27,9 @@ class PortHolder:
 
 
 def holder_of(path: str) -> PortHolder | None:
-    """Who holds the port as far as this user may see; our own process is not a suspect.
+    """Holder of a port as far as this user may see it; the own process is ignored.
 
-    Descriptors of other users' processes are seen by root alone; of those only a lock file tells.
+    Only root sees the descriptors of other users; without root, a lock file may show them.
     """
     device = os.path.realpath(path)
     return _by_descriptor(device) or _by_lock(device) or _by_console(device)
@@ -49,7 +49,7 @@ def _by_lock(device: str) -> PortHolder | None:
     with suppress(OSError, ValueError):
         pid = int((LOCKS / f"LCK..{Path(device).name}").read_text())
         return _process(pid) if pid != os.getpid() else None
-    return None  # no lock, one that says nothing, or one whose process is gone
+    return None  # no lock file, an invalid one, or its process is gone
 
 
 def _by_console(device: str) -> PortHolder | None:
@@ -60,7 +60,7 @@ def _by_console(device: str) -> PortHolder | None:
 
 
 def _process(pid: int) -> PortHolder:
-    return PortHolder(Path(f"/proc/{pid}/comm").read_text(errors="replace").strip(), pid)  # a process may take any name
+    return PortHolder(Path(f"/proc/{pid}/comm").read_text(errors="replace").strip(), pid)  # a process may have any name
 
 
 def _points_to(link: Path, device: str) -> bool:

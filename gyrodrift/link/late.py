@@ -1,24 +1,24 @@
-"""When readings came that waited in a decoder for their scale: they are stamped as if they had been read at once."""
+"""Arrival times of readings that waited in a decoder for their scale."""
 
 from collections import deque
 
-from gyrodrift.link.protocols.decoder import MOST_HELD, DecoderCounters
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters
 from gyrodrift.sample import Reading
 
 Arrived = tuple[float, list[Reading]]
-"""Arrival (monotonic host clock, s) and the readings of that moment."""
+"""Arrival time, s on the monotonic host clock, and its readings."""
 
 
 class LateArrivals:
-    """Follows the counters of a decoder from push to push."""
+    """Arrival times from the counters of a decoder."""
 
     def __init__(self) -> None:
-        self._waiting: deque[tuple[float, int]] = deque(maxlen=MOST_HELD)
+        self._waiting: deque[tuple[float, int]] = deque(maxlen=WAITING_MAX)
         self._came = 0
         self._late = 0
 
     def by_arrival(self, counters: DecoderCounters, readings: list[Reading], arrival_s: float) -> list[Arrived]:
-        """The readings that a push at `arrival_s` gave, with their own arrivals; those that waited are the first."""
+        """Readings of a push at `arrival_s` with their own arrival times; readings that waited come first."""
         came, late = counters.before_hello + counters.late, counters.late - self._late
         if came > self._came:
             self._waiting.append((arrival_s, came - self._came))
@@ -28,7 +28,7 @@ class LateArrivals:
         return [*self._released(readings[:late], arrival_s), (arrival_s, readings[late:])]
 
     def _released(self, readings: list[Reading], arrival_s: float) -> list[Arrived]:
-        """The newest of those that waited, whatever of the oldest was dropped."""
+        """Readings that waited, grouped by arrival; the oldest may have been dropped."""
         groups: list[Arrived] = []
         end = len(readings)
         while end and self._waiting:

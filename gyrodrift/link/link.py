@@ -1,8 +1,8 @@
-"""The link: a port, the protocol spoken on it, and its clock; what `serve` and `record` read samples from.
+"""Link to a device: port, protocol and clock. `serve` and `record` read samples from it.
 
-One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then `read()`. The link finds
-the baud rate and the protocol, reopens the port under its stable name when it was unplugged, and tells what
-happened through link events and `LinkCounters`; the samples are never mixed with events.
+One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then call `read()`. The link finds the
+baud rate and the protocol, and reopens the port under its stable name after it was unplugged. It reports through link
+events and `LinkCounters`, separately from the samples.
 """
 
 import time
@@ -26,19 +26,19 @@ from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.registry import AUTO, candidates
-from gyrodrift.link.silence import what_speaks, why_silent
+from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
-"""How long `--baud auto` listens at a rate at which bytes come: the longer time where something was understood."""
+"""Time for which `--baud auto` listens at a baud rate with bytes, s; the longer one after the first good frame."""
 
 TELL_S = 10.0
-"""Who waits for ever is told after so long why nothing is understood."""
+"""Time after which a link without timeout reports why it understands nothing, s."""
 
 CHOOSE_TALKER = (
-    "the first to speak is listened to; --columns 'TIROT 1=rate:lsb/60:-' chooses another, here the rate of TI, "
+    "the first talker is used; --columns 'TIROT 1=rate:lsb/60:-' chooses another one, here the rate of TI, "
     "and --columns 'HEHDT 1=yaw:deg:-' the heading of HE"
 )
 
@@ -46,12 +46,12 @@ BACKOFF_FIRST_S = 0.05
 BACKOFF_LONGEST_S = 2.0
 
 EventHandler = Callable[..., Any]
-"""Called with the name of a link event and its fields: `on_event("gap", missing=3, seconds=0.04)`."""
+"""Function that gets the name and the fields of a link event: `on_event("gap", missing=3, seconds=0.04)`."""
 
 
 @dataclass(slots=True)
 class LinkCounters:
-    """What the link has seen since it was opened."""
+    """Counters since the link was opened."""
 
     bytes: int = 0
     samples: int = 0
@@ -64,10 +64,16 @@ class LinkCounters:
 
 @dataclass(frozen=True, slots=True)
 class LinkOptions:
-    """What a person says of a link; None for a baud rate that is to be found, `timeout_s` 0 to wait for ever.
+    """Options of a link.
 
-    `columns` are those of the text protocol, None where another one is spoken. `send` is what the device is sent after
-    its port was opened.
+    baud
+        Baud rate; None to find it.
+    timeout_s
+        Longest time without a decodable sample after the start, s; 0 to wait forever.
+    columns
+        Columns of the text protocol; None for other protocols.
+    send
+        Bytes that are sent to the device after its port was opened.
     """
 
     port: str
@@ -94,18 +100,17 @@ def open_port(path: str, baud: int) -> Port:
 
 
 class Link:
-    """A device on a serial port, as samples; `tap`, where it is set, is handed each read with its Unix time.
+    """Samples of a device on a serial port; the function `tap` gets all bytes with their Unix time.
 
-    `port` is one that is open already, by the name and at the rate of the options; None to open it.
+    `port` is an open port with the name and baud rate of the options; None to open it.
 
     Raises
     ------
     UsageError
-        From the constructor, where there is no such protocol, or its columns are not understood.
+        From the constructor: the protocol does not exist, or its columns have a mistake.
     LinkError
-        From the constructor where the port cannot be opened; from `read` where nothing decodable came within
-        `timeout_s` of the start, or where the device clock turns out to be none in its first seconds. Later on,
-        silence and unplugging are survived.
+        From the constructor: the port cannot be opened. From `read`: no sample within `timeout_s`, or the first seconds
+        show that the clock or the rate has another unit. The link survives later silence and unplugging.
     """
 
     def __init__(
@@ -124,7 +129,7 @@ class Link:
         self._on_event = on_event
         self._monotonic = monotonic
         self._calendar = Calendar(monotonic)
-        self._protocols = {each.name: each for each in candidates(options.protocol, options.columns)}
+        self._protocols = {protocol.name: protocol for protocol in candidates(options.protocol, options.columns)}
         self._columns = options.columns
         self._guard = Guard(on_event)
         self._passed_over: frozenset[str] = frozenset()
@@ -151,18 +156,18 @@ class Link:
             self._opening.begin(self.port, self._opened_s)
 
     def fileno(self) -> int | None:
-        """The descriptor to wait on; None while the port is gone."""
+        """File descriptor to wait on; None while the port is gone."""
         return self.port.fd if self.port else None
 
     def wake_s(self) -> float:
-        """Longest time to wait before `read` has work of its own to do, s."""
+        """Longest time to wait before the next `read`, s."""
         now_s = self._monotonic()
         if self.port is None:
             return max(0.0, self._retry_s - now_s)
         return 0.1 if not self._spoke else 1.0
 
     def read(self) -> list[Sample]:
-        """What has arrived, as samples; an empty list where there is nothing yet."""
+        """Samples that have arrived; empty without any."""
         if self.port is None:
             self._reopen()
         if self.port is None:
@@ -200,7 +205,7 @@ class Link:
         return samples
 
     def counted(self) -> dict[str, Any]:
-        """All that was counted since it was opened, by the names of the log, and the drift of the clock."""
+        """All counters since the link was opened, by their names in the log, and the clock drift."""
         decoder, ppm = self.decoder, self.clock.drift_ppm if self.clock else None
         return {
             "samples": self.counters.samples,
@@ -217,30 +222,30 @@ class Link:
         }
 
     def follow_columns(self, columns: str | None) -> None:
-        """Read text by other columns from here on, with nothing lost; said as an event where that cannot be."""
+        """Read text with other columns from now on, without losing a line; an event reports if that is impossible."""
         if columns == self._columns:
             return
         self._columns = columns
         if columns is None or self.decoder is None or self.decoder.name != text.NAME:
-            self._on_event("columns_kept", reason="text is not what is read: they count from the next start")
+            self._on_event("columns_kept", reason="the device does not send text; restart to apply them")
             return
         protocol = text.text_protocol(columns)
         if protocol.has_clock != self._protocols[text.NAME].has_clock:
-            self._on_event("columns_kept", reason="a clock cannot come or go: they count from the next start")
+            self._on_event("columns_kept", reason="they add or remove the clock; restart to apply them")
             return
         text.read_by(self.decoder, columns)
         self._protocols = {text.NAME: protocol}
 
     def send_at_opening(self, content: bytes) -> None:
-        """Send this from the next time on that the port is opened."""
+        """Send these bytes after the next opening of the port."""
         self._opening.content = content
 
     def unix_s(self) -> float:
-        """Now, as the arrivals of samples are stamped."""
+        """Present Unix time, on the clock of sample arrivals, s."""
         return self._calendar.unix_s()
 
     def follow_host_clock(self) -> None:
-        """Where the host's clock was set, tell it, and stamp by the new calendar from here on."""
+        """Report a step of the host clock, and use its new time for arrivals."""
         step_s = self._calendar.step_s()
         if step_s:
             self._on_event(CLOCK_SET, seconds=round(step_s, 3))
@@ -249,17 +254,17 @@ class Link:
                 self.clock.epoch_s = self._calendar.epoch_s
 
     def silent_s(self) -> float:
-        """How long no sample has come, s."""
+        """Time since the last sample, s."""
         return self._monotonic() - self._heard_s
 
     def close(self) -> None:
-        """Give the port back."""
+        """Close the port."""
         if self.port is not None:
             self.port.close()
             self.port = None
 
     def hand_over(self) -> Port | None:
-        """The open port, which another link goes on with; this one is at its end."""
+        """The open port, for another link; this link is over."""
         port, self.port = self.port, None
         return port
 
@@ -267,10 +272,10 @@ class Link:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:
-            found = self._detector.push(chunk)
-            if found is None:
+            detected = self._detector.push(chunk)
+            if detected is None:
                 return []
-            self.decoder, readings = found
+            self.decoder, readings = detected
             self._on_event("protocol_found", protocol=self.decoder.name, baud=self.baud)
         if self.decoder.device is not self.device:
             self._meet(self.decoder.device)
@@ -305,13 +310,13 @@ class Link:
                 self._on_event("no_device_clock", timing="regression of arrival times")
         if is_angle and not self._is_angle_told:
             self._is_angle_told = True
-            self._on_event("rate_from_angle", note="the device sends an angle: its own filter has been at work")
+            self._on_event("rate_from_angle", note="the device sends an angle, which its own filter has processed")
         samples: list[Sample] = []
         for arrival_s, readings in arrived:
             samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
-        if is_angle:  # the first angle has turned from nowhere
+        if is_angle:  # the first angle gives no rate
             samples = [sample for sample in samples if not isnan(sample.rate_dps)]
         return samples
 
@@ -349,7 +354,7 @@ class Link:
             return
         try:
             self.port = open_port(self.name, self.baud)
-        except (LinkError, UsageError) as error:  # an adapter that is half there refuses its own line rate
+        except (LinkError, UsageError) as error:  # an adapter refuses its line rate while it is being plugged in
             self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
             self._retry_s = now_s + self._backoff_s
             if not isinstance(error, PortMissingError):
@@ -380,22 +385,22 @@ class Link:
             trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
             if now_s - self._trial_s < trial_s:
                 return
-            if self._heard.is_text or what_speaks(self._heard, self._asked):
-                self._trial_s = now_s  # the rate is right, whatever is said at it
+            if self._heard.is_text or unread_protocol(self._heard, self._chosen_protocol):
+                self._trial_s = now_s  # the baud rate is right
             else:
                 self._next_baud()
 
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
-        return why_silent(waited_s, baud, heard_bytes, self.decoder, self._asked, self._heard, self.name)
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, self._chosen_protocol, self._heard, self.name)
 
     @property
-    def _asked(self) -> str:
-        """The protocol that is asked for; columns mean text."""
+    def _chosen_protocol(self) -> str:
+        """Protocol of the options; columns mean text."""
         return self.options.protocol if self.options.columns is None else text.NAME
 
     def _next_baud(self) -> None:
-        """Listen afresh at the next of the usual rates."""
+        """Start again at the next of the usual baud rates."""
         self.baud = next(self._bauds)
         self._trial_s = None
         self._detector = Detector(list(self._protocols.values()), self._guard)

@@ -1,7 +1,7 @@
-"""Listening to several ports at once: what speaks at each, and how fast.
+"""Listen to several ports at once, for protocol and sample rate.
 
-A port that somebody holds is not opened. Each is opened once, as `serve` does it, and closed as soon as it is clear
-what is to be said of it.
+A port that another program holds is not opened. Others are opened once, like in `serve`, and closed as soon as the
+result is clear.
 """
 
 import time
@@ -19,21 +19,21 @@ from gyrodrift.sample import Sample
 from gyrodrift.waiting import POLLIN, new_poller
 
 USUAL_S = 10.0
-"""How long a port is listened to where nothing, or for ever, is said: all usual baud rates are tried by then."""
+"""Listening time without a timeout, s: enough for all usual baud rates."""
 
 QUIET_S = 3.0
-"""Where another port speaks, one without a byte is given up: a board that resets when it is opened boots in 2 s."""
+"""Listening time at a port without a byte, if another port sends, s; boards boot within 2 s after a reset."""
 
 RATE_S = 0.6
 RATE_LONGEST_S = 2.0
-"""Samples are counted over the first, of their own clock; a slow device is not waited for longer than the second."""
+"""Time over which samples are counted, on the clock of the device, and longest wait for a slow device, s."""
 
 TURN_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
 class Speech:
-    """What was understood at a port; `rate_hz` is None where too few samples came to tell."""
+    """Result of listening to a port; `rate_hz` is None with too few samples."""
 
     protocol: str
     baud: int
@@ -43,9 +43,9 @@ class Speech:
 
 @dataclass(frozen=True, slots=True)
 class HeardPort:
-    """A port with who holds it and what speaks there; `reason` says why nothing was understood, empty otherwise.
+    """Port with its holder and its speech; `reason` says why nothing was understood, or is empty.
 
-    `open_port` is still open, and the caller's to close; None unless that was asked for and something speaks.
+    The caller must close `open_port`; it is None unless requested and something was understood.
     """
 
     port: SerialPort
@@ -56,7 +56,7 @@ class HeardPort:
 
 
 def look_at(ports: Sequence[SerialPort]) -> list[HeardPort]:
-    """Who holds each; none is opened."""
+    """Ports with their holders; no port is opened."""
     return [HeardPort(port, holder_of(port.device)) for port in ports]
 
 
@@ -67,23 +67,23 @@ def listen_at(
     keeps_speakers: bool = False,
     monotonic: Callable[[], float] = time.monotonic,
 ) -> list[HeardPort]:
-    """What speaks at each, in the order given.
+    """Listen to all ports; results in the same order.
 
     Parameters
     ----------
     options
-        Baud rate, protocol and time of each link; its port is not looked at.
+        Baud rate, protocol and timeout of every link; its port is ignored.
     keeps_speakers
-        Leave those ports open at which something speaks: opening them again would reset many a board again.
+        Keep ports open at which something was understood: opening them again would reset many boards.
     """
     wait_s = options.timeout_s if options.timeout_s > 0.0 else USUAL_S
     with ExitStack() as closing:
-        trials = [_Trial(each, replace(options, timeout_s=wait_s), monotonic) for each in look_at(ports)]
+        trials = [_Trial(looked, replace(options, timeout_s=wait_s), monotonic) for looked in look_at(ports)]
         for trial in trials:
             closing.callback(trial.close)
         while listening := [trial for trial in trials if not trial.is_over]:
             _wait(listening)
-            for trial in trials if keeps_speakers else listening:  # what nobody reads would fill the port's buffer
+            for trial in trials if keeps_speakers else listening:  # unread bytes would fill the buffer of the port
                 trial.read()
             is_any_heard = any(trial.samples for trial in trials)
             for trial in listening:
@@ -94,7 +94,7 @@ def listen_at(
 
 
 class _Trial:
-    """One port that is listened to."""
+    """Port on trial."""
 
     def __init__(self, looked: HeardPort, options: LinkOptions, monotonic: Callable[[], float]) -> None:
         self.samples: list[Sample] = []
@@ -109,11 +109,11 @@ class _Trial:
             self._try(lambda: self._open(replace(options, port=looked.port.name)))
 
     def read(self) -> None:
-        """Take what has come."""
+        """Read available samples."""
         self._try(self._read)
 
     def judge(self, *, is_any_heard: bool) -> None:
-        """End the trial where enough has come, or where waiting on leads nowhere."""
+        """End the trial if there are enough samples, or waiting is useless."""
         link, now_s = self.link, self._monotonic()
         if link is None or self.is_over:
             return
@@ -121,10 +121,10 @@ class _Trial:
             span_s = self.samples[-1].t_device_s - self.samples[0].t_device_s
             self.is_over = span_s >= RATE_S or now_s - self._spoke_s >= RATE_LONGEST_S
         elif is_any_heard and not link.counters.bytes and now_s - self._opened_s >= QUIET_S:
-            self._fail(f"said nothing within {QUIET_S:g} s, while another port spoke")
+            self._fail(f"sent nothing within {QUIET_S:g} s, while another port did")
 
     def result(self, *, keeps_port: bool) -> HeardPort:
-        """What is to be said of it."""
+        """Result of the trial."""
         link = self.link
         if link is None or link.decoder is None or self._reason:
             return replace(self._looked, reason=self._reason)
@@ -133,12 +133,12 @@ class _Trial:
         return replace(self._looked, speech=speech, open_port=link.hand_over() if keeps_port else None)
 
     def close(self) -> None:
-        """Give the port back, unless it was handed over."""
+        """Close the port, unless it was handed over."""
         if self.link is not None:
             self.link.close()
 
     def _open(self, options: LinkOptions) -> None:
-        self.link = Link(options, _unheard, self._monotonic)
+        self.link = Link(options, _ignore_event, self._monotonic)
 
     def _read(self) -> None:
         if self.link is None:
@@ -148,7 +148,7 @@ class _Trial:
             self._spoke_s = self._monotonic()
         self.samples += samples
         if self.link.port is None:
-            self._fail("it was unplugged while it was listened to")
+            self._fail("it was unplugged during the search")
 
     def _try(self, act: Callable[[], Any]) -> None:
         try:
@@ -182,6 +182,6 @@ def _wait(trials: Iterable[_Trial]) -> None:
     poller.poll(TURN_S * 1e3)
 
 
-def _unheard(event: str, **fields: Any) -> None:
-    """What happens to a link that is on trial is told in the end."""
+def _ignore_event(event: str, **fields: Any) -> None:
+    """Ignore the events of a link on trial."""
     _ = event, fields

@@ -1,7 +1,7 @@
-r"""What a device is sent after its port was opened, where it waits for a key or a command (`--send '\r\n'`).
+r"""Send bytes to a device after its port was opened, if it waits for a key or a command (`--send '\r\n'`).
 
-Opening the port resets many a board, and what is sent while it boots is lost. So the bytes are sent once more after
-each silence until samples come; the silences double, since a board may be busy with what it was told.
+Opening the port resets many boards, and bytes that arrive while a board boots are lost. So they are sent again after
+every silence until samples arrive. The silences double, since the board may be busy with a command.
 """
 
 import re
@@ -11,10 +11,10 @@ from typing import Any
 from gyrodrift.link.port import Port
 
 SEND_LONGEST_BYTES = 4096
-"""What the input buffer of a Linux terminal takes at once (`N_TTY_BUF_SIZE`)."""
+"""Size of the input buffer of a Linux terminal (`N_TTY_BUF_SIZE`)."""
 
 SILENCE_S = 2.0
-"""Longer than a bootloader of Arduino waits for an upload, 1 s."""
+"""Longer than the Arduino bootloader waits for an upload, 1 s."""
 
 SILENCE_LONGEST_S = 16.0
 QUOTED_BYTES = 40
@@ -32,21 +32,21 @@ NAMED = {
     "t": b"\t",
     "v": b"\v",
 }
-"""Escapes of a bytes literal of Python; those by number are octal or `x` with two digits."""
+"""Named escapes of a bytes literal of Python."""
 
 
 def bytes_to_send(text: str) -> bytes:
-    r"""The bytes that a text with escapes stands for, such as `r\n` or `\x1b[c`; other characters in UTF-8.
+    r"""Bytes of a text with escapes, such as `r\n` or `\x1b[c`; other characters in UTF-8.
 
     Raises
     ------
     ValueError
-        Where an escape is none of Python's, the bytes are too many, or there are none.
+        An escape is unknown, or there are too many bytes, or none.
     """
     content, end = b"", 0
-    for found in ESCAPE.finditer(text):
-        content += _utf8(text[end : found.start()]) + _escaped(found)
-        end = found.end()
+    for match in ESCAPE.finditer(text):
+        content += _utf8(text[end : match.start()]) + _escaped(match)
+        end = match.end()
     content += _utf8(text[end:])
     if not 0 < len(content) <= SEND_LONGEST_BYTES:
         raise ValueError(f"is {len(content)} bytes; expected 1 to {SEND_LONGEST_BYTES}")
@@ -54,47 +54,47 @@ def bytes_to_send(text: str) -> bytes:
 
 
 def _utf8(text: str) -> bytes:
-    """Bytes of a command line that are no UTF-8 stay what they were."""
+    """Encode as UTF-8; invalid bytes of a command line are kept."""
     return text.encode("utf-8", "surrogateescape")
 
 
-def _escaped(found: re.Match[str]) -> bytes:
-    octal, hexadecimal, name = found.groups()
+def _escaped(match: re.Match[str]) -> bytes:
+    octal, hexadecimal, name = match.groups()
     value = int(octal, 8) if octal else int(hexadecimal, 16) if hexadecimal else None
     content = NAMED.get(name or "") if value is None else bytes((value,)) if value <= 0xFF else None
     if content is None:
-        raise ValueError(rf"has the escape {found[0]}; expected one of \r, \n, \t, \\, \x1b (two digits) and the like")
+        raise ValueError(rf"has the unknown escape {match[0]}; examples are \r, \n, \t, \\, \x1b (two digits)")
     return content
 
 
 class Opening:
-    """Sends `content` after the port was opened, and again after silences, until the first samples."""
+    """Sender of `content` after the port was opened, and again after silences, until the first samples."""
 
     def __init__(self, content: bytes, on_event: Callable[..., Any]) -> None:
         self.content = content
         self._on_event = on_event
-        self._left = b""
+        self._unsent = b""
         self._silence_s = SILENCE_S
         self._heard_s: float | None = None
 
     def begin(self, port: Port, now_s: float) -> None:
-        """The port was opened, or listens at another rate."""
+        """Handle an opened port, or a new baud rate."""
         self._silence_s = SILENCE_S
         self._send(port, now_s)
 
     def hear(self, now_s: float) -> None:
-        """Something came."""
+        """Handle the arrival of bytes."""
         if self._heard_s is not None:
             self._heard_s = now_s
 
     def end(self) -> None:
-        """Samples came: the device waits for nothing."""
-        self._heard_s, self._left = None, b""
+        """Stop sending: samples have arrived."""
+        self._heard_s, self._unsent = None, b""
 
     def wait(self, port: Port, now_s: float) -> None:
-        """Nothing came now; send what the port did not take yet, or all of it once more."""
-        if self._left:
-            self._left = self._left[port.write(self._left) :]
+        """Handle a read without bytes: send the rest, or everything again after a silence."""
+        if self._unsent:
+            self._unsent = self._unsent[port.write(self._unsent) :]
         elif self._heard_s is not None and now_s - self._heard_s >= self._silence_s:
             self._silence_s = min(2.0 * self._silence_s, SILENCE_LONGEST_S)
             self._send(port, now_s)
@@ -103,6 +103,6 @@ class Opening:
         if not self.content:
             return
         self._heard_s = now_s
-        self._left = self.content[port.write(self.content) :]
+        self._unsent = self.content[port.write(self.content) :]
         shown = self.content[:QUOTED_BYTES].decode("latin-1").encode("unicode_escape").decode("ascii")
         self._on_event("sent", bytes=len(self.content), content=shown)

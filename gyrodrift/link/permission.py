@@ -1,4 +1,4 @@
-"""Why a port may not be opened, and what gives this user the right to: groups, udev, containers."""
+"""Reason why this user may not open a port, and how to get permission: groups, udev, containers."""
 
 import grp
 import os
@@ -8,30 +8,30 @@ from contextlib import suppress
 from pathlib import Path
 
 SERIAL_GROUPS = ("dialout", "uucp")
-"""Groups that distributions give serial ports to: Debian and Fedora the first, Arch the second."""
+"""Groups of serial ports: dialout on Debian and Fedora, uucp on Arch."""
 
 PRIVILEGED = frozenset({"root", "wheel", "sudo", "adm", "kmem", "disk", "shadow"})
-"""Groups that give far more than a port."""
+"""Groups with more rights than a serial port needs."""
 
 TERMINALS = "tty"
-"""Group of terminals; joining it opens nobody else's."""
+"""Group of terminals; its members may not open the terminals of others."""
 
 READ_WRITE = stat.S_IRGRP | stat.S_IWGRP
 
 
 def how_to_get_permission(path: str) -> str:
-    """What to tell a user who may not open this port."""
+    """Advice for a user who may not open this port."""
     device = Path(os.path.realpath(path))
     status = device.stat()
     name = _group_name(status.st_gid)
     has_group_access = status.st_mode & READ_WRITE == READ_WRITE
     if os.geteuid() == 0 or (has_group_access and status.st_gid in {os.getegid(), *os.getgroups()}):
-        return "its owner and group allow it, so something else refuses: a container without this device, or a sandbox"
+        return "its owner and group allow it, so a container without this device, or a sandbox, refuses it"
     if name is None and has_group_access:
         gid = status.st_gid
-        return f"it belongs to group {gid}, which has no name here: in a container, start that with --group-add {gid}"
+        return f"it belongs to group {gid}, which has no name here: start the container with --group-add {gid}"
     if name == TERMINALS:
-        return f"it is a terminal of {_user_name(status.st_uid)}, and no serial port"
+        return f"it is a terminal of {_user_name(status.st_uid)}, not a serial port"
     if name is None or name in PRIVILEGED or not has_group_access:
         return _by_a_rule(device, status)
     if _is_member(name):
@@ -40,15 +40,15 @@ def how_to_get_permission(path: str) -> str:
 
 
 def _by_a_rule(device: Path, status: os.stat_result) -> str:
-    """Of a port that no group of common users may open: a rule of udev gives it to one."""
+    """Advice for a port without a group for users: a udev rule."""
     owner, group = _user_name(status.st_uid), _group_name(status.st_gid) or str(status.st_gid)
     mode = stat.S_IMODE(status.st_mode)
     serial = next((name for name in SERIAL_GROUPS if _exists(name)), SERIAL_GROUPS[0])
     rule = f'KERNEL=="{device.name}", GROUP="{serial}", MODE="0660"'
     join = "" if _is_member(serial) else f" and join it with 'sudo usermod -aG {serial} $USER'"
     return (
-        f"it belongs to {owner}:{group} with mode {mode:04o}, which is no group for users; until the next boot, "
-        f"'sudo setfacl -m u:$USER:rw {device}' opens it; for good, put {rule} into "
+        f"it belongs to {owner}:{group} with mode {mode:04o}, which users cannot join; until the next boot, "
+        f"'sudo setfacl -m u:$USER:rw {device}' opens it; to keep it, put {rule} into "
         f"/etc/udev/rules.d/99-gyro.rules{join}"
     )
 
@@ -74,8 +74,8 @@ def _user_name(user_id: int) -> str:
 
 
 def _is_member(group: str) -> bool:
-    """By the database, whatever this login has."""
+    """Whether the user is a member by the group database, whatever this login has."""
     with suppress(KeyError):
-        found, user = grp.getgrnam(group), pwd.getpwuid(os.getuid())
-        return user.pw_name in found.gr_mem or user.pw_gid == found.gr_gid
+        entry, user = grp.getgrnam(group), pwd.getpwuid(os.getuid())
+        return user.pw_name in entry.gr_mem or user.pw_gid == entry.gr_gid
     return False

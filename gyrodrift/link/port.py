@@ -1,4 +1,4 @@
-"""The serial port: the only room that knows pyserial.
+"""Serial port; the only file that uses pyserial.
 
 pyserial opens, locks and configures; reading goes to the file descriptor itself, since `read(1)` through
 pyserial costs a thousand times as much. Opening flushes the input and, on many boards, resets the device.
@@ -30,11 +30,11 @@ else:
     SERIAL_ERRORS = (OSError, ValueError, termios.error)
 
 USUAL_BAUDS = (115200, 9600, 921600, 460800, 230400, 57600, 38400, 19200, 4800, 1000000, 2000000)
-"""What `--baud auto` tries, the most common first."""
+"""Baud rates of `--baud auto`, the most common first."""
 
 READ_BYTES = 4096
 READS_PER_TURN = 16
-"""One turn drains at most this many reads, so that a flood cannot keep the loop from its other work."""
+"""Largest number of reads at a time, so that a flood does not block the loop."""
 
 PTY_SLAVE_MAJORS = range(136, 144)
 BY_ID = Path("/dev/serial/by-id")
@@ -134,14 +134,14 @@ def stable_name(path: str) -> str:
 
 def serial_ports() -> list[SerialPort]:
     """The ports of this machine that have hardware behind them, by name; none of them is opened."""
-    found = {entry.device: _described(entry) for entry in _plugged_in() if has_uart(entry.device)}
+    ports = {entry.device: _described(entry) for entry in _plugged_in() if has_uart(entry.device)}
     for device in built_in_ports():  # pyserial leaves out those on a chip, such as the Raspberry Pi's
-        found.setdefault(device, SerialPort(stable_name(device), device))
-    return sorted(found.values(), key=lambda port: port.name)
+        ports.setdefault(device, SerialPort(stable_name(device), device))
+    return sorted(ports.values(), key=lambda port: port.name)
 
 
 def _plugged_in() -> list[ListPortInfo]:
-    """What pyserial finds; nothing where adapters come and go with each look."""
+    """Ports that pyserial lists; empty if adapters come and go all the time."""
     for _ in range(LOOKS):
         with suppress(OSError, TypeError, ValueError):
             return list(list_ports.comports())

@@ -1,4 +1,4 @@
-"""The port of `--port auto`: the one at which a gyro speaks, of all that are plugged in."""
+"""Search for `--port auto`: the only port with a gyro."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +11,7 @@ from gyrodrift.link.serial_port import SerialPort
 
 
 def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: EventHandler) -> tuple[LinkOptions, Port]:
-    """The options of the link to the one gyro there is, with what was found, and its port, which is open.
+    """Options of the link to the only gyro, and its open port.
 
     Raises
     ------
@@ -26,32 +26,32 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
         )
     if options.send and len(ports) > 1:
         names = ", ".join(port.name for port in ports)
-        raise UsageError(f"--port auto: {names} would all be sent what --send says; name the port with --port")
+        raise UsageError(f"--port auto: --send would reach {names}; name one of them with --port")
     on_event("port_search", ports=len(ports))
     heard = listen_at(ports, options, keeps_speakers=True)
-    speakers = [(each.port.name, each.speech, each.open_port) for each in heard if each.speech and each.open_port]
+    speakers = [(port.port.name, port.speech, port.open_port) for port in heard if port.speech and port.open_port]
     if len(speakers) != 1:
         for _, _, open_port in speakers:
             open_port.close()
         kind = UsageError if speakers else PortMissingError
-        raise kind(_what_there_is(heard, len(speakers)))
+        raise kind(_listing(heard, len(speakers)))
     name, speech, open_port = speakers[0]
     on_event("port_found", port=name, protocol=speech.protocol, baud=speech.baud, rate_hz=_rounded(speech.rate_hz))
     return replace(options, port=name, baud=speech.baud, protocol=speech.protocol), open_port
 
 
-def said(speech: Speech) -> str:
-    """What speaks, in words."""
+def speech_text(speech: Speech) -> str:
+    """Protocol, rate, baud rate and id of a device."""
     rate = "" if speech.rate_hz is None else f" at {speech.rate_hz:.4g} Hz"
     device = "" if speech.device_id is None else f", device {speech.device_id}"
     return f"{speech.protocol}{rate}, {speech.baud} baud{device}"
 
 
-def _what_there_is(heard: Sequence[HeardPort], speakers: int) -> str:
-    count = "no gyro speaks" if not speakers else f"{speakers} gyros speak"
+def _listing(heard: Sequence[HeardPort], speakers: int) -> str:
+    count = "no gyro found" if not speakers else f"{speakers} gyros found"
     advice = "plug one in, or name its port with --port" if not speakers else "name one of them with --port"
-    lines = [f"{each.port.name}: {said(each.speech) if each.speech else each.reason}" for each in heard]
-    return "\n".join([f"--port auto: {count} here; {advice}", *lines])
+    lines = [f"{port.port.name}: {speech_text(port.speech) if port.speech else port.reason}" for port in heard]
+    return "\n".join([f"--port auto: {count}; {advice}", *lines])
 
 
 def _rounded(rate_hz: float | None) -> float | None:

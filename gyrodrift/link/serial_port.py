@@ -1,4 +1,4 @@
-"""A serial port of this machine as the system describes it, and whether there is a UART behind its name."""
+"""Serial port of this machine, and whether its name has a UART."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,17 +6,17 @@ from pathlib import Path
 TERMINALS = Path("/sys/class/tty")
 BUILT_IN = "ttyS"
 NO_UART = "0"
-"""What sysfs says is behind most of the ttyS names: the driver makes them in advance."""
+"""UART type of most ttyS names in sysfs: the driver creates them without hardware."""
 
 
 @dataclass(frozen=True, slots=True)
 class SerialPort:
-    """A port that is there; `maker`, `product` and `serial_number` are those of a USB adapter, where it tells them.
+    """A serial port; `maker`, `product` and `serial_number` come from its USB adapter.
 
     name
-        Under which the adapter comes back after it was unplugged; of other ports the device.
+        Name that the adapter keeps when it is replugged; the device for other ports.
     usb_id
-        Vendor and product, four hexadecimal digits each, such as `0403:6001`; None where it is no USB adapter.
+        Vendor and product as hexadecimal digits, such as `0403:6001`; None without USB.
     """
 
     name: str
@@ -28,12 +28,12 @@ class SerialPort:
 
 
 def built_in_ports() -> list[str]:
-    """The ttyS devices that have a UART."""
+    """Devices named ttyS with a UART."""
     return [f"/dev/{entry.name}" for entry in sorted(TERMINALS.glob(f"{BUILT_IN}[0-9]*")) if has_uart(entry.name)]
 
 
 def has_uart(device: str) -> bool:
-    """Whether there is hardware behind a name; every port but a ttyS has it when it is there at all."""
+    """Whether a name has hardware; only ttyS names may lack it."""
     name = Path(device).name
     if not name.startswith(BUILT_IN):
         return True

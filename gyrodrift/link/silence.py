@@ -1,4 +1,4 @@
-"""Why nothing could be read of a device, and what to try, from what came of it."""
+"""Reasons why a device could not be read, and advice, from the bytes that it sent."""
 
 import shlex
 
@@ -10,13 +10,13 @@ from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
 from gyrodrift.link.unread import spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
-MOST_NAMES = 12
+NAMES_MAX = 12
 DATA_SHARE = 0.4
-"""Of digits: in messages for people there are fewer, and in lines of numbers more."""
+"""Share of digits above which a line is data, and below which it is a message."""
 
 RATE_UNITS = "dps, rads, mdps or lsb/N"
 ANGLE_NOTE = (
-    ". It is an angle: the filter of the device has been at work. If it falls in a turn to the left, write :- behind it"
+    ". It is an angle, which a filter in the device has processed. If it falls during a turn to the left, append :-"
 )
 
 
@@ -29,99 +29,99 @@ def why_silent(
     heard: Heard,
     port: str,
 ) -> str:
-    """What to tell a person whose device said nothing that can be decoded within `timeout_s`.
+    """Message about a device that sent nothing decodable within `timeout_s`.
 
-    `baud` is the line rate that was given, None where it was to be found; `decoder` is the one that was chosen, by
-    what was asked for as `protocol`; `heard` holds the last of the `heard_bytes`, which came from `port`.
+    `baud` is the given baud rate, or None if the link searched for it. `decoder` is the chosen decoder for the option
+    `protocol`. `heard` holds the last of the `heard_bytes` from `port`.
     """
     waited = f"within {timeout_s:g} s"
     if not heard_bytes:
-        return f"the device said nothing {waited}; is it powered, is this its port, are TX and RX the right way round?"
+        return f"the device sent nothing {waited}; check its power, the port, and whether TX and RX are swapped"
     if decoder is not None and decoder.counters.before_hello:
         return (
-            f"{decoder.counters.before_hello} samples came {waited}, but no HELLO frame that says their scale; "
-            "the device has to send one once a second"
+            f"{decoder.counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
+            "the device must send one every second"
         )
-    if decoder is not None and decoder.counters.other and not (decoder.name == text.NAME and heard.is_text):
+    if decoder is not None and decoder.counters.other_frames and not (decoder.name == text.NAME and heard.is_text):
         advice = PROTOCOLS[decoder.name].without_rate
         return (
-            f"{decoder.counters.other} good {decoder.name} frames came {waited}, but none with a yaw rate"
+            f"{decoder.counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
         )
-    known = what_speaks(heard, protocol)
-    if known:
-        return known
+    unread = unread_protocol(heard, protocol)
+    if unread:
+        return unread
     if heard.is_text:
         return _why_text(protocol, heard, port, waited)
-    wanted = listed() if decoder is None and protocol == "auto" else protocol
+    expected = listed() if decoder is None and protocol == "auto" else protocol
     tried = "any of the usual baud rates" if baud is None else f"{baud} baud"
-    what_to_do = (
-        "a rate that is none of the usual ones looks like this, and so does another protocol: give the rate with --baud"
+    advice = (
+        "the device has an unusual baud rate, or another protocol: set the rate with --baud"
         if baud is None
-        else "a wrong baud rate looks like this: leave --baud out, and the usual rates are tried one after the other"
+        else "the baud rate may be wrong: without --baud all usual rates are tried"
     )
-    return f"{heard_bytes} bytes came {waited}, but no {wanted} frame in them at {tried}; {what_to_do}"
+    return f"{heard_bytes} bytes arrived {waited}, but no {expected} frame at {tried}; {advice}"
 
 
-def what_speaks(heard: Heard, protocol: str) -> str:
-    """What is known of a stream that is none of what was asked for as `protocol`; empty where nothing is."""
+def unread_protocol(heard: Heard, protocol: str) -> str:
+    """Message about a stream of another protocol than `protocol`; empty if it is unknown."""
     unread = spoken(heard.content)
     if unread is not None:
-        return unread.said
-    others = [each for each in PROTOCOLS.values() if each.is_detected and protocol not in {AUTO, each.name}]
-    found = Detector(others).push(heard.content)
-    if found is None:
+        return unread.message
+    candidates = [entry for entry in PROTOCOLS.values() if entry.is_detected and protocol not in {AUTO, entry.name}]
+    detected = Detector(candidates).push(heard.content)
+    if detected is None:
         return ""
     instead = "--columns" if protocol == text.NAME else f"--protocol {protocol}"
-    return f"the device speaks {found[0].name}, not {protocol}; leave {instead} out"
+    return f"the device sends {detected[0].name}, not {protocol}; leave out {instead}"
 
 
 def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:
-    """Of a device that prints lines: what they look like, and how they are read, or what has to be asked."""
-    from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - only a stream that nobody understands needs it
+    """Message about a device that prints text: its columns, and how to read them, or the missing information."""
+    from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - for unknown streams only
 
-    came = f"the device prints text, so the baud rate is right, but no line is a {_wanted(protocol)}"
+    prints = f"the device prints text, so the baud rate is right, but no line is a {_expected_sample(protocol)}"
     guessed = guess(heard.lines(), heard.lines_per_s)
     if guessed is None:
-        return f"{came}: {quoted(heard.last_words())} {_without_columns(heard, waited)}"
-    names = [column.said for column in guessed.columns]
-    shown = ", ".join(names[:MOST_NAMES]) + (", …" if len(names) > MOST_NAMES else "")
-    looks = f"{came}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
+        return f"{prints}: {quoted(heard.last_words())} {_without_columns(heard, waited)}"
+    names = [column.looks_like for column in guessed.columns]
+    shown = ", ".join(names[:NAMES_MAX]) + (", …" if len(names) > NAMES_MAX else "")
+    looks = f"{prints}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
     turn_it = f"gyrodrift doctor --port {shlex.quote(port)} --turn"
     if guessed.turn is None or guessed.template is None:
         return (
-            f"{looks}, and nothing says which of them is the yaw rate; {_expected(protocol)}, or say what the columns"
-            f" are with --columns, or let a quarter turn tell: {turn_it}"
+            f"{looks}, but none of them is known to be the yaw rate; {_expected(protocol)}, or name the columns with"
+            f" --columns, or find them by a quarter turn: {turn_it}"
         )
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
-    reasons = "; ".join(f"{column.said} {column.why}" for column in guessed.columns if column.entry != "_")
-    if not guessed.is_unit_said:
+    reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
+    if not guessed.is_unit_known:
         return (
-            f"{looks} ({reasons}), but nothing says in which unit: put {'deg or rad' if is_angle else RATE_UNITS} in"
-            f" place of UNIT in --columns {columns}, or let a quarter turn tell: {turn_it}"
+            f"{looks} ({reasons}), but its unit is unknown: replace UNIT by {'deg or rad' if is_angle else RATE_UNITS}"
+            f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""
-    return f"{looks}; {_expected(protocol)}, or read it as it is: --columns {columns} ({reasons}){note}"
+    return f"{looks}; {_expected(protocol)}, or read these lines with --columns {columns} ({reasons}){note}"
 
 
 def _without_columns(heard: Heard, waited: str) -> str:
-    """What to do about data in a form that is not known, a board that is still starting, or one that waits."""
+    """Advice about data of an unknown form, a board that is still starting, or a board that waits."""
     text = "".join(heard.lines())
     if sum(character.isdigit() for character in text) >= DATA_SHARE * max(1, len(text)):
-        return "looks like data in a form that is not known; is there another form of output that the device can send?"
+        return "looks like data of an unknown form; can the device send another format?"
     return (
-        f"looks like a message for people; is its program running? If it is still starting up {waited}, wait longer"
-        " with --timeout 30; if it waits for a key, send one with --send '\\r\\n'"
+        f"looks like a message; is its program running? If it is still starting up {waited}, wait longer with --timeout"
+        " 30; if it waits for a key, send one with --send '\\r\\n'"
     )
 
 
-def _wanted(protocol: str) -> str:
+def _expected_sample(protocol: str) -> str:
     if protocol == text.NAME:
-        return "sample by the columns of --columns"
+        return "sample for these --columns"
     return f"{protocol} sample" if protocol != "auto" else f"{listed()} sample"
 
 
 def _expected(protocol: str) -> str:
-    """What a device that prints could print instead."""
-    return f"expected is {CSV_LINE}" if protocol in {"auto", "csv"} else f"expected is --protocol {protocol}"
+    """Lines that the device could print instead."""
+    return f"print {CSV_LINE}" if protocol in {"auto", "csv"} else f"send {protocol}"

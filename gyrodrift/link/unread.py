@@ -1,6 +1,6 @@
-"""Protocols that are known by their bytes and not read unasked: named, with what to do, before a line rate is blamed.
+"""Known protocols that are not read, with advice, so that the baud rate is not blamed.
 
-One record each. A stream is of a protocol when LEAST frames with a right check stand in what was heard.
+One record per protocol. A stream belongs to it if it has FRAMES_MIN frames with a right checksum.
 """
 
 import re
@@ -12,31 +12,31 @@ from functools import reduce
 from itertools import accumulate
 from operator import xor
 
-LEAST = 3
+FRAMES_MIN = 3
 LONGEST_HEADER = 256
-MOST_FAILED = 300
-"""Heads that led nowhere: a stream of a protocol has three good frames long before, and a wild one costs no time."""
+FAILED_MAX = 300
+"""Largest number of heads without a frame; a real stream has three good frames long before."""
 
 
 @dataclass(frozen=True, slots=True)
 class UnreadProtocol:
-    """One of them.
+    """Known protocol that is not read.
 
     name
-        What it is and who sends it.
+        Name and device.
     head
-        What each frame begins with, as a pattern.
+        Pattern of the beginning of a frame.
     length
-        Bytes of the frame that begins as these do, LONGEST_HEADER of them or what there is; 0 where it can be none.
+        Function that returns the length of a frame from its first LONGEST_HEADER bytes; 0 if it is not a frame.
     is_whole
-        Whether the check of a frame is right.
+        Function that checks a frame.
     advice
-        What to switch on the device, or which program reads it.
+        Setting of the device, or program that reads it.
     chained
-        A number in each frame that counts frames; frames then stand right behind each other. None where the check of a
-        frame is enough.
+        Function that returns the frame counter; consecutive frames must then follow directly. None if the checksum is
+        enough.
     status
-        What becomes of it.
+        Clause about the support in gyrodrift.
     """
 
     name: str
@@ -48,34 +48,34 @@ class UnreadProtocol:
     status: str = "which gyrodrift does not read"
 
     @property
-    def said(self) -> str:
-        """What it is, and what to do."""
-        return f"the device speaks {self.name}, {self.status}; {self.advice}"
+    def message(self) -> str:
+        """Name and advice."""
+        return f"the device sends {self.name}, {self.status}; {self.advice}"
 
     def is_spoken(self, content: bytes) -> bool:
-        """Whether what was heard is of this protocol."""
-        frames, at, before, failed = 0, 0, -1, 0
-        while failed < MOST_FAILED and (found := self.head.search(content, at)) is not None:
-            begin = found.start()
+        """Whether the bytes belong to this protocol."""
+        frames, position, before, failed = 0, 0, -1, 0
+        while failed < FAILED_MAX and (match := self.head.search(content, position)) is not None:
+            begin = match.start()
             length = self.length(content[begin : begin + LONGEST_HEADER])
             frame = content[begin : begin + length]
             if not length or len(frame) < length or not self.is_whole(frame):
-                at, frames, before = begin + 1, 0 if self.chained else frames, -1
+                position, frames, before = begin + 1, 0 if self.chained else frames, -1
                 failed += 1
                 continue
             if self.chained is not None:
                 count = self.chained(frame)
-                goes_on = begin == at and count == (before + 1) & 0xFF
+                goes_on = begin == position and count == (before + 1) & 0xFF
                 frames, before = frames if goes_on else 0, count
-            at, frames = begin + length, frames + 1
-            if frames > LEAST - (self.chained is None):
+            position, frames = begin + length, frames + 1
+            if frames > FRAMES_MIN - (self.chained is None):
                 return True
         return False
 
 
 def spoken(content: bytes) -> UnreadProtocol | None:
-    """The protocol of what was heard; None where it is none of these."""
-    return next((each for each in UNREAD if each.is_spoken(content)), None)
+    """Protocol of the bytes; None if it is unknown."""
+    return next((protocol for protocol in UNREAD if protocol.is_spoken(content)), None)
 
 
 def _fletcher(content: bytes) -> bytes:
@@ -91,13 +91,13 @@ def _snp_length(header: bytes) -> int:
     return 7 + (4 * registers if kind & 0x80 else 0)
 
 
-def _word(header: bytes, at: int, extra: int) -> int:
-    """A length of two bytes, the low one first, and all around it."""
-    return extra + int.from_bytes(header[at : at + 2], "little") if len(header) >= at + 2 else 0
+def _word(header: bytes, position: int, extra: int) -> int:
+    """Length from two little-endian bytes, plus `extra`."""
+    return extra + int.from_bytes(header[position : position + 2], "little") if len(header) >= position + 2 else 0
 
 
-def _byte(header: bytes, at: int, extra: int) -> int:
-    return extra + header[at] if len(header) > at else 0
+def _byte(header: bytes, position: int, extra: int) -> int:
+    return extra + header[position] if len(header) > position else 0
 
 
 def _crc24q_of(byte: int) -> int:
@@ -112,7 +112,7 @@ CRC24Q = tuple(map(_crc24q_of, range(256)))
 
 
 def _crc24q(content: bytes) -> int:
-    """0 for a frame with its CRC."""
+    """CRC-24Q; 0 for a frame with its CRC."""
     crc = 0
     for byte in content:
         crc = crc << 8 & 0xFFFFFF ^ CRC24Q[crc >> 16 ^ byte]
@@ -124,7 +124,7 @@ def _crc32_from_0(content: bytes) -> int:
 
 
 def _is_rosserial(frame: bytes) -> bool:
-    """ROS wiki, rosserial protocol: a sum of the length, and one of topic and message."""
+    """Check the sums of length, and of topic and message (ROS wiki, rosserial protocol)."""
     return sum(frame[2:5]) & 0xFF == 0xFF and sum(frame[5:]) & 0xFF == 0xFF
 
 
@@ -133,22 +133,22 @@ def _line_length(header: bytes) -> int:
 
 
 def _is_navx(frame: bytes) -> bool:
-    """The sum of all before it, in hexadecimal digits."""
+    """Check the sum of all characters before it, in hexadecimal digits."""
     return b"%02X" % (sum(frame[:-4]) & 0xFF) == frame[-4:-2].upper()
 
 
 def _is_sentence(frame: bytes) -> bool:
-    """NMEA 0183: exclusive or of what stands between `$` and `*`."""
+    """Check the exclusive or of all characters between `$` and `*` (NMEA 0183)."""
     body, _, digits = frame.strip()[1:].rpartition(b"*")
     return b"%02X" % reduce(xor, body, 0) == digits.upper()
 
 
-def _anything(frame: bytes) -> bool:  # noqa: ARG001 - frames of a fixed form that count
+def _anything(frame: bytes) -> bool:  # noqa: ARG001 - the frames have a counter
     return True
 
 
-ASK_FOR_NMEA = "read it all the same with --protocol nmea; a damaged sentence may then pass for a rate"
-NOT_TOLD = "in which nothing tells damage"
+ASK_FOR_NMEA = "read it with --protocol nmea; a damaged sentence may then look like a rate"
+WITHOUT_CHECK = "which does not show damage"
 CONVERT = "a program of its maker can record it, and gyrodrift convert reads tables"
 
 UNREAD = (
@@ -164,7 +164,7 @@ UNREAD = (
         re.compile(rb"snp"),
         _snp_length,
         lambda frame: sum(frame[:-2]) & 0xFFFF == int.from_bytes(frame[-2:], "big"),
-        "turn on its NMEA packets with rates ($PCHRS) in place of them, and read them with --columns",
+        "turn on its NMEA packets with rates ($PCHRS) instead, and read them with --columns",
     ),
     UnreadProtocol(
         "MAVLink 1 of a flight controller",
@@ -194,7 +194,7 @@ UNREAD = (
         re.compile(rb"\$\x02"),
         lambda _: 14,
         lambda frame: frame[10] == 0 and frame[12:] == b"\r\n",
-        "define OUTPUT_READABLE_YAWPITCHROLL in the sketch in place of OUTPUT_TEAPOT, or print the raw gyro",
+        "define OUTPUT_READABLE_YAWPITCHROLL in the sketch instead of OUTPUT_TEAPOT, or print the raw gyro",
         lambda frame: frame[11],
     ),
     UnreadProtocol(
@@ -209,7 +209,7 @@ UNREAD = (
         re.compile(rb"\xb5\x62"),
         lambda header: _word(header, 4, 8),
         lambda frame: _fletcher(frame[2:-2]) == frame[-2:],
-        "it is a satellite receiver; for its heading turn on NMEA with $--HDT, else choose the port of the gyro",
+        "it is a satellite receiver: turn on NMEA with $--HDT for its heading, or choose the port of the gyro",
     ),
     UnreadProtocol(
         "RTCM 3, corrections for satellite receivers",
@@ -251,7 +251,7 @@ UNREAD = (
         re.compile(rb"!y(?=(?:[-+][0-9]{3}\.[0-9]{2}){4}[0-9A-Fa-f]{2}\r\n)"),
         _line_length,
         lambda frame: not _is_navx(frame),
-        "the line damages them, or the firmware is none of the maker: look at the cable, update the firmware",
+        "the line damages them, or the firmware is not original: check the cable, update the firmware",
     ),
     UnreadProtocol(
         "NMEA 0183 without checksums: $--ROT is the rate of turn in deg/min, positive to starboard",
@@ -259,7 +259,7 @@ UNREAD = (
         _line_length,
         _anything,
         ASK_FOR_NMEA,
-        status=NOT_TOLD,
+        status=WITHOUT_CHECK,
     ),
     UnreadProtocol(
         "NMEA 0183 without checksums: $--HDT, HDM, HDG and THS are headings in degrees, clockwise",
@@ -269,14 +269,14 @@ UNREAD = (
         _line_length,
         _anything,
         ASK_FOR_NMEA,
-        status=NOT_TOLD,
+        status=WITHOUT_CHECK,
     ),
     UnreadProtocol(
         "NMEA 0183 without a rate of turn ($--ROT) or a heading ($--HDT)",
         re.compile(rb"\$(?=[A-Z]{2}(?:GGA|GLL|GNS|GSA|GSV|RMC|VTG|ZDA|MWV|VHW|DBT|DPT),[ -~]{1,90}\*[0-9A-Fa-f]{2}\s)"),
         _line_length,
         _is_sentence,
-        "turn one of them on, choose the port of the gyro, or name another sentence with --columns",
-        status="and nothing in it says how fast it turns",
+        "turn on one of them, choose the port of the gyro, or name another sentence with --columns",
+        status="which has no rate or heading",
     ),
 )

@@ -111,7 +111,7 @@ class Service:
             with ExitStack() as closing:  # each is closed, whatever the others make of it
                 for listener in reversed(self.listeners):  # the last callback is called first
                     closing.callback(listener.close)
-                closing.callback(self.events.report_held, is_end=True)
+                closing.callback(self.events.report_pending, is_end=True)
                 self._loop()
         except ReaderGoneError:
             self.log.info("reader_gone")
@@ -162,7 +162,7 @@ class Service:
     def _tick(self, now_s: float) -> None:
         if self.notify is not None:
             self.notify.alive(now_s)
-        self.events.report_held()
+        self.events.report_pending()
         self.link.follow_host_clock()
         for listener in self.listeners:
             listener.tick(now_s)

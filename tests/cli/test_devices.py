@@ -54,7 +54,7 @@ def test_each_port_is_listed_with_what_speaks_there(simulated: Simulated, tmp_pa
     assert native["speech"]["rate_hz"] == pytest.approx(csv["speech"]["rate_hz"], rel=0.05)
     assert native["speech"]["device_id"] is not None
     assert silent["speech"] is None
-    assert silent["reason"].startswith("said nothing within 3 s")
+    assert silent["reason"].startswith("sent nothing within 3 s")
     assert f"{ports[1]}\n  speaks         csv at " in run.out
 
 
@@ -116,7 +116,7 @@ def test_several_gyros_are_listed_and_none_is_chosen(simulated: Simulated) -> No
     ports = [simulated("left"), simulated("right", "csv")]
     with on(ports, "serve", "--port", "auto") as run:
         assert run.end() == 2
-    assert "gyrodrift: --port auto: 2 gyros speak here; name one of them with --port\n" in run.log
+    assert "gyrodrift: --port auto: 2 gyros found; name one of them with --port\n" in run.log
     assert f"gyrodrift: {ports[0]}: native at " in run.log
     assert f"gyrodrift: {ports[1]}: csv at " in run.log
 
@@ -127,8 +127,8 @@ def test_where_no_gyro_speaks_each_port_is_listed_with_why(tmp_path: Path) -> No
         ports = [tmp_path / "silent", tmp_path / "gone"]
         with on(ports, "serve", "--port", "auto", "--timeout", "1") as run:
             assert run.end() == 3
-    assert "--port auto: no gyro speaks here; plug one in, or name its port with --port" in run.log
-    assert f"gyrodrift: {ports[0]}: the device said nothing within 1 s" in run.log
+    assert "--port auto: no gyro found; plug one in, or name its port with --port" in run.log
+    assert f"gyrodrift: {ports[0]}: the device sent nothing within 1 s" in run.log
     assert f"gyrodrift: {ports[1]}: there is no such port" in run.log
 
 

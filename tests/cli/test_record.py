@@ -254,7 +254,7 @@ def test_a_recording_that_another_program_truncates_ends_with_an_error(port: Pat
         (["--duration", "-1"], 2, "--duration -1: expected a number above 0"),
         (["--out", "{file}/x"], 2, "/x: cannot be written to: Not a directory"),
         (["--port", "/dev/ttyNONE"], 3, "/dev/ttyNONE: there is no such port"),
-        (["--timeout", "0.3"], 3, "the device said nothing within 0.3 s"),
+        (["--timeout", "0.3"], 3, "the device sent nothing within 0.3 s"),
     ],
 )
 def test_mistakes_are_one_line(port: Path, out: Path, options: list[str], status: int, message: str) -> None:

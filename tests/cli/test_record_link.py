@@ -173,7 +173,7 @@ def test_bytes_of_a_device_that_nobody_understands_are_in_a_closed_file(port: Pa
     check_closed(path)
     assert b"".join(read.content for read in read_raw(path)) == sent
     assert record.out == f"{path}\n"
-    assert record.log.splitlines()[-1].startswith(f"gyrodrift: {port}: 5000 bytes came within 1 s")
+    assert record.log.splitlines()[-1].startswith(f"gyrodrift: {port}: 5000 bytes arrived within 1 s")
 
 
 @pytest.mark.parametrize("options", [(), ("--duration", "1000"), ("--raw", "--rotate", "1h")])

@@ -247,7 +247,7 @@ def test_columns_say_what_a_table_does_not(tmp_path: Path, spec: str) -> None:
         ("t_ms, _, _, _, rate:dps", "--columns: s.csv: has 3 columns, and rate is the 5th"),
         ("gz=rate:dps, time=t_ms", "--columns: s.csv: no column, or more than one, is called 'gz'; there are t, a, b"),
         ("_, rate:dps", "--columns: s.csv: no column is the clock: one of t_us, t_ms, t_s, t_ns"),
-        ("_, rats", "'rats' is no column; did you mean"),
+        ("_, rats", "'rats' is not a column; did you mean"),
     ],
 )
 def test_columns_that_the_table_does_not_have_are_named(

@@ -156,6 +156,6 @@ def test_a_unit_that_nothing_says_is_asked_for(port: Path, capsys: pytest.Captur
 def test_what_no_number_is_said_to_be_is_asked_for(port: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     """Without a proposal that somebody could paste."""
     told = said(port, capsys, ASKED[name])
-    assert "nothing says which of them is the yaw rate" in told
+    assert "none of them is known to be the yaw rate" in told
     assert f"gyrodrift doctor --port {port} --turn" in told
     assert "--columns '" not in told

@@ -260,8 +260,8 @@ def test_columns_of_text_stand_in_a_line_or_a_list(tmp_path: Path, text: str, co
 @pytest.mark.parametrize(
     ("value", "what"),
     [
-        ("t_ms, raet", "'raet' is no column; did you mean rate"),
-        ("[t_ms, rate:furlongs]", "'rate:furlongs': 'furlongs' is no unit of rate"),
+        ("t_ms, raet", "'raet' is not a column; did you mean rate"),
+        ("[t_ms, rate:furlongs]", "'rate:furlongs': 'furlongs' is not a unit of rate"),
         ("[t_ms, 5]", "is 5; expected text such as"),
     ],
 )
@@ -279,7 +279,11 @@ def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("value", "what"),
-    [("5", "is 5; expected text in quotes"), (r"'\q'", r"has the escape \q; expected"), ("''", "is 0 bytes; expected")],
+    [
+        ("5", "is 5; expected text in quotes"),
+        (r"'\q'", r"has the unknown escape \q; examples"),
+        ("''", "is 0 bytes; expected"),
+    ],
 )
 def test_what_cannot_be_sent_to_a_device_is_told_with_its_place(tmp_path: Path, value: str, what: str) -> None:
     """Like any other mistake."""

@@ -264,7 +264,7 @@ def test_a_wrong_baud_rate(port: Path, capsys: pytest.CaptureFixture[str]) -> No
     with device(port, *REST, "--fault", "wrong_baud:baud=9600"):
         status, found = doctor(capsys, "--port", port, "--timeout", "1", "--baud", "115200")
     assert status == 3
-    assert_findings(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "leave --baud out")])
+    assert_findings(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "without --baud")])
 
 
 def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -273,5 +273,5 @@ def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[st
         status, found = doctor(capsys, "--port", port, "--timeout", "0.5")
     assert status == 3
     assert_findings(
-        found, [("protocol", "error", "TX and RX the right way round"), ("port", "ok", "The port is /dev/pts/")]
+        found, [("protocol", "error", "whether TX and RX are swapped"), ("port", "ok", "The port is /dev/pts/")]
     )

@@ -267,7 +267,7 @@ def test_every_fresh_reader_is_greeted_first(link: Path) -> None:
 def test_a_reader_that_only_opens_the_port_is_waited_for_no_longer_than_it_takes(
     device: PtyDevice, clock: Clock
 ) -> None:
-    """Without the flush that ends the opening of pyserial, the device speaks after half a second."""
+    """Without the flush that ends the opening of pyserial, the device sends after half a second."""
     with raw_on(device):
         device.wait_for_reader(never)
     assert OPENING_S < clock.now_s - 1000.0 < OPENING_S + 0.02

@@ -14,13 +14,13 @@ def test_what_comes_often_is_told_at_once_then_together_and_the_last_at_the_end(
     for name in ("a", "b", "c"):
         events("device", device_id=name)
     assert told == [("device", {"device_id": "a"})]
-    events.report_held()
+    events.report_pending()
     assert len(told) == 1
     now_s[0] = 2.0
-    events.report_held()
+    events.report_pending()
     assert told[1:] == [("device", {"device_id": "c", "times": 2})]
     events("device", device_id="d")
-    events.report_held(is_end=True)
+    events.report_pending(is_end=True)
     assert told[2:] == [("device", {"device_id": "d"})]
-    events.report_held(is_end=True)
+    events.report_pending(is_end=True)
     assert len(told) == 3

@@ -128,7 +128,10 @@ def test_a_given_baud_is_never_second_guessed(port: Path) -> None:
     with speaking_on(port) as device:
         host = Host(port, baud=115200, timeout_s=5.0)
         garbage = (garbled(device, frame, 9600) for frame in spoken("native"))
-        with pytest.raises(DeviceSilentError, match=r"bytes came within 5 s, but no native.* at 115200 baud; a wrong"):
+        with pytest.raises(
+            DeviceSilentError,
+            match=r"bytes arrived within 5 s, but no native.* at 115200 baud; the baud rate may be wrong",
+        ):
             host.hear(device, garbage, 1000)
         assert host.link.baud == 115200
         host.link.close()
@@ -141,7 +144,7 @@ def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
         host.now_s += 2.9
         assert host.link.read() == []
         host.now_s += 0.2
-        with pytest.raises(DeviceSilentError, match="said nothing within 3 s; is it powered"):
+        with pytest.raises(DeviceSilentError, match="sent nothing within 3 s; check its power"):
             host.link.read()
         host.link.close()
 
@@ -283,7 +286,7 @@ def test_a_device_that_sends_no_rate_is_told_what_to_send(port: Path, frame: byt
     """Its frames are good, and there is nothing in them for a filter."""
     with speaking_on(port) as device:
         host = Host(port, timeout_s=1.0)
-        said = rf"good {protocol} frames came within 1 s, but none with a yaw rate; {advice}"
+        said = rf"good {protocol} frames arrived within 1 s, but none with a yaw rate; {advice}"
         with pytest.raises(DeviceSilentError, match=said):
             host.hear(device, repeat(frame), 200)
         host.link.close()

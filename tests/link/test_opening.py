@@ -209,10 +209,10 @@ def test_any_bytes_can_be_said_with_escapes(content: bytes) -> None:
     [
         ("", "is 0 bytes"),
         ("x" * (SEND_LONGEST_BYTES + 1), "is 4097 bytes; expected 1 to 4096"),
-        (r"\q", r"has the escape \\q; expected"),
-        (r"\x1", r"has the escape \\x; expected"),
-        ("\\", r"has the escape \\; expected"),
-        (r"\777", r"has the escape \\777; expected"),
+        (r"\q", r"has the unknown escape \\q; examples"),
+        (r"\x1", r"has the unknown escape \\x; examples"),
+        ("\\", r"has the unknown escape \\; examples"),
+        (r"\777", r"has the unknown escape \\777; examples"),
         ("\ud800", "surrogates not allowed"),
     ],
 )

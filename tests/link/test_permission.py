@@ -71,7 +71,7 @@ def test_nobody_is_told_to_join_root_or_a_group_that_may_not_open_it(refused: Re
     """A rule of udev is what helps, and an access list until then."""
     said = refused(GROUPS[group], mode)
     assert f"usermod -aG {group} " not in said or group == "dialout"
-    assert said.startswith(f"it belongs to root:{group} with mode {mode:04o}, which is no group for users")
+    assert said.startswith(f"it belongs to root:{group} with mode {mode:04o}, which users cannot join")
     assert "sudo setfacl -m u:$USER:rw /dev/pts/" in said
     assert 'GROUP="dialout", MODE="0660" into /etc/udev/rules.d/99-gyro.rules' in said
     assert said.endswith("join it with 'sudo usermod -aG dialout $USER'")
@@ -90,14 +90,14 @@ def test_a_group_that_was_joined_since_this_login_counts_from_the_next(refused: 
 
 def test_who_may_open_it_and_is_refused_is_held_back_by_something_else(refused: Refused) -> None:
     """No group helps there."""
-    assert "something else refuses: a container" in refused(GROUPS["dialout"], here=(GROUPS["dialout"],))
+    assert "so a container" in refused(GROUPS["dialout"], here=(GROUPS["dialout"],))
 
 
 def test_a_terminal_is_no_serial_port(refused: Refused) -> None:
     """Its group opens nobody else's."""
-    assert refused(GROUPS["tty"], 0o620) == "it is a terminal of root, and no serial port"
+    assert refused(GROUPS["tty"], 0o620) == "it is a terminal of root, not a serial port"
 
 
 def test_a_group_of_the_host_without_a_name_in_a_container_is_added_to_it(refused: Refused) -> None:
     """By its number."""
-    assert refused(UNKNOWN).endswith(f"start that with --group-add {UNKNOWN}")
+    assert refused(UNKNOWN).endswith(f"start the container with --group-add {UNKNOWN}")

@@ -17,7 +17,7 @@ from support import speaking_on
 from firmware_sim.pty import PtyDevice
 from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link, LinkOptions
-from gyrodrift.link.unread import MOST_FAILED, UNREAD, spoken
+from gyrodrift.link.unread import FAILED_MAX, UNREAD, spoken
 
 
 def mip(i: int) -> bytes:
@@ -195,7 +195,7 @@ def test_heads_without_end_are_given_up(noise: bytes) -> None:
     for each in UNREAD:
         checks.clear()
         assert not replace(each, is_whole=is_whole).is_spoken(noise * 10_000)
-        assert len(checks) <= MOST_FAILED
+        assert len(checks) <= FAILED_MAX
 
 
 @pytest.mark.parametrize("name", SPOKEN)
@@ -227,7 +227,7 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
     now_s = [100.0]
     with speaking_on(port) as device:
         link = Link(LinkOptions(str(port), timeout_s=4.0), lambda *_, **__: None, lambda: now_s[0])
-        with pytest.raises(DeviceSilentError, match="the device speaks") as refused:
+        with pytest.raises(DeviceSilentError, match="the device sends") as refused:
             hear(link, device, SPOKEN[name], now_s)
         assert name in str(refused.value)
         assert "baud" not in str(refused.value)
@@ -238,8 +238,8 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
 @pytest.mark.parametrize(
     ("asked", "what"),
     [
-        ({"protocol": "csv"}, "the device speaks bno08x-rvc, not csv; leave --protocol csv out"),
-        ({"columns": "t_ms, rate:dps"}, "the device speaks bno08x-rvc, not text; leave --columns out"),
+        ({"protocol": "csv"}, "the device sends bno08x-rvc, not csv; leave out --protocol csv"),
+        ({"columns": "t_ms, rate:dps"}, "the device sends bno08x-rvc, not text; leave out --columns"),
     ],
 )
 def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(

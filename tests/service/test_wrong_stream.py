@@ -37,7 +37,7 @@ def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path
     assert told.startswith(f"gyrodrift: {port}: the device prints text, so the baud rate is right, but no line is a")
     assert '"t:1' in told
     assert "looks like t_ms, gx, gy, gz (label:value pairs)" in told
-    assert "nothing says in which unit" in told
+    assert "its unit is unknown" in told
     assert f"gyrodrift doctor --port {port} --turn" in told
     proposed = shlex.split(told[told.index("--columns") :])[1].rstrip(",")
     assert proposed == "t=t_ms, gz=rate:UNIT"
@@ -55,8 +55,8 @@ def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path
     ("line", "looks"),
     [
         ('{{"ms":{0},"gyro":{{"x":1,"z":0.25}}}}', "looks like t_ms, gx, gz (a JSON object)"),
-        ("MPU6050 connection failed", "looks like a message for people"),
-        ("!z+170.00+000.53-001.20+123.40A5", "looks like data in a form that is not known"),
+        ("MPU6050 connection failed", "looks like a message; is its program running?"),
+        ("!z+170.00+000.53-001.20+123.40A5", "looks like data of an unknown form"),
         ("$GPTXT,{0},hello", "looks like"),
         ("\x1b[31mrate\x1b[0m {0} \x07 " + "x" * 300, "…"),
     ],
@@ -77,7 +77,7 @@ def test_bytes_that_are_no_text_at_a_given_baud_rate_are_told_to_be_tried_at_oth
         while serve.process.poll() is None and device.send_all(random.randbytes(40), never):
             serve._read(0.01)
         assert serve.end() == 3
-    assert "frame in them at 9600 baud; a wrong baud rate looks like this: leave --baud out" in serve.log
+    assert "frame at 9600 baud; the baud rate may be wrong: without --baud all usual rates are tried" in serve.log
 
 
 @pytest.mark.parametrize("command", [("serve",), ("record", "--out", "{folder}")])
@@ -122,7 +122,7 @@ def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Pa
 def test_numbers_that_nothing_names_are_asked_for(port: Path) -> None:
     """Without a proposal that somebody could paste."""
     told = said(port, lambda number: f"{NOISE.gauss(0.3, 0.1):.2f},{NOISE.gauss(-0.8, 0.1):.2f},0.5{number % 10}")
-    assert "nothing says which of them is the yaw rate" in told
+    assert "none of them is known to be the yaw rate" in told
     assert f"gyrodrift doctor --port {port} --turn" in told
     assert "--columns '" not in told
 
@@ -137,7 +137,7 @@ def test_a_rate_without_a_unit_that_is_hardly_in_deg_per_s_ends_the_service(port
             device.send_all(text, never)
             if status:
                 assert serve.end() == status
-                assert "nothing says in which unit its rates are" in serve.log
+                assert "the unit of its rates is not stated" in serve.log
             else:
                 serve.until_log("rate_unit_differs")
                 assert serve.stop() == status

@@ -1,8 +1,8 @@
-"""Time for devices that have no clock: sample numbers, regressed against arrival.
+"""Clock for devices without one: a regression of arrival times against sample numbers.
 
-A link delivers late and in bunches, so the arrival of one sample says little and the line through many says a
-lot. The first samples are held until there is a line; after that time runs along it, one period a sample, and
-leans towards it gently, so that it never goes back.
+A link delivers late and in bursts, so a single arrival is inaccurate, and a line through many is accurate. The first
+samples wait until there is a line. Then time advances by one period per sample, and approaches the line slowly, so that
+it never goes back.
 """
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, SampleGap
@@ -12,28 +12,30 @@ from gyrodrift.sample import Reading, Sample
 HOLD_S = 0.3
 HOLD_SAMPLES = 8
 HOLD_LONGEST_S = 3.0
-HOLD_MOST_SAMPLES = 2000
-"""Samples are held until they span HOLD_S and number HOLD_SAMPLES, or span HOLD_LONGEST_S, or are very many."""
+HOLD_SAMPLES_MAX = 2000
+"""Samples wait until there are HOLD_SAMPLES over HOLD_S, or HOLD_LONGEST_S have passed, or HOLD_SAMPLES_MAX wait."""
 
 LEAN = 0.02
-"""Share of the distance to the line that time moves towards it with each sample."""
+"""Share of the distance to the line by which time approaches it per sample."""
 
 SILENCE_S = 0.25
 SILENCE_PERIODS = 8.0
 BURST_SHARE = 0.5
-"""After a silence longer than both, a read that brings at least BURST_SHARE of the samples that were due is a
-stall that is being made up for; less than that, and samples were lost."""
+"""A silence longer than both was a delay if the next read has at least BURST_SHARE of the missing samples.
+
+Otherwise samples were lost.
+"""
 
 
 class ArrivalClock:
-    """Times readings without a clock of their own; 0 s is the first of them."""
+    """Times of readings without a device clock; the first one is at 0 s."""
 
     def __init__(self, epoch_s: float) -> None:
         self.events: list[ClockEvent] = []
         self.period_s = 0.0
         self.epoch_s = epoch_s
         self._fit = ArrivalFit()
-        self._held: list[tuple[Reading, float]] = []
+        self._waiting: list[tuple[Reading, float]] = []
         self._number = 0
         self._time_s = 0.0
         self._origin_s = 0.0
@@ -42,21 +44,21 @@ class ArrivalClock:
 
     @property
     def drift_ppm(self) -> float | None:
-        """None: there is no device clock that could drift."""
+        """None: there is no device clock."""
         return None
 
     @property
     def pace(self) -> float:
-        """1: time is that of the host."""
+        """1: this is host time."""
         return 1.0
 
     def reconnected(self) -> None:
-        """After an outage whatever is late was lost, not delayed."""
+        """Handle a reconnect: late samples count as lost."""
         self._has_reconnected = True
         self._turning.forget()
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
-        """Samples along the line through arrivals."""
+        """Samples with times along the line through the arrivals."""
         if not readings:
             return []
         if not self.period_s:
@@ -69,20 +71,20 @@ class ArrivalClock:
         return [self._sample(first + i, reading, arrival_s) for i, reading in enumerate(readings)]
 
     def _hold(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
-        self._held += [(reading, arrival_s) for reading in readings]
-        self._fit.add(len(self._held) - 1, arrival_s)
-        span_s = arrival_s - self._held[0][1]
-        is_brief = span_s < HOLD_S or (len(self._held) < HOLD_SAMPLES and span_s < HOLD_LONGEST_S)
-        if is_brief and len(self._held) < HOLD_MOST_SAMPLES:
+        self._waiting += [(reading, arrival_s) for reading in readings]
+        self._fit.add(len(self._waiting) - 1, arrival_s)
+        span_s = arrival_s - self._waiting[0][1]
+        is_brief = span_s < HOLD_S or (len(self._waiting) < HOLD_SAMPLES and span_s < HOLD_LONGEST_S)
+        if is_brief and len(self._waiting) < HOLD_SAMPLES_MAX:
             return []
         self.period_s = self._fit.slope
         if self.period_s <= 0.0:
             return []
-        held, self._held = self._held, []
-        self._number = len(held)
+        waiting, self._waiting = self._waiting, []
+        self._number = len(waiting)
         self._origin_s = self._fit.arrival_s(0)
         self._time_s = -self.period_s
-        return [self._sample(i, reading, arrived_s) for i, (reading, arrived_s) in enumerate(held)]
+        return [self._sample(i, reading, arrived_s) for i, (reading, arrived_s) in enumerate(waiting)]
 
     def _look_for_gap(self, arrived: int, arrival_s: float) -> None:
         late_s = arrival_s - self._fit.arrival_s(self._number + arrived - 1)

@@ -1,7 +1,7 @@
-"""What a clock is, what it reports, and the fading straight line that both clocks are built on.
+"""Clock interface, its events, and the fading regression line that both clocks use.
 
-Arrival is never used as the time of a sample: a serial link delivers late and in bunches, never early. The
-device clock uses the line only as a cross-check and to tell its drift; the arrival clock takes its times from it.
+The arrival is never the time of a sample: a serial link delivers late and in bursts, never early. The device clock uses
+the line only to cross-check and to measure its drift; the arrival clock takes its times from it.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from gyrodrift.sample import Reading, Sample
 
 @dataclass(frozen=True, slots=True)
 class SampleGap:
-    """A hole in the counter, or in time where there is no counter; T across it is the true one.
+    """Gap in the counter, or in time without a counter; the time step across it is true.
 
-    `missing` samples over a step of `seconds`.
+    `missing` samples in a step of `seconds`.
     """
 
     missing: int
@@ -24,9 +24,9 @@ class SampleGap:
 
 @dataclass(frozen=True, slots=True)
 class ClockRestart:
-    """The device clock began anew (a reset) or stepped; device time goes on one period after the last sample.
+    """Reset or step of the device clock; device time continues one period after the last sample.
 
-    `step_s` is how far the raw clock moved, `silent_s` how long nothing had arrived by the host's clock.
+    `step_s` is the step of the raw clock, `silent_s` the host time without samples before it.
     """
 
     step_s: float
@@ -37,20 +37,20 @@ ClockEvent = SampleGap | ClockRestart
 
 
 class Clock(Protocol):
-    """Gives readings their time; what it noticed waits in `events` until the link takes it.
+    """Times of readings; `events` collects its events for the link.
 
-    `epoch_s` is the Unix time of the zero of the host's monotonic clock, s.
+    `epoch_s` is the Unix time at zero of the monotonic host clock, s.
     """
 
     epoch_s: float
     events: list[ClockEvent]
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
-        """Samples for readings that arrived together at `arrival_s` (monotonic host clock, s)."""
+        """Samples from readings that arrived together at `arrival_s`, s on the monotonic host clock."""
         ...
 
     def reconnected(self) -> None:
-        """The link was gone for a time: the next reading may come of a clock that began anew."""
+        """Handle a reconnect: the clock of the next reading may have restarted."""
         ...
 
     @property
@@ -60,20 +60,20 @@ class Clock(Protocol):
 
     @property
     def drift_ppm(self) -> float | None:
-        """How fast the device clock runs against the host's, parts per million; None where unknown."""
+        """Drift of the device clock against the host clock, ppm; None if unknown."""
         ...
 
     @property
     def pace(self) -> float:
-        """Host seconds for one second of the device clock; 0 while unknown."""
+        """Host seconds per second of the device clock; 0 while unknown."""
         ...
 
 
 class ArrivalFit:
-    """Exponentially weighted straight line through (x, arrival), with a gate against late arrivals.
+    """Exponentially weighted line through (x, arrival), with a gate against late arrivals.
 
-    x is device time in s or a sample number. Arrivals further off than `GATE_SCATTERS` mean deviations, and at
-    least `GATE_FLOOR_S`, stay out, unless `GATE_PATIENCE` of them come in a row: then the line itself has moved.
+    x is device time in s or a sample number. The line ignores arrivals that differ by more than `GATE_SCATTERS` mean
+    deviations and by more than `GATE_FLOOR_S`. After `GATE_PATIENCE` of them in a row it restarts.
     """
 
     MEMORY_S = 30.0
@@ -95,12 +95,12 @@ class ArrivalFit:
         self._refused = 0
 
     def shift(self, seconds: float) -> None:
-        """All arrivals from here on are later by so much; the pace stays what it was."""
+        """Shift the line by `seconds`; its slope does not change."""
         self._y += seconds
 
     @property
     def is_warm(self) -> bool:
-        """Whether it covers enough host time to be believed."""
+        """Whether it covers enough host time."""
         return self._last_s - self._first_s >= self.WARM_S and self._xx > 0.0
 
     @property
@@ -113,7 +113,7 @@ class ArrivalFit:
         return self._y + self.slope * (x - self._x)
 
     def add(self, x: float, arrival_s: float) -> None:
-        """Take one arrival into the line."""
+        """Add an arrival."""
         if self.is_warm and self._refuses(abs(arrival_s - self.arrival_s(x))):
             self._refused += 1
             if self._refused < self.GATE_PATIENCE:

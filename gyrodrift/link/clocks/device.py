@@ -1,4 +1,4 @@
-"""The device's own clock: unwrapped over 32 bits, its holes measured, its restarts told from its glitches."""
+"""Clock of the device: unwrapped over 32 bits, with gaps, restarts and glitches told apart."""
 
 from collections import deque
 from statistics import median
@@ -9,45 +9,50 @@ from gyrodrift.link.clocks.turning import TurningRate
 from gyrodrift.sample import Reading, Sample
 
 STEP_US = 1_000_000
-"""The longest step that is believed of a device whose period is not known yet."""
+"""Longest step that counts before the period is known, µs."""
 
 FORWARD_SAMPLES = 64
-"""A longer hole right behind an odd step bears it out no more: the counter may have begun anew as well."""
+"""Longest gap after an odd step that still confirms it, in samples; the counter may have restarted, too."""
 
 REPEATED_PERIODS = 8.0
-"""A link may repeat the last few readings; what goes back further comes of a clock and a counter that began anew."""
+"""Longest step back that is a repeated reading, in periods; a longer one means a restart."""
 
 ODD_PERIODS = 4.0
 RETURN_PERIODS = 2.5
-"""Without a counter, a step of more than ODD_PERIODS waits for the reading after it; if that is within RETURN_PERIODS
-of the last one before, the odd one was a glitch."""
+"""Without a counter, a step of more than ODD_PERIODS waits for the next reading.
+
+If that is within RETURN_PERIODS of the last one before, the odd reading was a glitch.
+"""
 
 CROSS_CHECK_SLACK_S = 0.5
-"""How far host and device clock may part over one step before they contradict each other."""
+"""Largest difference of host and device clock over one step, s."""
 
 REAL_TIME = (0.9, 1.1)
-"""Host seconds per device second between which the host clock serves as a cross-check; a fast replay lies outside."""
+"""Range of host seconds per device second in which the host clock is a cross-check; a fast replay is outside."""
 
 PERIOD_STEPS = 33
 HOLE_PERIODS = 1.5
-"""Without a counter, a step of more than HOLE_PERIODS times the median of PERIOD_STEPS steps is a hole."""
+"""Without a counter, a step of more than HOLE_PERIODS times the median of PERIOD_STEPS steps is a gap."""
 
 FALLBACK_PERIOD_S = 0.01
 
 FIT_EVERY_S = 0.02
-"""The line through (device time, arrival) takes no more points than this: they cost more than the samples."""
+"""Interval of points for the line through (device time, arrival), s; more points would cost too much time."""
 
 
 class DeviceClock:
-    """Unwraps a microsecond clock and a 16-bit counter.
+    """Unwrapped microsecond clock and 16-bit counter.
 
-    A step of about a period is believed, and so is a longer one that the counter bears out, or whose samples are as far
-    apart as those before. Any other step waits for
-    the reading after it. If that goes on from it, the step was real: a hole, if it leads forward and the host clock,
-    where it has been running alongside, agrees (a sample cannot arrive before it was taken); else the clock has begun
-    anew, and device time goes on one period after the last sample. If the reading after goes on from before the step,
-    the step was a glitch of one reading. A reading that stands still, or repeats an older one with its counter, is
-    passed on as it is: the filter counts it and passes it by.
+    A step of about one period counts at once. So does a longer one that the counter confirms, or whose samples are as
+    far apart as those before. Any other step waits for the next reading:
+
+    - If that continues from the step, the step was real. It is a gap if it leads forward and the host clock agrees:
+      a sample cannot arrive before it was taken. Else the clock has restarted, and device time continues one period
+      after the last sample.
+    - If that continues from before the step, the step was a glitch of one reading.
+
+    A reading whose time stands still, or that repeats an older one with its counter, is passed on. The filter counts
+    and ignores it.
     """
 
     def __init__(self, epoch_s: float) -> None:
@@ -70,20 +75,20 @@ class DeviceClock:
 
     @property
     def drift_ppm(self) -> float | None:
-        """Positive where the device clock runs fast; None where the host clock is no cross-check."""
+        """Drift, ppm, positive if the device clock is fast; None if the host clock is not a cross-check."""
         return (1.0 / self._fit.slope - 1.0) * 1e6 if self._host_can_cross_check() else None
 
     @property
     def pace(self) -> float:
-        """Near 1, but for a fast replay and a clock in another unit."""
+        """Host seconds per device second: about 1, except for a fast replay, or a clock in another unit."""
         return self._fit.slope if self._fit.is_warm else 0.0
 
     def reconnected(self) -> None:
-        """After an outage the next step has to agree with the host clock from both sides."""
+        """Handle a reconnect: the next step must agree with the host clock in both directions."""
         self._has_reconnected = True
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
-        """Samples on the unwrapped device clock."""
+        """Samples with unwrapped device times."""
         samples: list[Sample] = []
         for reading in readings:
             last = self._last
@@ -102,7 +107,7 @@ class DeviceClock:
         return samples
 
     def _is_next(self, last: Reading, reading: Reading) -> bool:
-        """The common case, told as cheaply as can be: one on by the counter, about a period on by the clock."""
+        """Fast check of the common case: counter plus one, clock plus about one period."""
         t_us, seq, last_us, last_seq = reading.t_us, reading.seq, last.t_us, last.seq
         return (
             seq is not None
@@ -125,7 +130,7 @@ class DeviceClock:
             self.glitches += suspect is not None
             self._accept(last, reading, step_us, arrival_s, samples)
         elif self._continues(suspect, reading) or (not is_usual and _is_forward(suspect, reading)):
-            self._settle(last, suspect, arrival_s, samples)
+            self._resolve_step(last, suspect, arrival_s, samples)
             self._classify(suspect, reading, arrival_s, samples)
         else:
             self.glitches += 1
@@ -138,36 +143,34 @@ class DeviceClock:
             samples.append(self._sample(reading, self._time_us + step_us, self._seq, arrival_s))
 
     def _is_usual(self, last: Reading, reading: Reading, step_us: int) -> bool:
-        """A step that nothing speaks against, and the counter bears out: no second reading is needed."""
+        """Whether a step is plausible, and confirmed by the counter, so that it needs no second reading."""
         if self._has_reconnected:
             return False
         counted_us = self._counted_us(last, reading)
         if counted_us is not None and step_us >= -REPEATED_PERIODS * self.period_s * 1e6:
-            is_borne_out = (
-                counted_us < COUNTER_WRAP // 2 * self.period_s * 1e6
-            )  # by the counter, not by a guess of wraps
+            is_borne_out = counted_us < COUNTER_WRAP // 2 * self.period_s * 1e6  # without guessing the number of wraps
             return (is_borne_out and agree(counted_us, step_us)) or is_one_pace(self._step, step_between(last, reading))
         if not self.period_s:
             return 0 <= step_us <= STEP_US
         return 0 <= step_us <= ODD_PERIODS * self.period_s * 1e6
 
     def _counted_us(self, last: Reading, reading: Reading) -> float | None:
-        """How far time should have moved by the counter, forward or back, µs; None without counter or period."""
+        """Expected time step from the counter, signed, µs; None without counter or period."""
         if reading.seq is None or last.seq is None or not self.period_s:
             return None
         half = COUNTER_WRAP // 2
         counted = (reading.seq - last.seq + half) % COUNTER_WRAP - half
-        # A hole of more than half a wrap looks like a step back: the clock says how many wraps there were.
+        # A gap of more than half a wrap looks like a step back; the clock gives the number of wraps.
         wraps = round((clock_step(last, reading) / (self.period_s * 1e6) - counted) / COUNTER_WRAP)
         return (counted + max(0, wraps) * COUNTER_WRAP) * self.period_s * 1e6
 
-    def _settle(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
-        """What an odd step was, now that the reading after it went on from it: a hole, or a new beginning."""
+    def _resolve_step(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+        """Handle an odd step that the next reading confirms: a gap, or a restart."""
         step_us = clock_step(last, first)
         if step_us > 0 and self._is_hole(last, first, step_us, arrival_s):
             self._move(first, step_us, self._counted(last, first, step_us), arrival_s, samples)
         else:
-            self._begin_anew(last, first, arrival_s, samples)
+            self._restart(last, first, arrival_s, samples)
 
     def _is_hole(self, last: Reading, first: Reading, step_us: int, arrival_s: float) -> bool:
         expected_s = self._fit.arrival_s((self._time_us + step_us) * 1e-6)
@@ -185,7 +188,7 @@ class DeviceClock:
         return 0 < clock_step(suspect, reading) <= max(STEP_US, ODD_PERIODS * self.period_s * 1e6)
 
     def _counted(self, last: Reading, reading: Reading, step_us: int) -> int:
-        """How far the counter moved over a believed step; reports a hole."""
+        """Step of the counter over a confirmed step of time; reports a gap."""
         step_s = step_us * 1e-6
         expected = step_s / self.period_s if self.period_s else 1.0
         if reading.seq is None or last.seq is None:
@@ -193,7 +196,7 @@ class DeviceClock:
         else:
             moved = counter_step(last.seq, reading.seq)
             moved += COUNTER_WRAP * round((expected - moved) / COUNTER_WRAP)
-            if moved > 4.0 * expected + 8.0:  # the counter jumped and time did not: nothing is missing
+            if moved > 4.0 * expected + 8.0:  # only the counter jumped: nothing is missing
                 return moved
         if moved > 1:
             self.events.append(SampleGap(moved - 1, step_s))
@@ -208,13 +211,11 @@ class DeviceClock:
             self._usual_us = HOLE_PERIODS * self.period_s * 1e6
             self._steps_s.clear()
 
-    def _begin_anew(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
+    def _restart(self, last: Reading, first: Reading, arrival_s: float, samples: list[Sample]) -> None:
         self._turning.forget()
         self.events.append(ClockRestart(clock_step(last, first) * 1e-6, arrival_s - self._arrival_s))
         period_us = round((self.period_s or FALLBACK_PERIOD_S) * 1e6)
-        if (
-            self._host_can_cross_check()
-        ):  # it goes on being one: a clock that has begun anew once may do so at once again
+        if self._host_can_cross_check():  # it remains a cross-check, since the clock may restart again
             self._fit.shift(arrival_s - self._fit.arrival_s((self._time_us + period_us) * 1e-6))
         else:
             self._fit.restart()
@@ -229,7 +230,7 @@ class DeviceClock:
         samples.append(self._sample(reading, self._time_us, self._seq, arrival_s))
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
-        # An integer divided by 10^6 is the double nearest to the decimal fraction: what a csv of it would say.
+        # An integer divided by 10^6 is the double nearest to the decimal fraction in a csv.
         _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(time_us * 1e-6, yaw_deg)
@@ -237,9 +238,9 @@ class DeviceClock:
 
 
 def _is_forward(suspect: Reading, reading: Reading) -> bool:
-    """Whether counter and clock both went on from a step that is waited for, by no more than STEP_US a sample.
+    """Whether counter and clock both advanced from a suspect step, by at most STEP_US per sample.
 
-    Frames that are lost while a device is set to a slower rate make steps of both rates.
+    If frames are lost while the device changes to a slower rate, steps of both rates occur.
     """
     step_us, counted = step_between(suspect, reading)
     return 0 < counted < FORWARD_SAMPLES and 0 < step_us <= STEP_US * counted

@@ -1,4 +1,4 @@
-"""Steps of a device's clock and counter, both of which wrap, and whether two of them tell the same."""
+"""Steps of the wrapping clock and counter of a device, and their comparison."""
 
 from gyrodrift.sample import Reading
 
@@ -7,7 +7,7 @@ COUNTER_WRAP = 1 << 16
 
 ODD_US = 100_000
 ODD_SHARE = 0.1
-"""How far clock and counter may part over one step, or the samples of two steps, before they contradict each other."""
+"""Largest difference of clock and counter over a step, in µs, and as a share of the step."""
 
 
 def clock_step(last: Reading, reading: Reading) -> int:
@@ -17,28 +17,28 @@ def clock_step(last: Reading, reading: Reading) -> int:
 
 
 def counter_step(last_seq: int, seq: int) -> int:
-    """How far the wrapping counter moved."""
+    """Step of the wrapping counter."""
     return (seq - last_seq) % COUNTER_WRAP
 
 
 def step_between(last: Reading, reading: Reading) -> tuple[int, int]:
-    """How far the clock moved, µs, and the counter; 0 for that of a device without one."""
+    """Steps of the clock, µs, and of the counter; 0 without a counter."""
     counted = 0 if last.seq is None or reading.seq is None else counter_step(last.seq, reading.seq)
     return clock_step(last, reading), counted
 
 
 def agree(counted_us: float, step_us: int) -> bool:
-    """Whether counter and clock tell the same of one step."""
+    """Whether counter and clock agree on a step."""
     return abs(counted_us - step_us) <= max(ODD_US, ODD_SHARE * abs(step_us))
 
 
 def is_one_pace(before: tuple[int, int], after: tuple[int, int]) -> bool:
-    """Whether samples are as far apart over both steps, forward and by the counter.
+    """Whether the period is the same over two forward steps, by the counter.
 
-    A device that was set to another rate is believed by that, long before its period is known.
+    It confirms the steps of a device with a new sample rate, before its period is known.
     """
     (before_us, counted_before), (after_us, counted) = before, after
-    if before_us <= 0 or after_us <= 0 or not all(0 < each < COUNTER_WRAP // 2 for each in (counted_before, counted)):
+    if before_us <= 0 or after_us <= 0 or not all(0 < count < COUNTER_WRAP // 2 for count in (counted_before, counted)):
         return False
     expected = before_us * counted
     return abs(after_us * counted_before - expected) <= ODD_SHARE * expected

@@ -1,13 +1,13 @@
-"""Angles of devices that send a rate as well, or none: which of the two is taken, and the yaw of a quaternion."""
+"""Choice between rate and angle of a device that may send both, and yaw of a quaternion."""
 
 from math import atan2, degrees
 
 ANGLES_BEFORE = 5
-"""So many angles wait for a rate: devices that send both do so in turns."""
+"""Angles without a rate before the angle is chosen: devices that send both alternate."""
 
 
 class RateOrAngle:
-    """One or the other for the whole stream: the rate, unless ANGLES_BEFORE angles came without any."""
+    """Choice for the whole stream: the rate, unless ANGLES_BEFORE angles came without one."""
 
     def __init__(self) -> None:
         self._has_rate = False
@@ -19,12 +19,12 @@ class RateOrAngle:
         return self._angles > ANGLES_BEFORE
 
     def takes_rate(self) -> bool:
-        """Of a rate that came: whether it is taken."""
+        """Whether a received rate is used."""
         self._has_rate = not self.is_angle
         return self._has_rate
 
     def takes_angle(self) -> bool:
-        """Of an angle that came: whether it is taken."""
+        """Whether a received angle is used."""
         self._angles += not self._has_rate
         return self.is_angle
 

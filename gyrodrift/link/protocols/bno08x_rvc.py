@@ -1,11 +1,11 @@
-"""BNO08x in UART-RVC mode: `AA AA index yaw pitch roll x y z … sum` at 100 Hz; the rate is how far yaw went.
+"""BNO08x in UART-RVC mode: `AA AA index yaw pitch roll x y z … sum` at 100 Hz; the rate is the difference of yaw.
 
-The chip sends yaw in hundredths of a degree and no rate. From one frame to the next that makes a rate with a resolution
-of 1 deg/s, whose sum is exactly the yaw of the chip. Its bias the chip has taken away already, by its own filter: what
-drift is left is the chip's, and there is little for another filter to find. A rate of the sensor itself comes only with
-the chip's other protocols (BNO080 data sheet 1000-3927, 1.3.5 and 6.5; yaw is positive counter-clockwise, chapter 4).
+The chip sends yaw in hundredths of a degree, and no rate. Differences give a rate with a resolution of 1 deg/s, whose
+sum is exactly the yaw of the chip. The filter of the chip has removed the bias already, so that another filter can
+correct little. Only other protocols of the chip have the rate of the sensor (BNO080 data sheet 1000-3927, 1.3.5 and
+6.5; yaw is positive counter-clockwise, chapter 4).
 
-The index counts frames of 10 ms, and is the clock: a frame that was lost leaves a hole, and yaw stays right.
+The index counts frames of 10 ms and is the clock: a lost frame is a gap, and yaw stays right.
 """
 
 import re
@@ -20,11 +20,11 @@ FRAME = Struct("<2sBhhhhhhBBBB")
 PERIOD_US = 10_000
 CENTIDEGREES = 36_000
 FASTEST_DPS = 2000.0
-"""Range of the chip's gyro; yaw that moves faster was set anew, or many frames were lost."""
+"""Range of the gyro; a faster yaw was reset, or many frames were lost."""
 
 
 class RvcDecoder(FrameDecoder):
-    """Differences of yaw; the first frame gives none."""
+    """Decoder of yaw differences; the first frame gives no reading."""
 
     name = "bno08x-rvc"
     head = b"\xaa\xaa"
@@ -39,24 +39,24 @@ class RvcDecoder(FrameDecoder):
         self._index = 0
         self._count = 0
 
-    def length(self, buffer: bytes, at: int) -> int | None:  # noqa: ARG002 - others say it in the frame
-        """Always the same."""
+    def length(self, buffer: bytes, position: int) -> int | None:  # noqa: ARG002 - constant here
+        """Length of all frames."""
         return FRAME.size
 
     def is_whole(self, frame: bytes) -> bool:
-        """The sum of all between head and sum."""
+        """Whether the sum of all bytes between head and sum is right."""
         return sum(frame[2:-1]) & 0xFF == frame[-1]
 
     def read(self, frame: bytes) -> Reading | None:
-        """The mean rate since the last frame."""
+        """Mean rate since the last frame."""
         _, index, yaw, *_ = FRAME.unpack(frame)
         before, steps = self._yaw, (index - self._index) & 0xFF
         self._yaw, self._index = yaw, index
         self._count += steps
         if before is None or not steps:
             return None
-        turned = (yaw - before + CENTIDEGREES // 2) % CENTIDEGREES - CENTIDEGREES // 2
-        rate_dps = turned / steps
+        turn_centideg = (yaw - before + CENTIDEGREES // 2) % CENTIDEGREES - CENTIDEGREES // 2
+        rate_dps = turn_centideg / steps
         if abs(rate_dps) > FASTEST_DPS:
             return None
         return Reading(self._count * PERIOD_US & 0xFFFFFFFF, self._count & 0xFFFF, rate_dps)

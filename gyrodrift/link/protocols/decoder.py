@@ -1,7 +1,7 @@
-"""What every decoder is: bytes are pushed in, readings come out, and what was damaged is counted.
+"""Decoder of a wire protocol: bytes in, readings out, damage counted.
 
-A decoder never reads, waits or raises. It gives the same readings for any split of the stream, and keeps less
-than five kilobytes between two pushes, beside samples whose scale is not known yet.
+A decoder never reads, waits or raises. Its readings do not depend on how the stream is split. Between two pushes it
+keeps less than 5 kB, and the samples that wait for their scale.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from typing import Protocol
 
 from gyrodrift.sample import Reading
 
-MOST_HELD = 65_536
-"""Samples that may wait for their scale; then the oldest goes for each that comes.
+WAITING_MAX = 65_536
+"""Largest number of samples that wait for their scale; then the oldest are dropped.
 
 One turn of the 16-bit sample counter: more than a minute at 1 kHz, 6 s at 10 kHz, and at most 5 MB.
 """
@@ -18,22 +18,22 @@ One turn of the 16-bit sample counter: more than a minute at 1 kHz, 6 s at 10 kH
 
 @dataclass(slots=True)
 class DecoderCounters:
-    """What a decoder has seen.
+    """Counters of a decoder.
 
     frames
         Good frames or lines, of any kind.
     damaged
         Frames or lines that failed their checksum, length or form.
     before_hello
-        Good samples whose scale is not known: those that wait for it, and those that were dropped for the lack of it.
+        Good samples without a known scale: waiting or dropped.
     late
-        Good samples that waited for their scale and were handed on when it came.
+        Good samples that waited for their scale, and got it.
     clipped
-        Samples that the device marked as out of its range.
-    other
-        Good frames of kinds that carry no yaw rate.
+        Samples that the device marked as out of range.
+    other_frames
+        Good frames without a yaw rate.
     passed_over
-        Names of other senders of a rate on the same line: one is listened to.
+        Names of further talkers with a rate on the same line, which are ignored.
     """
 
     frames: int = 0
@@ -41,13 +41,13 @@ class DecoderCounters:
     before_hello: int = 0
     late: int = 0
     clipped: int = 0
-    other: int = 0
+    other_frames: int = 0
     passed_over: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceDescription:
-    """What a device says of itself; None where its protocol has no word for it."""
+    """Description that a device sends; None if its protocol has no such field."""
 
     device_id: str | None = None
     sample_rate_hz: float | None = None
@@ -56,12 +56,12 @@ class DeviceDescription:
 
 
 class Decoder(Protocol):
-    """A wire protocol, push-only."""
+    """Decoder of a wire protocol."""
 
     name: str
     counters: DecoderCounters
     device: DeviceDescription
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Take the next bytes of the stream and give the readings that they complete."""
+        """Decode the next bytes of the stream, and return the completed readings."""
         ...

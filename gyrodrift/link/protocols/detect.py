@@ -1,4 +1,4 @@
-"""Which protocol is this? All decoders listen to the same bytes, and the first one that is sure wins."""
+"""Detection of the protocol: all decoders get the same bytes, and the first certain one wins."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,29 +17,29 @@ class _Candidate:
 
     @property
     def is_sure(self) -> bool:
-        """Whether enough good frames came, or the device has said who it is."""
+        """Whether enough good frames arrived, or the device sent its id."""
         decoder = self.decoder
         return decoder.counters.frames >= self.protocol.sure_frames or decoder.device.device_id is not None
 
 
 class Detector:
-    """Listens with every decoder that comes into question until one is sure; the readings of that one are kept."""
+    """Feed all candidate decoders until one is certain, and keep its readings."""
 
     def __init__(self, protocols: Sequence[WireProtocol], guard: Guard | None = None) -> None:
         self._candidates = [_Candidate(protocol, protocol.decoder()) for protocol in protocols]
-        self._is_said = len(self._candidates) == 1
+        self._is_given = len(self._candidates) == 1
         self._guard = guard or Guard()
 
     @property
     def is_warm(self) -> bool:
-        """Whether some decoder has understood something."""
+        """Whether a decoder has decoded a frame."""
         return any(candidate.decoder.counters.frames for candidate in self._candidates)
 
     def push(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
-        """Take the next bytes; the decoder that is sure, with all it has read so far, or None."""
+        """Add bytes; return the certain decoder with all its readings, or None."""
         for candidate in self._candidates:
             candidate.decoder, readings = self._guard.push(candidate.protocol, candidate.decoder, chunk)
             candidate.readings += readings
-            if candidate.is_sure and (self._is_said or candidate.protocol.is_plausible(candidate.readings)):
+            if candidate.is_sure and (self._is_given or candidate.protocol.is_plausible(candidate.readings)):
                 return candidate.decoder, candidate.readings
         return None

@@ -1,7 +1,7 @@
-"""Binary frames with a head, a length and a checksum: what holds for every protocol of them.
+"""Base of all protocols of binary frames with a head, a length and a checksum.
 
-Frames stand right behind each other, so bytes that are none of a frame are damage. The search goes on behind the first
-byte of a head that led nowhere, not behind the frame that it promised: a damaged length costs no frame but its own.
+Frames follow each other directly, so bytes between them are damage. After a damaged frame the search goes on behind the
+first byte of its head. So a damaged length costs one frame only.
 """
 
 import re
@@ -13,23 +13,23 @@ from gyrodrift.sample import Reading
 
 
 class FrameDecoder(ABC):
-    """Walks from head to head.
+    """Decoder that searches for heads.
 
     head
-        The bytes that each frame begins with.
+        First bytes of every frame.
     header, header_bytes
-        What a frame begins with, as a pattern, and the most bytes that this takes: in noise heads are many.
-    beside
-        A first byte of what a device may say between frames; that is passed over and not counted as damage.
+        Pattern of the beginning of a frame, and its largest length; noise has many heads.
+    filler
+        First byte of other output between frames, which is not counted as damage.
     needs_two
-        Whether out of step a frame is only believed when the next one stands right behind it.
+        Whether a frame after damage counts only if the next frame follows directly.
     """
 
     name: str
     head: ClassVar[bytes]
     header: ClassVar[re.Pattern[bytes]]
     header_bytes: ClassVar[int]
-    beside: ClassVar[bytes] = b""
+    filler: ClassVar[bytes] = b""
     needs_two: ClassVar[bool] = False
 
     def __init__(self) -> None:
@@ -39,65 +39,65 @@ class FrameDecoder(ABC):
         self._in_step = False
 
     @abstractmethod
-    def length(self, buffer: bytes, at: int) -> int | None:
-        """Bytes of the frame whose head is at that place; 0 where it can be none, None before enough of it came."""
+    def length(self, buffer: bytes, position: int) -> int | None:
+        """Length of the frame at a position; 0 if it is not a frame, None if more bytes are needed."""
 
     @abstractmethod
     def is_whole(self, frame: bytes) -> bool:
-        """Whether its checksum is right."""
+        """Whether the checksum is right."""
 
     @abstractmethod
     def read(self, frame: bytes) -> Reading | None:
-        """What a frame holds; None where that is no rate."""
+        """Reading of a frame; None without a rate."""
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Take what is whole and keep the rest."""
+        """Decode complete frames, and keep the rest."""
         readings: list[Reading] = []
-        buffer, at = self._pending + chunk, 0
-        while (at := self._find(buffer, at)) < len(buffer):
-            end = self._believed_end(buffer, at)
+        buffer, position = self._pending + chunk, 0
+        while (position := self._find(buffer, position)) < len(buffer):
+            end = self._believed_end(buffer, position)
             if end is None:
                 break
             if end:
                 self._in_step = True
-                self._take(buffer[at:end], readings)
+                self._take(buffer[position:end], readings)
             else:
                 self._lose_step()
-            at = end or at + 1
-        self._pending = buffer[at:]
+            position = end or position + 1
+        self._pending = buffer[position:]
         return readings
 
-    def _find(self, buffer: bytes, at: int) -> int:
-        """The next place of a head, or of what may become one with the bytes to come."""
-        left = buffer[at : at + len(self.head)]
-        if self.head.startswith(left):
-            return at
-        self._lose_step(left[:1])
-        found = self.header.search(buffer, at + 1)
-        cut = buffer.find(self.head[:1], max(at + 1, len(buffer) - self.header_bytes + 1))
-        place = len(buffer) if cut < 0 else cut
-        return place if found is None else min(place, found.start())
+    def _find(self, buffer: bytes, position: int) -> int:
+        """Position of the next head, or of its possible beginning at the end of the buffer."""
+        remaining = buffer[position : position + len(self.head)]
+        if self.head.startswith(remaining):
+            return position
+        self._lose_step(remaining[:1])
+        match = self.header.search(buffer, position + 1)
+        cut = buffer.find(self.head[:1], max(position + 1, len(buffer) - self.header_bytes + 1))
+        candidate = len(buffer) if cut < 0 else cut
+        return candidate if match is None else min(candidate, match.start())
 
-    def _end(self, buffer: bytes, at: int) -> int | None:
-        """Where the frame at that place ends; 0 where it is none, None where more bytes have to tell."""
-        left = buffer[at : at + len(self.head)]
-        if not self.head.startswith(left):
+    def _end(self, buffer: bytes, position: int) -> int | None:
+        """End of the frame at a position; 0 if it is not a frame, None if more bytes are needed."""
+        remaining = buffer[position : position + len(self.head)]
+        if not self.head.startswith(remaining):
             return 0
-        length = self.length(buffer, at) if len(left) == len(self.head) else None
-        if length is None or len(buffer) - at < length:
+        length = self.length(buffer, position) if len(remaining) == len(self.head) else None
+        if length is None or len(buffer) - position < length:
             return None
-        return at + length if length and self.is_whole(buffer[at : at + length]) else 0
+        return position + length if length and self.is_whole(buffer[position : position + length]) else 0
 
-    def _believed_end(self, buffer: bytes, at: int) -> int | None:
-        """As `_end`, but 0 too where a frame out of step has none behind it."""
-        end = self._end(buffer, at)
+    def _believed_end(self, buffer: bytes, position: int) -> int | None:
+        """End of a frame as `_end`; 0 also if a frame after damage is not followed by another one."""
+        end = self._end(buffer, position)
         if not end or self._in_step or not self.needs_two:
             return end
         next_end = self._end(buffer, end)
         return next_end and end
 
     def _lose_step(self, first: bytes = b"") -> None:
-        if self._in_step and not (first and first == self.beside):
+        if self._in_step and not (first and first == self.filler):
             self.counters.damaged += 1
         self._in_step = False
 
@@ -105,6 +105,6 @@ class FrameDecoder(ABC):
         self.counters.frames += 1
         reading = self.read(frame)
         if reading is None:
-            self.counters.other += 1
+            self.counters.other_frames += 1
         else:
             readings.append(reading)

@@ -1,13 +1,13 @@
-"""Whether one sample may be of the device that sent the one before: its counter and its clock both went on."""
+"""Check that two samples come from the same device: counter and clock both advance."""
 
 from gyrodrift.link.clocks.steps import COUNTER_WRAP, ODD_SHARE, ODD_US, step_between
 from gyrodrift.sample import Reading
 
 
 def goes_on(last: Reading, reading: Reading, rate_hz: float | None) -> bool:
-    """Whether the clock went forward, and the counter by as many samples as a device of this rate takes meanwhile.
+    """Whether the clock advances, and the counter by the samples of that time.
 
-    `rate_hz` is None where the device does not say it: then the clock decides alone.
+    `rate_hz` is None if the device does not send it; then only the clock counts.
     """
     step_us, counted = step_between(last, reading)
     if step_us < 0:

@@ -1,7 +1,7 @@
-"""The one place where decoders are called: an error inside of a decoder costs a frame, never the service.
+"""Guard around all decoders: an error inside a decoder costs a frame, not the service.
 
-No shipped decoder raises, and property tests hold that. A device can send anything at all, though, and protocols may be
-registered from outside: whatever a decoder raises is damage here.
+Shipped decoders do not raise, which property tests check. Protocols may be registered from outside, however, and their
+errors count as damage.
 """
 
 from collections.abc import Callable
@@ -16,43 +16,43 @@ EVENT = "decoder_failed"
 QUOTED_BYTES = 80
 
 
-def _unheard(event: str, **fields: Any) -> None:
-    """Nobody listens."""
+def _ignore_event(event: str, **fields: Any) -> None:
+    """Ignore the event."""
     _ = event, fields
 
 
 class Guard:
-    """Pushes bytes into decoders; of the first error there is an event, and every error counts as damage."""
+    """Push bytes into decoders; the first error is an event, and every error counts as damage."""
 
-    def __init__(self, on_event: Callable[..., Any] = _unheard) -> None:
+    def __init__(self, on_event: Callable[..., Any] = _ignore_event) -> None:
         self._on_event = on_event
         self._is_told = False
 
     def push(self, protocol: WireProtocol, decoder: Decoder, chunk: bytes) -> tuple[Decoder, list[Reading]]:
-        """The readings that the bytes complete, and the decoder to go on with.
+        """Completed readings, and the decoder to use from now on.
 
-        That is a fresh one after an error, as after a reconnect. It is given the same bytes once more, one by one, and
-        so an error costs the frame it is in.
+        After an error that is a fresh decoder, as after a reconnect. It gets the same bytes again, one by one, so that
+        an error costs one frame.
         """
         try:
             return decoder, decoder.push(chunk)
-        except Exception as error:  # noqa: BLE001 - whatever it is, the next frame is read
+        except Exception as error:  # noqa: BLE001 - any error, the next frame is read
             first_error = error
         fresh, readings, errors = self._push_bytes(protocol, renewed(protocol, decoder), chunk)
-        if not errors:  # what came before these bytes was a part of it
+        if not errors:  # earlier bytes were a part of it
             self._count(protocol, fresh, first_error, chunk)
         return fresh, readings
 
     def _push_bytes(self, protocol: WireProtocol, decoder: Decoder, chunk: bytes) -> tuple[Decoder, list[Reading], int]:
         readings: list[Reading] = []
         begun = errors = 0
-        for at in range(len(chunk)):
+        for position in range(len(chunk)):
             try:
-                readings += decoder.push(chunk[at : at + 1])
-            except Exception as error:  # noqa: BLE001 - likewise
+                readings += decoder.push(chunk[position : position + 1])
+            except Exception as error:  # noqa: BLE001 - as above
                 decoder = renewed(protocol, decoder)
-                self._count(protocol, decoder, error, chunk[begun : at + 1])
-                begun, errors = at + 1, errors + 1
+                self._count(protocol, decoder, error, chunk[begun : position + 1])
+                begun, errors = position + 1, errors + 1
         return decoder, readings, errors
 
     def _count(self, protocol: WireProtocol, decoder: Decoder, error: Exception, content: bytes) -> None:
@@ -64,9 +64,9 @@ class Guard:
 
 
 def renewed(protocol: WireProtocol, decoder: Decoder) -> Decoder:
-    """A fresh decoder that goes on counting, and remembers whom it heard.
+    """Fresh decoder with the counters and the device of the old one.
 
-    Half a frame, and the scale, went with the old one: until it is said again nobody knows that it is the same device.
+    The scale is dropped: until the device sends it again, it may be another device.
     """
     fresh = protocol.decoder()
     fresh.counters, fresh.device = decoder.counters, decoder.device

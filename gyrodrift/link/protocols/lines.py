@@ -1,9 +1,8 @@
-"""Text lines as measurements: what holds for every protocol of lines, whatever stands in them.
+"""Base of all protocols of text lines.
 
-Such lines carry no checksum, so a damaged one may still parse. Two habits of real sketches catch most of that:
-a device keeps its number of columns, and a reader that joins in the middle of a line sees a shortened first
-line. So the first line is held until two more have come, and a line with another number of columns counts as
-damaged until three in a row have it.
+Lines without a checksum may be damaged and still parse. Two properties of real sketches detect most damage: the number
+of columns is constant, and a reader that starts inside a line gets a shortened first line. So the first line waits for
+two more, and a line with another number of columns counts as damaged until three in a row have it.
 """
 
 from abc import ABC, abstractmethod
@@ -12,18 +11,18 @@ from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.sample import Reading
 
 MAX_RATE_DPS = 2e4
-"""Several times what gyros on the market measure; a larger number is a damaged line."""
+"""Several times the range of gyros on the market; a larger number is a damaged line."""
 
 COLUMN_CHANGE_LINES = 3
 JOIN_GAP_US = 1_000_000
-"""A first step of time above this, and above four times the second one, comes of a shortened first line."""
+"""A first time step above this, and above four times the second one, means a shortened first line."""
 
-OTHER = (0, Reading(None, None, 0.0))
-"""A good line that holds no rate."""
+WITHOUT_RATE = (0, Reading(None, None, 0.0))
+"""Result for a good line without a rate."""
 
 
 class LineDecoder(ABC):
-    """Lines ended by LF, CRLF or CR; comments start with `#`."""
+    """Decoder of lines that end with LF, CRLF or CR; comments start with `#`."""
 
     name: str
     longest_bytes = 256
@@ -39,14 +38,14 @@ class LineDecoder(ABC):
 
     @abstractmethod
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
-        """Number of columns and measurement of a line; OTHER where it holds none, None where it is damaged."""
+        """Number of columns and reading of a line; WITHOUT_RATE without a rate, None if it is damaged."""
 
     def is_comment(self, text: bytes) -> bool:
-        """Whether a line is passed over without being counted."""
+        """Whether a line is ignored and not counted."""
         return text.startswith(b"#")
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Split at line ends and parse each whole line."""
+        """Split at line ends, and parse complete lines."""
         readings: list[Reading] = []
         *lines, pending = (self._pending + chunk).replace(b"\r", b"\n").split(b"\n")
         for line in lines:
@@ -68,26 +67,26 @@ class LineDecoder(ABC):
             self.counters.damaged += 1
             return
         self.counters.frames += 1
-        if parsed is OTHER:
-            self.counters.other += 1
+        if parsed is WITHOUT_RATE:
+            self.counters.other_frames += 1
         elif self._first is None:
             self._accept(*parsed, readings)
         else:
             self._join(*parsed, readings)
 
     def _join(self, columns: int, reading: Reading, readings: list[Reading]) -> None:
-        held = self._first or []
-        held.append((columns, reading))
-        if len(held) < 3:
-            self._first = held
+        first_lines = self._first or []
+        first_lines.append((columns, reading))
+        if len(first_lines) < 3:
+            self._first = first_lines
             return
         self._first = None
-        if not _first_line_is_whole(held):
-            held.pop(0)
+        if not _first_line_is_whole(first_lines):
+            first_lines.pop(0)
             self.counters.frames -= 1
             self.counters.damaged += 1
-        self._columns = held[0][0]
-        for entry in held:
+        self._columns = first_lines[0][0]
+        for entry in first_lines:
             self._accept(*entry, readings)
 
     def _accept(self, columns: int, reading: Reading, readings: list[Reading]) -> None:
@@ -99,7 +98,7 @@ class LineDecoder(ABC):
         self._column_change.append((columns, reading))
         if len(self._column_change) == COLUMN_CHANGE_LINES:
             self._columns = columns
-            readings.extend(held for _, held in self._column_change)
+            readings.extend(changed for _, changed in self._column_change)
             self._column_change = []
 
     def _reject_column_change(self) -> None:
@@ -108,8 +107,8 @@ class LineDecoder(ABC):
         self._column_change.clear()
 
 
-def _first_line_is_whole(held: list[tuple[int, Reading]]) -> bool:
-    (columns, first), (columns_next, second), (_, third) = held
+def _first_line_is_whole(first_lines: list[tuple[int, Reading]]) -> bool:
+    (columns, first), (columns_next, second), (_, third) = first_lines
     step_us = ((second.t_us or 0) - (first.t_us or 0)) & 0xFFFFFFFF
     step_next_us = ((third.t_us or 0) - (second.t_us or 0)) & 0xFFFFFFFF
     return columns == columns_next and (step_us <= JOIN_GAP_US or step_us <= 4 * step_next_us)

@@ -1,6 +1,6 @@
 """The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement.
 
-Only HELLO says what a count is. Samples before it are held back with their counts, and scaled when it comes.
+Only HELLO has the scale of a count. Earlier samples wait as counts, and are scaled when it arrives.
 """
 
 from binascii import crc_hqx
@@ -10,7 +10,7 @@ from struct import Struct
 
 from cobs import cobs
 
-from gyrodrift.link.protocols.decoder import MOST_HELD, DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Reading
@@ -30,15 +30,15 @@ RATE_CLIPPED = 0x04
 STILL_VALID = 0x08
 STILL = 0x10
 
-LEAST_DPS_PER_LSB, MOST_DPS_PER_LSB = 1e-9, 10.0
-"""Far outside of what 16 bits are used for: a HELLO beyond is none, since every rate would be wrong by its scale."""
+DPS_PER_LSB_MIN, DPS_PER_LSB_MAX = 1e-9, 10.0
+"""Range of scales that 16-bit gyros can have; a HELLO outside counts as damaged."""
 
 MAX_FRAME_BYTES = HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
 
 
 class NativeDecoder:
-    """Frames between zero bytes; a damaged one costs itself alone, since every zero starts afresh."""
+    """Decoder of frames between zero bytes; damage costs one frame, since every zero starts a new one."""
 
     name = "native"
 
@@ -49,11 +49,11 @@ class NativeDecoder:
         self._overlong = False
         self._dps_per_lsb = 0.0
         self._deg_per_count = 0.0
-        self._held: deque[bytes] = deque(maxlen=MOST_HELD)
+        self._waiting: deque[bytes] = deque(maxlen=WAITING_MAX)
         self._is_known_device = False
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Split at the delimiters and decode each whole frame."""
+        """Split at the delimiters, and decode complete frames."""
         readings: list[Reading] = []
         *frames, pending = (self._pending + chunk).split(b"\0")
         for frame in frames:
@@ -85,15 +85,15 @@ class NativeDecoder:
             self._hello(payload)
         else:
             self.counters.frames += 1
-            self.counters.other += 1
+            self.counters.other_frames += 1
 
     def _hello(self, payload: bytes) -> None:
         _, version, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id = HELLO.unpack(payload)
         if version != VERSION:
             self.counters.frames += 1
-            self.counters.other += 1
+            self.counters.other_frames += 1
             return
-        if not LEAST_DPS_PER_LSB <= dps_per_lsb <= MOST_DPS_PER_LSB:
+        if not DPS_PER_LSB_MIN <= dps_per_lsb <= DPS_PER_LSB_MAX:
             self.counters.damaged += 1
             return
         self.counters.frames += 1
@@ -114,28 +114,27 @@ class NativeDecoder:
             self.counters.clipped += 1
         if not self._dps_per_lsb:
             self.counters.before_hello += 1
-            self._held.append(payload)
+            self._waiting.append(payload)
             return
-        if self._held:
+        if self._waiting:
             self._release(payload, readings)
         readings.append(self._reading(payload))
 
     def _release(self, payload: bytes, readings: list[Reading]) -> None:
-        """Scale what was held back, now that the first sample after HELLO has come.
+        """Scale the waiting samples when the first sample after HELLO has arrived.
 
-        All of it is of the device that said HELLO where that device was known before, since nobody exchanges a device
-        twice between two frames. Otherwise only what leads up to this sample without a break is. The rest stays counted
-        as `before_hello`.
+        If the device is the same as before, all of them are its own. Otherwise only those count that lead up to this
+        sample without a break. The rest stays counted as `before_hello`.
         """
-        held = [self._reading(each) for each in (*self._held, payload)]
-        self._held.clear()
-        late = held[0 if self._is_known_device else self._last_break(held) : -1]
+        waiting = [self._reading(sample) for sample in (*self._waiting, payload)]
+        self._waiting.clear()
+        late = waiting[0 if self._is_known_device else self._last_break(waiting) : -1]
         readings += late
         self.counters.before_hello -= len(late)
         self.counters.late += len(late)
 
     def _last_break(self, readings: list[Reading]) -> int:
-        """Index of the reading that does not go on from the one before it, 0 where all do; of several the last."""
+        """Index of the last reading that does not follow from the one before it; 0 without one."""
         rate_hz = self.device.sample_rate_hz
         breaks = (i for i in range(1, len(readings)) if not goes_on(readings[i - 1], readings[i], rate_hz))
         return max(breaks, default=0)
@@ -154,8 +153,8 @@ class NativeDecoder:
 
 
 def _printable(name: bytes) -> str:
-    """A name goes to terminals, files and pages: what is no printable ASCII in it is told from what is."""
-    return "".join(each if each.isprintable() else "\ufffd" for each in name.decode("ascii", "replace"))
+    """Name with a replacement character for everything but printable ASCII."""
+    return "".join(character if character.isprintable() else "\ufffd" for character in name.decode("ascii", "replace"))
 
 
 PROTOCOL = WireProtocol(

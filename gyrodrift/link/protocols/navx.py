@@ -1,7 +1,7 @@
 """Yaw messages of a navX: `!y`, yaw, pitch, roll and compass of seven characters each, a sum, CRLF. No device clock.
 
-The sum is that of all characters before it modulo 256, in two hexadecimal digits. Yaw is clockwise, from -180 to
-180 deg (navX-MXP serial protocol, IMUProtocol.h). The board's own filter has been at work.
+The sum of all characters before it, modulo 256, has two hexadecimal digits. Yaw is clockwise, from -180 to 180 deg
+(navX-MXP serial protocol, IMUProtocol.h). A filter on the board has processed it.
 """
 
 import re
@@ -12,30 +12,30 @@ from gyrodrift.link.protocols.sentences import SentenceDecoder
 from gyrodrift.sample import Reading
 
 MESSAGE = re.compile(rb"!y([-+][0-9]{3}\.[0-9]{2})(?:[-+][0-9]{3}\.[0-9]{2}){3}([0-9A-Fa-f]{2})")
-OTHER = re.compile(rb"![a-z][ -~]+([0-9A-Fa-f]{2})")
-"""Of another kind: quaternion, raw gyro and others."""
+OTHER_MESSAGE = re.compile(rb"![a-z][ -~]+([0-9A-Fa-f]{2})")
+"""Other messages: quaternion, raw gyro and more."""
 
 HALF_TURN_DEG = 180.0
 
 
 class NavxDecoder(SentenceDecoder):
-    """The yaw of each message."""
+    """Decoder of yaw messages."""
 
     name = "navx"
 
     def words(self, line: bytes) -> list[str] | None:
-        """The kind, and yaw where it is of that kind."""
-        found = MESSAGE.fullmatch(line) or OTHER.fullmatch(line)
-        if found is None or sum(line[:-2]) & 0xFF != int(line[-2:], 16):
+        """Kind of a message, and its yaw if it has one; None if it is damaged."""
+        match = MESSAGE.fullmatch(line) or OTHER_MESSAGE.fullmatch(line)
+        if match is None or sum(line[:-2]) & 0xFF != int(line[-2:], 16):
             return None
-        return ["y", found[1].decode("ascii")] if found.re is MESSAGE else [line[1:2].decode("ascii")]
+        return ["y", match[1].decode("ascii")] if match.re is MESSAGE else [line[1:2].decode("ascii")]
 
     def is_known(self, words: list[str]) -> bool:
-        """Yaw messages alone."""
+        """Whether the message has yaw."""
         return len(words) > 1
 
     def read(self, words: list[str]) -> Reading | None:
-        """Clockwise in the message."""
+        """Reading with yaw, counter-clockwise."""
         yaw_deg = float(words[1])
         return Reading(None, None, nan, yaw_deg=-yaw_deg) if abs(yaw_deg) <= HALF_TURN_DEG else None
 

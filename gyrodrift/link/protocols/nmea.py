@@ -1,10 +1,10 @@
 """NMEA 0183: `$--ROT,rate,A*hh`, the rate of turn in deg/min, negative to port. No device clock.
 
-A sentence whose status is `V` is not valid, and is passed over like those of other kinds. Where no valid rate comes,
-the heading of `HDT`, `HDM`, `HDG` or `THS` is taken in place of it, clockwise from north.
+A sentence with the status `V` is not valid, and ignored like other kinds. Without a valid rate, the heading of `HDT`,
+`HDM`, `HDG` or `THS` is used, clockwise from north.
 
-The standard lets a device leave the checksum out. Such a line is only read where a person asks for this protocol by
-name, and no sentence with a checksum has come.
+The standard allows sentences without a checksum. They are read only if the user names this protocol, and no sentence
+with a checksum has arrived.
 """
 
 from math import nan
@@ -20,18 +20,18 @@ FULL_TURN_DEG = 360.0
 VALID = "A"
 RATE = "ROT"
 HEADINGS = frozenset({"HDT", "HDM", "HDG", "THS"})
-"""True, magnetic, of the sensor itself, and true with a status (NMEA 0183, approved sentences)."""
+"""Headings: true, magnetic, sensor, and true with a status (NMEA 0183, approved sentences)."""
 
-STATUS_PLACES = {"ROT": 2, "THS": 2}
+STATUS_INDEX = {"ROT": 2, "THS": 2}
 COMPLETE = {"ROT": (3, "AV"), "HDT": (3, "T"), "HDM": (3, "M"), "THS": (3, "AEMSV"), "HDG": (6, "EW")}
-"""How many words a sentence has, and what stands last: without a checksum nothing else tells that it is whole."""
+"""Number of words and last word of a complete sentence, for sentences without a checksum."""
 
-MOST_NAMES = 8
-"""Senders that are told as passed over."""
+NAMES_MAX = 8
+"""Largest number of ignored talkers that are reported."""
 
 
 class NmeaDecoder(SentenceDecoder):
-    """Rate of turn, else heading, of one talker: of several that take turns, the first with a valid one."""
+    """Decoder of rate of turn, else heading, of the first talker with a valid value."""
 
     name = "nmea"
 
@@ -41,14 +41,14 @@ class NmeaDecoder(SentenceDecoder):
         self._choice = RateOrAngle()
 
     def is_known(self, words: list[str]) -> bool:
-        """Two letters say who talks."""
+        """Whether it is a rate or a heading of any talker, which has two letters."""
         return len(words[0]) == 5 and (words[0].endswith(RATE) or words[0][2:] in HEADINGS)
 
     def read(self, words: list[str]) -> Reading | None:
-        """To port is counter-clockwise."""
+        """Reading with rate or angle, counter-clockwise."""
         kind, number = words[0][2:], number_in(words, 1)
-        place = STATUS_PLACES.get(kind)
-        if number is None or (place is not None and words[place : place + 1] != [VALID]):
+        index = STATUS_INDEX.get(kind)
+        if number is None or (index is not None and words[index : index + 1] != [VALID]):
             return None
         if not (self._choice.takes_rate() if kind == RATE else self._choice.takes_angle()):
             return None
@@ -59,19 +59,19 @@ class NmeaDecoder(SentenceDecoder):
         return _rate(number) if kind == RATE else _heading(number)
 
     def _pass_over(self, sender: str) -> None:
-        if len(self.counters.passed_over) < MOST_NAMES:
+        if len(self.counters.passed_over) < NAMES_MAX:
             self.counters.passed_over |= {sender}
 
 
 class AskedNmeaDecoder(NmeaDecoder):
-    """The same, of sentences without a checksum too where none has one."""
+    """Decoder that also reads sentences without a checksum, if none has one."""
 
     def __init__(self) -> None:
         super().__init__()
         self._has_checksums = False
 
     def words(self, line: bytes) -> list[str] | None:
-        """A whole sentence of a known kind, or one with its checksum."""
+        """Words of a sentence with its checksum, or of a complete one of a known kind."""
         if b"*" in line:
             words = words_of(line)
             self._has_checksums |= words is not None
@@ -100,5 +100,5 @@ PROTOCOL = WireProtocol(
     rank=6,
     has_unit=True,
     asked_decoder=AskedNmeaDecoder,
-    without_rate="its $--ROT sentences say V, not valid: the device has not found its rate yet",
+    without_rate="its $--ROT sentences say V, not valid: the device has no valid rate yet",
 )

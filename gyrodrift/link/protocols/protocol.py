@@ -1,4 +1,4 @@
-"""What a wire protocol is to the host: one record, from which link, detection, `--protocol` and its help follow."""
+"""Record of a wire protocol, which link, detection, `--protocol` and help use."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -7,46 +7,46 @@ from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.sample import Reading
 
 SURE_FRAMES = 3
-"""Good frames to be sure: of noise, fewer than one in 10^9 such runs passes any of the shipped protocols."""
+"""Good frames that make a protocol certain: noise passes any shipped protocol less than once in 10^9 runs."""
 
 
-def _any_reading(readings: Sequence[Reading]) -> bool:  # noqa: ARG001 - of a protocol whose frames say enough
-    """Frames with a checksum are what they look like."""
+def _any_reading(readings: Sequence[Reading]) -> bool:  # noqa: ARG001 - a checksum is enough
+    """Accept all readings."""
     return True
 
 
 @dataclass(frozen=True, slots=True)
 class WireProtocol:
-    """One of them.
+    """A wire protocol.
 
     name
-        What `--protocol` calls it; the decoder's name too.
+        Name for `--protocol`, and of the decoder.
     help
-        What it is, in a few words for the help of a command.
+        Short description for the help of a command.
     decoder
-        Makes a fresh decoder.
+        Function that creates a decoder.
     has_clock
-        Whether its readings can carry the time of the device; those that do not are timed by their arrival.
+        Whether its readings can have device times; others get their arrival time.
     rank
-        Detection asks the protocols in ascending order: those with the strongest checksum come first.
+        Order of detection, ascending: strong checksums come first.
     sure_frames
-        So many good frames say that a stream is of this protocol, as one introduction of a device does.
+        Number of good frames that make the protocol certain; so does the id of a device.
     is_detected
-        Whether detection listens for it; not where a person has to say how it is laid out.
+        Whether detection tries it; False if the user must describe its layout.
     has_unit
-        Whether the protocol itself lays down the unit of its rates; those of others are looked at.
+        Whether the protocol defines the unit of its rates; otherwise the unit is checked.
     is_unit_said
-        Whether somebody or something says in which unit its rates are; a stream of another unit ends where nobody does.
+        Whether the unit of its rates is stated; if not, a stream in another unit is an error.
     sends_angle
-        Whether its readings have an angle in place of a rate: the filter of the device has been at work.
+        Whether its readings have an angle instead of a rate, which a filter in the device has processed.
     is_plausible
-        Whether readings of good frames can be of the protocol: lines without a checksum may look like it.
+        Function that checks readings; lines without a checksum may only look like the protocol.
     asked_decoder
-        The decoder where a person asks for the protocol by name, if it takes more than detection may believe.
+        Decoder for a protocol that the user names, if it accepts more than detection may.
     holds_zero
-        Whether its devices say exactly 0 at rest: a filter of theirs has taken bias and noise away.
+        Whether its devices send exactly 0 at rest, because their filter removes bias and noise.
     without_rate
-        What to do where a device speaks it and sends no rate; empty where each of its frames has one.
+        Advice for a device that sends no rate; empty if every frame has one.
     """
 
     name: str

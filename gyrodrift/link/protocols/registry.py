@@ -1,4 +1,4 @@
-"""The protocols that the host reads, by name: every module of this package that has a `PROTOCOL`."""
+"""Protocols by name: every module of this package with a `PROTOCOL`."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -12,51 +12,51 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 AUTO = "auto"
 
 PROTOCOLS: dict[str, WireProtocol] = {}
-"""In the order in which detection asks them."""
+"""Protocols in the order of detection."""
 
 
 def register(protocol: WireProtocol) -> None:
-    """Let the host read one protocol more.
+    """Add a protocol.
 
     Raises
     ------
     ValueError
-        Where the name is taken.
+        The name is taken.
     """
     if protocol.name in (AUTO, *PROTOCOLS):
         raise ValueError(f"there is a protocol {protocol.name!r} already")
-    ranked = sorted([*PROTOCOLS.values(), protocol], key=lambda each: each.rank)
+    ranked = sorted([*PROTOCOLS.values(), protocol], key=lambda entry: entry.rank)
     PROTOCOLS.clear()
-    PROTOCOLS.update((each.name, each) for each in ranked)
+    PROTOCOLS.update((entry.name, entry) for entry in ranked)
 
 
 def unregister(name: str) -> None:
-    """Take a protocol away again."""
+    """Remove a protocol."""
     del PROTOCOLS[name]
 
 
 def protocol_named(name: str) -> WireProtocol:
-    """The protocol of that name.
+    """Protocol of a name.
 
     Raises
     ------
     UsageError
-        Where there is none, with the names there are.
+        The name is unknown; the message lists the known ones.
     """
     if name not in PROTOCOLS:
-        raise UsageError(f"unknown protocol {name!r}; known are {', '.join((AUTO, *PROTOCOLS))}")
+        raise UsageError(f"unknown protocol {name!r}; there are {', '.join((AUTO, *PROTOCOLS))}")
     return PROTOCOLS[name]
 
 
 def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
-    """The protocols that come into question where a person says `name`: all detected ones for `auto`, else that one.
+    """Protocols for the option `name`: all detected ones for `auto`, else that protocol.
 
-    Columns are those of the text protocol, and mean it.
+    Columns imply the text protocol.
 
     Raises
     ------
     UsageError
-        Where there is none of that name, or its columns are missing or not understood.
+        The name is unknown, or the columns are missing or have a mistake.
     """
     if columns is not None:
         if name not in (AUTO, text.NAME):
@@ -64,19 +64,19 @@ def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
         return [text.text_protocol(columns)]
     if name == text.NAME:
         raise UsageError(
-            f"--protocol {text.NAME} needs --columns to say what stands in a line, such as --columns 't_ms, _, rate'; "
-            f"without --protocol and --columns, what the device prints is looked at and columns are proposed"
+            f"--protocol {text.NAME} needs --columns, such as --columns 't_ms, _, rate'; "
+            f"without --protocol and --columns, gyrodrift proposes columns from the lines of the device"
         )
     if name == AUTO:
-        return [each for each in PROTOCOLS.values() if each.is_detected]
+        return [entry for entry in PROTOCOLS.values() if entry.is_detected]
     protocol = protocol_named(name)
     return [replace(protocol, decoder=protocol.asked_decoder or protocol.decoder)]
 
 
 def listed() -> str:
-    """The names that are detected, as a sentence has them: `native, csv or witmotion`."""
-    *most, last = (each.name for each in PROTOCOLS.values() if each.is_detected)
-    return f"{', '.join(most)} or {last}" if most else last
+    """Names of the detected protocols: `native, csv or witmotion`."""
+    *names, last = (entry.name for entry in PROTOCOLS.values() if entry.is_detected)
+    return f"{', '.join(names)} or {last}" if names else last
 
 
 def _register_shipped() -> None:

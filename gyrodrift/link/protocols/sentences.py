@@ -1,4 +1,4 @@
-"""Sentences with a checksum, `$words*hh`: what holds for every protocol of them (NMEA 0183)."""
+"""Base of all protocols of sentences with a checksum, `$words*hh` (NMEA 0183)."""
 
 from abc import ABC, abstractmethod
 from binascii import crc_hqx
@@ -14,7 +14,7 @@ HEX = frozenset(b"0123456789ABCDEFabcdef")
 
 
 class SentenceDecoder(ABC):
-    """Lines that begin with `$` and end with a checksum of two hexadecimal digits, or a CRC-16 of four."""
+    """Decoder of lines that begin with `$` and end with two hexadecimal digits, or four of a CRC-16."""
 
     name: str
 
@@ -26,18 +26,18 @@ class SentenceDecoder(ABC):
 
     @abstractmethod
     def is_known(self, words: list[str]) -> bool:
-        """Whether a sentence is of the kind that is listened for."""
+        """Whether a sentence is of a kind that the decoder reads."""
 
     @abstractmethod
     def read(self, words: list[str]) -> Reading | None:
-        """The rate in a sentence that is known; None where it holds none, or says that it is not valid."""
+        """Reading of a known sentence; None without a valid rate."""
 
     def words(self, line: bytes) -> list[str] | None:
-        """What stands between the commas of a sentence; None where it is damaged."""
+        """Words between the commas of a sentence; None if it is damaged."""
         return words_of(line)
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Split at line ends."""
+        """Split at line ends, and decode complete lines."""
         readings: list[Reading] = []
         *lines, pending = (self._pending + chunk).split(b"\n")
         for line in lines:
@@ -60,30 +60,30 @@ class SentenceDecoder(ABC):
             self.counters.frames += 1
             reading = self.read(words)
             if reading is None:
-                self.counters.other += 1
+                self.counters.other_frames += 1
             else:
                 readings.append(reading)
-        elif self.counters.frames:  # what others say is of no interest before a sentence came that is
+        elif self.counters.frames:  # other sentences count only after the first known one
             self.counters.frames += 1
-            self.counters.other += 1
+            self.counters.other_frames += 1
 
 
 def words_of(line: bytes) -> list[str] | None:
-    """What stands between the commas of a sentence; None where its checksum is wrong, or it has none."""
-    body, mark, said = line[1:].rpartition(b"*")
-    if line[:1] != b"$" or not mark or not HEX.issuperset(said) or not body.isascii():
+    """Words between the commas of a sentence; None if its checksum is wrong or missing."""
+    body, mark, digits = line[1:].rpartition(b"*")
+    if line[:1] != b"$" or not mark or not HEX.issuperset(digits) or not body.isascii():
         return None
-    if len(said) == 4:
-        is_right = crc_hqx(body, 0) == int(said, 16)
+    if len(digits) == 4:
+        is_right = crc_hqx(body, 0) == int(digits, 16)
     else:
-        is_right = len(said) == 2 and reduce(xor, body, 0) == int(said, 16)
+        is_right = len(digits) == 2 and reduce(xor, body, 0) == int(digits, 16)
     return body.decode("ascii").split(",") if is_right else None
 
 
-def number_in(words: list[str], place: int) -> float | None:
-    """The number at a place; None where there is none, or none that is finite."""
+def number_in(words: list[str], index: int) -> float | None:
+    """Finite number at an index; None without one."""
     try:
-        number = float(words[place])
+        number = float(words[index])
     except (IndexError, ValueError):
         return None
     return number if isfinite(number) else None

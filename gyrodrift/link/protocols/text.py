@@ -1,6 +1,6 @@
-"""The text protocol: lines of other people's text, read by the columns that a person names.
+"""Text protocol: lines of foreign text, read by the columns that the user names.
 
-Nothing of it is loaded before it is asked for: most devices speak something else.
+Its decoder is loaded on demand, because most devices use another protocol.
 """
 
 from dataclasses import replace
@@ -14,23 +14,23 @@ if TYPE_CHECKING:
 
 NAME = "text"
 SHIPPED_COLUMNS = "t_ms=t_ms, gz=rate:lsb/131"
-"""What the simulated device prints."""
+"""Columns of the simulated device."""
 
 
 def text_protocol(columns: str) -> WireProtocol:
-    """The protocol of lines with these columns.
+    """Text protocol with these columns.
 
     Raises
     ------
     UsageError
-        Where the columns are not understood.
+        The columns have a mistake.
     """
-    from gyrodrift.columns.spec import CLOCK_US, columns_of  # noqa: PLC0415 - see the first lines of this file
+    from gyrodrift.columns.spec import CLOCK_US, columns_of  # noqa: PLC0415 - loaded on demand
 
     parsed = columns_of(columns)
 
     def decoder() -> "TextDecoder":
-        from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+        from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
         return TextDecoder(parsed)
 
@@ -41,17 +41,17 @@ def text_protocol(columns: str) -> WireProtocol:
 
 
 def read_by(decoder: Decoder, columns: str) -> None:
-    """Let a decoder of text read by other columns."""
-    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - likewise
-    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+    """Change the columns of a text decoder."""
+    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - loaded on demand
+    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
     if isinstance(decoder, TextDecoder):
         decoder.read_by(columns_of(columns))
 
 
 def _shipped() -> "TextDecoder":
-    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - likewise
-    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - likewise
+    from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - loaded on demand
+    from gyrodrift.link.text.decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
     return TextDecoder(columns_of(SHIPPED_COLUMNS))
 

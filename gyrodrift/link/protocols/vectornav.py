@@ -1,11 +1,11 @@
 """VectorNav binary output: `0xFA groups fields… payload crc`, of which time, rate and temperature are read.
 
-Which fields there are is said by every frame, so that any selection is understood (VN-100 user manual UM001, binary
-output messages): a byte with one bit a group, two bytes for each group with one bit a field, the fields themselves in
-that order, and a CRC-16/CCITT of all but the first byte, whose initial value is 0. Fields of no fixed length and groups
-beyond the seventh are not read.
+Every frame lists its fields, so any selection is decoded (VN-100 user manual UM001, binary output messages). A byte has
+one bit per group. Two bytes per group follow, with one bit per field, then the fields in that order. The end is a
+CRC-16/CCITT of all bytes but the first, with the initial value 0. Fields without a fixed length, and groups beyond the
+seventh, are not read.
 
-The body frame has z downwards: a rate that is positive about it is clockwise from above.
+The z axis of the body frame points down: a positive rate is clockwise from above.
 """
 
 import re
@@ -30,16 +30,16 @@ FIELD_BYTES = (
     (2, 24, 24, 12, 12, 12, 12, 12, 12, 4, 4, 68, 64),
     GPS,
 )
-"""Of each field of the groups common, time, IMU, GNSS, attitude, INS and second GNSS."""
+"""Sizes of the fields of the groups common, time, IMU, GNSS, attitude, INS and second GNSS."""
 
 TIMES = ((0, 0, 0), (1, 0, 0))
-"""TimeStartup, as group, field and the place within the field."""
+"""TimeStartup, as group, field and offset in the field."""
 
 RATES = ((2, 3, 8), (0, 9, 20), (0, 5, 8), (2, 10, 8))
-"""The third axis of UncompGyro, Imu and AngularRate: first those from which the device has taken no bias away."""
+"""Third axis of UncompGyro, Imu and AngularRate; rates with their bias come first."""
 
 TEMPERATURES = ((2, 4, 0), (0, 10, 12))
-"""Temp, and the one in MagPres."""
+"""Temp, and the temperature in MagPres."""
 
 LONGEST_BYTES = 500
 NANOSECONDS = Struct("<Q")
@@ -47,7 +47,7 @@ FLOAT = Struct("<f")
 
 
 def _sums(sizes: tuple[int, ...]) -> tuple[int, ...]:
-    """Bytes of the fields of which a byte has the bits; too many where it has one of no field."""
+    """Size of the fields for every byte of bits; above LONGEST_BYTES for a bit without a field."""
     return tuple(
         sum(size for bit, size in enumerate(sizes) if byte >> bit & 1) + LONGEST_BYTES * (byte >> len(sizes))
         for byte in range(256)
@@ -57,18 +57,18 @@ def _sums(sizes: tuple[int, ...]) -> tuple[int, ...]:
 GROUPS = tuple(tuple(group for group in range(len(FIELD_BYTES)) if byte >> group & 1) for byte in range(128))
 LOW_SUMS = tuple(_sums(sizes[:8]) for sizes in FIELD_BYTES)
 HIGH_SUMS = tuple(_sums(sizes[8:]) for sizes in FIELD_BYTES)
-"""What the fields take that the two bytes of a group name."""
+"""Sizes of the fields for the low and the high byte of a group."""
 
 HEADER = b"\xfa(?:%b)" % b"|".join(
     re.escape(bytes((byte,)))
     + b"".join(rb".[\x00-\x%02x]" % ((1 << len(FIELD_BYTES[group]) - 8) - 1) for group in GROUPS[byte])
     for byte in range(1, len(GROUPS))
 )
-"""A sync byte and groups that name no field but known ones."""
+"""Sync byte and groups with known fields only."""
 
 
 class Layout(NamedTuple):
-    """Where in a frame time, rate and temperature stand; 0 where they do not."""
+    """Positions of time, rate and temperature in a frame; 0 if missing."""
 
     time: int
     rate: int
@@ -77,41 +77,41 @@ class Layout(NamedTuple):
 
 @lru_cache(maxsize=64)
 def layout_of(header: bytes) -> Layout:
-    """What a header says, all its bytes but the first."""
-    places: dict[tuple[int, int], int] = {}
-    at = 1 + len(header)
+    """Layout of a frame from its header without the first byte."""
+    positions: dict[tuple[int, int], int] = {}
+    position = 1 + len(header)
     for group, low, high in zip(GROUPS[header[0]], header[1::2], header[2::2], strict=True):
         for field, size in enumerate(FIELD_BYTES[group]):
             if (low | high << 8) >> field & 1:
-                places[group, field] = at
-                at += size
-    found = (
-        next((places[group, field] + offset for group, field, offset in wanted if (group, field) in places), 0)
-        for wanted in (TIMES, RATES, TEMPERATURES)
+                positions[group, field] = position
+                position += size
+    layout_positions = (
+        next((positions[group, field] + offset for group, field, offset in choices if (group, field) in positions), 0)
+        for choices in (TIMES, RATES, TEMPERATURES)
     )
-    return Layout(*found)
+    return Layout(*layout_positions)
 
 
 class VectornavDecoder(FrameDecoder):
-    """Frames of any selection of fields; those without a rate are counted and passed over."""
+    """Decoder of frames with any fields; frames without a rate are counted."""
 
     name = "vectornav"
     head = b"\xfa"
     header = re.compile(HEADER, re.DOTALL)
     header_bytes = 2 + 2 * len(FIELD_BYTES)
-    beside = b"$"  # the ASCII messages, which a device sends on the same port unless told otherwise
+    filler = b"$"  # ASCII messages on the same port, which are on by default
 
     def __init__(self) -> None:
         super().__init__()
         self._is_timed: bool | None = None
 
-    def length(self, buffer: bytes, at: int) -> int | None:
-        """By the fields that the header names."""
-        if len(buffer) - at < 2:
+    def length(self, buffer: bytes, position: int) -> int | None:
+        """Length from the fields of the header."""
+        if len(buffer) - position < 2:
             return None
-        if not 0 < buffer[at + 1] < len(GROUPS):
+        if not 0 < buffer[position + 1] < len(GROUPS):
             return 0
-        groups, field = GROUPS[buffer[at + 1]], at + 2
+        groups, field = GROUPS[buffer[position + 1]], position + 2
         length = 4 + 2 * len(groups)
         if len(buffer) < field + 2 * len(groups):
             return None
@@ -121,7 +121,7 @@ class VectornavDecoder(FrameDecoder):
         return length if length <= LONGEST_BYTES else 0
 
     def is_whole(self, frame: bytes) -> bool:
-        """The CRC of a frame with its CRC is 0."""
+        """Whether the CRC of the frame, including its CRC, is 0."""
         return not crc_hqx(frame[1:], 0)
 
     def read(self, frame: bytes) -> Reading | None:

@@ -1,9 +1,8 @@
 """VectorNav ASCII output: `$VNYMR,…*69`, `$VNIMU,…` and others with rates, in rad/s. No device clock.
 
-Rates of `VNIMU` are as the sensor measures them; of the other messages the device has taken its own estimate of the
-bias away (VN-100 user manual UM001, asynchronous messages). The body frame has z downwards: a rate that is positive
-about it is clockwise from above. Where no message has a rate, the yaw of `VNYPR`, or that of the quaternion of `VNQTN`,
-is taken in place of it.
+Rates of `VNIMU` are raw; from the rates of other messages the device has subtracted its bias estimate (VN-100 user
+manual UM001, asynchronous messages). The z axis of the body frame points down: a positive rate is clockwise from above.
+Without a rate, the yaw of `VNYPR`, or of the quaternion of `VNQTN`, is used.
 """
 
 from math import degrees, nan
@@ -14,7 +13,7 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
 from gyrodrift.sample import Reading
 
-RATE_PLACES = {
+RATE_INDEX = {
     "VNIMU": 9,
     "VNYMR": 12,
     "VNQMR": 13,
@@ -23,14 +22,14 @@ RATE_PLACES = {
     "VNYBA": 9,
     "VNYIA": 9,
 }
-"""Which word is the rate about z; of two messages that come in turns the first one is listened to."""
+"""Index of the rate about z in a message; of two alternating messages the first one is used."""
 
-TEMPERATURE_PLACES = {"VNIMU": 10}
+TEMPERATURE_INDEX = {"VNIMU": 10}
 ANGLES = frozenset({"VNYPR", "VNQTN"})
 
 
 class VectornavAsciiDecoder(SentenceDecoder):
-    """Whichever message with rates comes first."""
+    """Decoder of the first message with rates."""
 
     name = "vectornav-ascii"
 
@@ -40,37 +39,37 @@ class VectornavAsciiDecoder(SentenceDecoder):
         self._choice = RateOrAngle()
 
     def is_known(self, words: list[str]) -> bool:
-        """Any message of the maker; without a rate it is passed over."""
+        """Whether it is a message of this maker."""
         return words[0].startswith("VN")
 
     def read(self, words: list[str]) -> Reading | None:
-        """Rate, and temperature where there is one; else yaw."""
+        """Reading with rate and temperature, else with yaw."""
         message = words[0]
-        if message not in RATE_PLACES and message not in ANGLES:
+        if message not in RATE_INDEX and message not in ANGLES:
             return None
-        reading = _rate(words) if message in RATE_PLACES else _angle(words)
+        reading = _rate(words) if message in RATE_INDEX else _angle(words)
         if reading is None or message != (self._message or message):
             return None
-        if not (self._choice.takes_rate() if message in RATE_PLACES else self._choice.takes_angle()):
+        if not (self._choice.takes_rate() if message in RATE_INDEX else self._choice.takes_angle()):
             return None
         self._message = message
         return reading
 
 
 def _rate(words: list[str]) -> Reading | None:
-    rate_rads = number_in(words, RATE_PLACES[words[0]])
-    temp_c = number_in(words, TEMPERATURE_PLACES.get(words[0], 99))
+    rate_rads = number_in(words, RATE_INDEX[words[0]])
+    temp_c = number_in(words, TEMPERATURE_INDEX.get(words[0], 99))
     if rate_rads is None or abs(degrees(rate_rads)) > MAX_RATE_DPS:
         return None
     return Reading(None, None, -degrees(rate_rads), temp_c=nan if temp_c is None else temp_c)
 
 
 def _angle(words: list[str]) -> Reading | None:
-    """Yaw in degrees, or a quaternion whose scalar comes last."""
+    """Reading with yaw, from degrees or from a quaternion with the scalar last."""
     if words[0] == "VNYPR":
         yaw_deg = number_in(words, 1)
     else:
-        numbers = [number for place in (4, 1, 2, 3) if (number := number_in(words, place)) is not None]
+        numbers = [number for index in (4, 1, 2, 3) if (number := number_in(words, index)) is not None]
         yaw_deg = yaw_of(*numbers) if len(numbers) == 4 and any(numbers) else None
     if yaw_deg is None or abs(yaw_deg) > 360.0:
         return None

@@ -1,9 +1,9 @@
 """The WT901 family: 11-byte frames `0x55 kind d0..d7 sum`; kind 0x52 carries the rates. No device clock.
 
-Where only angles come, kind 0x53, their yaw is taken in place of a rate.
+Without rates, the yaw of the angles, kind 0x53, is used.
 
-The checksum is one byte, so noise passes it once in 256 tries. In step, a good frame is taken at once; after
-damage a frame is only believed when the next one stands right behind it.
+The checksum has one byte, so noise passes it once in 256 tries. After damage, a frame counts only if the next one
+follows directly.
 """
 
 from math import nan
@@ -28,7 +28,7 @@ DEG_PER_LSB = 180.0 / 32768.0
 
 
 class WitmotionDecoder:
-    """Frames by header and checksum."""
+    """Decoder of frames with header and checksum."""
 
     name = "witmotion"
 
@@ -40,49 +40,49 @@ class WitmotionDecoder:
         self._choice = RateOrAngle()
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Walk from header to header."""
+        """Decode complete frames, and keep the rest."""
         readings: list[Reading] = []
         buffer = self._pending + chunk
-        at = 0
-        while len(buffer) - at >= FRAME_BYTES:
-            if not _is_frame(buffer, at):
-                at = self._lose_step(buffer, at)
+        position = 0
+        while len(buffer) - position >= FRAME_BYTES:
+            if not _is_frame(buffer, position):
+                position = self._lose_step(buffer, position)
             elif self._in_step:
-                self._take(buffer, at, readings)
-                at += FRAME_BYTES
-            elif len(buffer) - at < 2 * FRAME_BYTES:
+                self._take(buffer, position, readings)
+                position += FRAME_BYTES
+            elif len(buffer) - position < 2 * FRAME_BYTES:
                 break
-            elif _is_frame(buffer, at + FRAME_BYTES):
+            elif _is_frame(buffer, position + FRAME_BYTES):
                 self._in_step = True
             else:
-                at = self._lose_step(buffer, at)
-        self._pending = buffer[at:]
+                position = self._lose_step(buffer, position)
+        self._pending = buffer[position:]
         return readings
 
-    def _lose_step(self, buffer: bytes, at: int) -> int:
+    def _lose_step(self, buffer: bytes, position: int) -> int:
         if self._in_step:
             self.counters.damaged += 1
             self._in_step = False
-        found = buffer.find(HEADER, at + 1)
-        return found if found >= 0 else len(buffer)
+        match = buffer.find(HEADER, position + 1)
+        return match if match >= 0 else len(buffer)
 
-    def _take(self, buffer: bytes, at: int, readings: list[Reading]) -> None:
+    def _take(self, buffer: bytes, position: int, readings: list[Reading]) -> None:
         self.counters.frames += 1
-        kind = buffer[at + 1]
-        _, _, yaw_raw, extra = RATES.unpack_from(buffer, at + 2)
+        kind = buffer[position + 1]
+        _, _, yaw_raw, extra = RATES.unpack_from(buffer, position + 2)
         if kind == RATES_KIND and self._choice.takes_rate():
             readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB, temp_c=extra / 100.0))
         elif kind == ANGLES_KIND and self._choice.takes_angle():
             readings.append(Reading(None, None, nan, yaw_deg=yaw_raw * DEG_PER_LSB))
         else:
-            self.counters.other += 1
+            self.counters.other_frames += 1
 
 
-def _is_frame(buffer: bytes, at: int) -> bool:
+def _is_frame(buffer: bytes, position: int) -> bool:
     return (
-        buffer[at] == HEADER
-        and buffer[at + 1] in KINDS
-        and sum(buffer[at : at + FRAME_BYTES - 1]) & 0xFF == buffer[at + FRAME_BYTES - 1]
+        buffer[position] == HEADER
+        and buffer[position + 1] in KINDS
+        and sum(buffer[position : position + FRAME_BYTES - 1]) & 0xFF == buffer[position + FRAME_BYTES - 1]
     )
 
 

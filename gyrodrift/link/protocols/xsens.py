@@ -1,8 +1,8 @@
 """Xsens MTData2: `FA FF 36 length items sum`, of which rate of turn, sample time, counter and temperature are read.
 
-An item is an id of two bytes, a length, and its content, all of them big-endian; the low digit of the id says how
-numbers are written, and in which frame they are. Where no rate comes, the yaw of Euler angles or of a quaternion is
-taken in place of it. The sum of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
+An item has an id of two bytes, a length, and a content, all big-endian. The low digit of the id gives the number format
+and the coordinate frame. Without a rate, the yaw of Euler angles or of a quaternion is used. The sum
+of all bytes but the first is 0 modulo 256 (MT Low Level Communication Protocol, MT0101P).
 """
 
 import re
@@ -17,7 +17,7 @@ from gyrodrift.sample import Reading
 
 EXTENDED = 0xFF
 LONGEST_BYTES = 700
-"""A length of 255 says that two bytes with the length follow; no device sends more than this at each measurement."""
+"""A length of 255 means that two bytes with the length follow; no device sends more than LONGEST_BYTES."""
 
 Items = dict[int, tuple[int, bytes]]
 """Form and content by kind."""
@@ -26,18 +26,18 @@ PACKET_COUNTER = 0x1020
 SAMPLE_TIME_FINE = 0x1060
 TEMPERATURE = 0x0810
 RATES = (0x8020, 0x8040)
-"""The calibrated one, and that of high rate."""
+"""Calibrated rate, and rate of the high-rate output."""
 
 QUATERNION = 0x2010
 EULER_ANGLES = 0x2030
 NORTH_EAST_DOWN = 0x4
-"""Yaw is clockwise there, and counter-clockwise in the frames whose z axis points up: 0x0, 0x8."""
+"""Frame with clockwise yaw; in frames whose z axis points up (0x0, 0x8) yaw is counter-clockwise."""
 
 SAMPLE_TIME_US = 100
 """A tick of SampleTimeFine: 10 kHz."""
 
 PRECISION = 0x3
-"""The bits of an id that say how its numbers are written."""
+"""Bits of an id with the number format."""
 
 COUNTER = Struct(">H")
 TICKS = Struct(">I")
@@ -47,7 +47,7 @@ FP1632 = Struct(">Ih")
 
 
 def number(content: bytes, precision: int, index: int) -> float:
-    """One of several numbers; NaN where there are not that many.
+    """Number at an index; NaN without one.
 
     precision
         0 for single precision, 1 for 12.20 and 2 for 16.32 fixed point, 3 for double precision.
@@ -62,12 +62,12 @@ def number(content: bytes, precision: int, index: int) -> float:
 
 
 def _yaw_of_euler(content: bytes, precision: int) -> float:
-    """The third of roll, pitch and yaw."""
+    """Yaw of roll, pitch and yaw."""
     return number(content, precision, 2)
 
 
 def _yaw_of_quaternion(content: bytes, precision: int) -> float:
-    """The scalar comes first."""
+    """Yaw of a quaternion with the scalar first."""
     numbers = [number(content, precision, index) for index in range(4)]
     return yaw_of(*numbers) if all(map(isfinite, numbers)) and any(numbers) else nan
 
@@ -76,7 +76,7 @@ YAW_OF = {EULER_ANGLES: _yaw_of_euler, QUATERNION: _yaw_of_quaternion}
 
 
 class XsensDecoder(FrameDecoder):
-    """MTData2 with any items; those without a rate of turn are counted and passed over."""
+    """Decoder of MTData2 with any items; messages without a rate are counted."""
 
     name = "xsens"
     head = b"\xfa\xff\x36"
@@ -89,17 +89,17 @@ class XsensDecoder(FrameDecoder):
         self._temp_c = nan
         self._choice = RateOrAngle()
 
-    def length(self, buffer: bytes, at: int) -> int | None:
-        """Of head, length, items and sum."""
-        if len(buffer) - at < 4:
+    def length(self, buffer: bytes, position: int) -> int | None:
+        """Length of head, length field, items and sum."""
+        if len(buffer) - position < 4:
             return None
-        said = buffer[at + 3]
-        if said != EXTENDED:
-            return said + 5
-        if len(buffer) - at < 6:
+        stated = buffer[position + 3]
+        if stated != EXTENDED:
+            return stated + 5
+        if len(buffer) - position < 6:
             return None
-        said = buffer[at + 4] << 8 | buffer[at + 5]
-        return said + 7 if EXTENDED <= said <= LONGEST_BYTES else 0
+        stated = buffer[position + 4] << 8 | buffer[position + 5]
+        return stated + 7 if EXTENDED <= stated <= LONGEST_BYTES else 0
 
     def is_whole(self, frame: bytes) -> bool:
         """The sum is right, and the items fill the frame."""
@@ -144,13 +144,13 @@ def _yaw_deg(kind: int, form: int, content: bytes) -> float:
 
 def _items(frame: bytes) -> Items | None:
     """Form and content by kind; None where they do not fill the frame."""
-    at, end = (6 if frame[3] == EXTENDED else 4), len(frame) - 1
+    position, end = (6 if frame[3] == EXTENDED else 4), len(frame) - 1
     items = {}
-    while at + 3 <= end:
-        kind, size = frame[at] << 8 | frame[at + 1], frame[at + 2]
-        items[kind & 0xFFF0] = kind & 0xF, frame[at + 3 : at + 3 + size]
-        at += 3 + size
-    return items if at == end else None
+    while position + 3 <= end:
+        kind, size = frame[position] << 8 | frame[position + 1], frame[position + 2]
+        items[kind & 0xFFF0] = kind & 0xF, frame[position + 3 : position + 3 + size]
+        position += 3 + size
+    return items if position == end else None
 
 
 PROTOCOL = WireProtocol(

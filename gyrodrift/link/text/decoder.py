@@ -1,11 +1,11 @@
-"""Reads lines of other people's text by the columns that a person names."""
+"""Decoder of foreign text with the columns that the user names."""
 
 from collections.abc import Sequence
 from math import isfinite, nan
 
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, Column
 from gyrodrift.link.heard import decoded, plain_text
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS, OTHER, LineDecoder
+from gyrodrift.link.protocols.lines import MAX_RATE_DPS, WITHOUT_RATE, LineDecoder
 from gyrodrift.link.text.fields import Fields, is_number, is_whole
 from gyrodrift.link.text.headings import Headings
 from gyrodrift.sample import Reading
@@ -13,22 +13,22 @@ from gyrodrift.sample import Reading
 CLOCK_MASK = 0xFFFFFFFF
 COUNTER_MASK = 0xFFFF
 NO_CONTROLS = bytes((0x09, *range(0x20, 0x7F), *range(0x80, 0x100)))
-"""All bytes but control characters: a line with one of those is noise, and is not looked into any further."""
+"""All bytes but control characters: a line with a control character is noise."""
 
 LONGEST_CLOCK_US = 1e18
-"""Thirty thousand years: more digits than that are a damaged line."""
+"""Largest time, 30,000 years; above, the line is damaged."""
 
 SEVERAL_LINES = -1
-"""In place of the number of values, for a sample that is put together from several lines."""
+"""Number of columns of a sample from several lines."""
 
 Named = dict[str, tuple[Column, str]]
-"""Column and text of each meaning."""
+"""Column and text by meaning."""
 
 
 class TextDecoder(LineDecoder):
-    """Lines in any form of `fields`; one without the columns that were named is passed over where it has labels.
+    """Decoder of lines in any form of `fields`; labeled lines without a named column are ignored.
 
-    Labelled values may stand in several lines: a sample is whole with the last of its columns.
+    Labeled values may come in several lines: a sample is complete with the last of its columns.
     """
 
     name = "text"
@@ -40,20 +40,20 @@ class TextDecoder(LineDecoder):
         self.read_by(columns)
 
     def read_by(self, columns: Sequence[Column]) -> None:
-        """Read lines by these columns from here on."""
-        self._least = len(columns)
-        self._wanted = [(place, column) for place, column in enumerate(columns) if column.meaning != IGNORED]
-        self._has_labels = bool(self._wanted[0][1].label)
+        """Use these columns from now on."""
+        self._columns_min = len(columns)
+        self._used_columns = [(index, column) for index, column in enumerate(columns) if column.meaning != IGNORED]
+        self._has_labels = bool(self._used_columns[0][1].label)
         self._collected: Named = {}
 
     def is_comment(self, text: bytes) -> bool:
-        """A line behind `#` may be data: it is one where nothing that was named stands in it."""
+        """Whether a line with `#` is a comment: it has no named label."""
         if not text.startswith(b"#"):
             return False
-        return not any(column.label and column.label.split()[0].encode() in text for _, column in self._wanted)
+        return not any(column.label and column.label.split()[0].encode() in text for _, column in self._used_columns)
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
-        """One line."""
+        """Number of columns and reading of a line."""
         text = plain_text(text).lstrip(b"# ")
         if text.translate(None, NO_CONTROLS):
             return None
@@ -63,32 +63,32 @@ class TextDecoder(LineDecoder):
         named = self._named(fields)
         if self._has_labels:
             return self._from_lines(len(fields.values), named)
-        if len(fields.values) < self._least:
+        if len(fields.values) < self._columns_min:
             return None
         return _reading(len(fields.values), named)
 
     def _named(self, fields: Fields) -> Named:
         named: Named = {}
-        for place, column in self._wanted:
-            at = _place(fields.labels, column.label) if column.label else place
-            if 0 <= at < len(fields.values):
-                named[column.meaning] = column, fields.values[at]
+        for index, column in self._used_columns:
+            position = _label_index(fields.labels, column.label) if column.label else index
+            if 0 <= position < len(fields.values):
+                named[column.meaning] = column, fields.values[position]
         return named
 
     def _from_lines(self, count: int, named: Named) -> tuple[int, Reading] | None:
         if not named:
-            return OTHER
-        if len(named) == len(self._wanted):
+            return WITHOUT_RATE
+        if len(named) == len(self._used_columns):
             self._collected = {}
             return _reading(count, named)
         self._collected |= named
-        if len(self._collected) < len(self._wanted):
-            return OTHER
+        if len(self._collected) < len(self._used_columns):
+            return WITHOUT_RATE
         collected, self._collected = self._collected, {}
         return _reading(SEVERAL_LINES, collected)
 
 
-def _place(labels: tuple[str, ...], label: str) -> int:
+def _label_index(labels: tuple[str, ...], label: str) -> int:
     return labels.index(label) if label in labels else -1
 
 
@@ -118,5 +118,5 @@ def _reading(count: int, named: Named) -> tuple[int, Reading] | None:
 
 
 def _finite(value: float) -> float:
-    """An angle or temperature without end is none."""
+    """NaN for an infinite angle or temperature."""
     return value if isfinite(value) else nan

@@ -1,7 +1,7 @@
 """A line of text as fields: numbers in a row, `label: value` pairs, a JSON object, or an NMEA sentence.
 
-Sketches print what a serial plotter or a person likes to read, so the same three numbers come in many forms. A unit
-behind a value is kept beside it; any other word there is passed over.
+Sketches print for serial plotters and people, so the same three numbers have many forms. A unit after a value is kept;
+other words after it are ignored.
 """
 
 import re
@@ -15,7 +15,7 @@ from gyrodrift.link.text.heads import head_of, with_head
 from gyrodrift.link.text.objects import leaves_of
 
 NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
-"""In the digits that a device prints; Python takes those of other scripts for numbers too."""
+"""Number with ASCII digits; Python also accepts the digits of other scripts."""
 
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
@@ -27,16 +27,16 @@ VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
 )
-"""`Gyr (DPS) [ 1, 2, 3 ]`, `Gyro: 1 2 3`, `gyro=(1, 2, 3)`: three numbers of one label are those of three axes."""
+"""`Gyr (DPS) [ 1, 2, 3 ]`, `Gyro: 1 2 3`, `gyro=(1, 2, 3)`: three numbers after one label are three axes."""
 
 BRACED = re.compile(r"(?<![A-Za-z_])([A-Za-z_][\w ]{0,40}?)\s*+[:=]\s*+[{(\[]\s*+(?=[A-Za-z_]\w*+\s*+[:=])")
-"""`gyro={x=1, y=2}`: what is in the braces belongs to the word before them."""
+"""`gyro={x=1, y=2}`: the word before the braces belongs to all labels in them."""
 
 AXES_NAMED = re.compile(
     rf"(?<![A-Za-z_])([A-Za-z_]\w{{0,15}})\((\w),(\w),(\w)\)\s*+[:=]?\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])"
 )
-"""`g(x,y,z) 1 2 3`: the axes stand behind the word, and the values behind them."""
+"""`g(x,y,z) 1 2 3`: a word, its axes, and their values."""
 
 NAMES_FIRST = re.compile(
     rf"([A-Za-z]\w{{0,19}}(?:\s*+,\s*+[A-Za-z]\w{{0,19}}){{1,11}})\s*+[:=]\s*+({NUMBER}(?:[\s,;]++{NUMBER}){{1,11}})(?![\w.])"
@@ -46,7 +46,7 @@ NAMES_FIRST = re.compile(
 HEADED_ROW = re.compile(
     rf"([A-Za-z][\w/]{{0,15}})(?:\s*+[:=,]\s*+|\s++)({NUMBER}(?:[\s,;|]++{NUMBER}){{1,31}})\s*+[,;|]?+"
 )
-"""A row behind a word, `gyro 1 2 3` or `a/g: 1 2 3 4 5 6`: lines of several kinds may come in turns."""
+"""A row after a word, `gyro 1 2 3` or `a/g: 1 2 3 4 5 6`: lines of several kinds may alternate."""
 
 TELEPLOT = re.compile(
     rf">\s*+([A-Za-z_][\w .-]{{0,40}})(?:,[^:]*+)?:(?:({NUMBER}):)?({NUMBER})(?:§([^|;\s]{{0,16}}))?(?:\|\w*+)?"
@@ -56,33 +56,33 @@ TELEPLOT = re.compile(
 TELEPLOT_CLOCK = "t_ms"
 
 WRAPPED = (("/*", "*/"), ("<", ">"), ("(", ")"), ("[", "]"))
-"""Marks of beginning and end: of Serial Studio, of the Arduino forum, of tuples and of lists."""
+"""Pairs of marks around a line: Serial Studio, Arduino forum, tuples, lists."""
 
 STATE = re.compile(rf"'([^']+)'(?:: Sending state|\s*+>>)\s*+({NUMBER}|nan)", re.IGNORECASE)
-"""A sensor of ESPHome in its log."""
+"""Sensor value in a log of ESPHome."""
 
 LOG_HEAD = re.compile(r"(?:\[[^\[\]\s]++\])++:?\s++(?=['A-Za-z])")
 """`[12:34:56][D][sensor:094]: ` before a message."""
 
 TAIL = re.compile(r"\s*+[\])}]?\s*+\[?(?=[A-Za-z°ºµμ%/])([^\s,;|=:()\[\]{}]{1,20})\]?")
-"""The word behind a value, in brackets or not."""
+"""Word after a value, with or without brackets."""
 
 UNIT_HEAD = re.compile(r"^(\S{1,20})\s++(?=\S)")
-"""The unit of the value before stands in front of a label where nothing parts them: `gx: 1 deg/s gy: 2 deg/s`."""
+"""Unit of the previous value at the beginning of a label: `gx: 1 deg/s gy: 2 deg/s`."""
 
 WITH_UNIT = re.compile(rf"({NUMBER})\s*+([A-Za-z°ºµμ%][\w/²^°]*+)")
 BETWEEN = re.compile(r"[\s,;|]+")
 LABEL_END, BRACKET = re.compile(r"[:=]"), re.compile(r"[({\[]")
 MARK = re.compile(r"[:=\[(]")
-"""Without one of those there is no label."""
+"""Characters without which a line has no label."""
 
 AXES = "xyz"
-UNSAID = re.compile(r"[^\w .()\[\]/°-]")
-"""What no label holds: labels are told to people and pasted into shells, whatever a device calls its values."""
+NOT_IN_LABEL = re.compile(r"[^\w .()\[\]/°-]")
+"""Characters that are removed from labels, because labels are shown to users and pasted into shells."""
 
 SENTENCE = re.compile(r"[$!]([^*]*+)\*([0-9A-Fa-f]{2})")
 SEPARATORS = (";", "\t", "|", ",")
-"""Asked in this order: with a semicolon or a tab, a comma may be the decimal point of a language."""
+"""Separators in the order of their search: with a semicolon or a tab, a comma may be a decimal comma."""
 
 DECIMAL_COMMA = re.compile(r"[-+]?[0-9]++,[0-9]++")
 
@@ -97,14 +97,14 @@ class Form(StrEnum):
 
 
 class Fields(NamedTuple):
-    """What stands in a line.
+    """Fields of a line.
 
     labels
-        One for each value; values in a row have an empty one, unless a word stands before the row, as in a sentence.
+        Label per value; empty in a row, unless a word precedes the row, as in a sentence.
     values
-        As text; numbers have a decimal point.
+        Values as text; numbers have a decimal point.
     units
-        Word behind each value that is a unit, empty where there is none; no entries where no value has one.
+        Unit after every value, or empty; no entries if no value has a unit.
     """
 
     form: Form
@@ -114,7 +114,7 @@ class Fields(NamedTuple):
 
 
 def fields_of(line: str) -> Fields | None:
-    """The fields of a line; None where it is damaged: an object cut short, or a checksum that is wrong."""
+    """Fields of a line; None if it is damaged: an incomplete object, or a wrong checksum."""
     if line.startswith("{"):
         return _object(line)
     if line[:1] in {"$", "!"} and "*" in line:
@@ -128,8 +128,8 @@ def fields_of(line: str) -> Fields | None:
     line = _unwrapped(line)
     if line[:1].isalpha() and (headed := HEADED_ROW.fullmatch(line)):
         return _headed_row(headed)
-    found = _labelled(line) if MARK.search(line) else None
-    return found or _row(line)
+    fields = _labelled(line) if MARK.search(line) else None
+    return fields or _row(line)
 
 
 def _unwrapped(line: str) -> str:
@@ -140,7 +140,7 @@ def _unwrapped(line: str) -> str:
 
 
 def _labelled(line: str) -> Fields | None:
-    """Values behind labels; None where there are none, or where one word stands before a row."""
+    """Values after labels; None without labels, or for a single word before a row."""
     if "," in LABEL_END.split(line, 1)[0]:
         line = NAMES_FIRST.sub(_names_first, line)
     head, line = head_of(line)
@@ -155,13 +155,13 @@ def _labelled(line: str) -> Fields | None:
 
 
 def _units(line: str, matches: list[re.Match[str]]) -> tuple[str, ...]:
-    """The unit behind each value, which ends its match."""
+    """Unit after every value, which ends its match."""
     units = [_unit_behind(line, match.end()) for match in matches]
     return tuple(units) if any(units) else ()
 
 
-def _unit_behind(line: str, at: int) -> str:
-    tail = TAIL.match(line, at)
+def _unit_behind(line: str, position: int) -> str:
+    tail = TAIL.match(line, position)
     return tail[1] if tail and unit_of(tail[1]) else ""
 
 
@@ -173,29 +173,29 @@ def _teleplot(point: re.Match[str]) -> Fields:
 
 
 def _headed_row(headed: re.Match[str]) -> Fields:
-    """The word keeps its place in the row, and the values can be asked for by it."""
+    """Fields of a row after a word; the word is the first column, and part of the labels."""
     word, numbers = as_label(headed[1]), BETWEEN.split(headed[2])
     axes = AXES if len(numbers) == len(AXES) else range(1, len(numbers) + 1)
     return Fields(Form.ROW, ("", *(f"{word} {axis}" for axis in axes)), (headed[1], *numbers))
 
 
 def checksum(body: str) -> int:
-    """Of an NMEA sentence: all characters between `$` and `*`, exclusive or (NMEA 0183)."""
+    """Checksum of an NMEA sentence: exclusive or of all characters between `$` and `*` (NMEA 0183)."""
     return reduce(xor, body.encode(errors="replace"), 0)
 
 
 def as_label(text: str) -> str:
-    """A label without what none may hold."""
-    return UNSAID.sub("", text).strip()
+    """Label without forbidden characters."""
+    return NOT_IN_LABEL.sub("", text).strip()
 
 
 def is_number(text: str) -> bool:
-    """Whether it is one, nan and inf among them."""
+    """Whether a text is a number, including nan and inf."""
     return VALUE.fullmatch(text) is not None
 
 
 def is_whole(text: str) -> bool:
-    """Whether it is a number without a decimal point."""
+    """Whether a text is a whole number."""
     return WHOLE.fullmatch(text) is not None
 
 
@@ -203,21 +203,21 @@ def _object(line: str) -> Fields | None:
     leaves = leaves_of(line)
     if leaves is None:
         return None
-    found = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
-    return Fields(Form.JSON, tuple(label for label, _ in found), tuple(value for _, value in found))
+    numbers = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
+    return Fields(Form.JSON, tuple(label for label, _ in numbers), tuple(value for _, value in numbers))
 
 
 def _sentence(line: str) -> Fields | None:
-    found = SENTENCE.fullmatch(line)
-    if found is None or checksum(found[1]) != int(found[2], 16):
+    match = SENTENCE.fullmatch(line)
+    if match is None or checksum(match[1]) != int(match[2], 16):
         return None
-    values = tuple(found[1].split(","))
+    values = tuple(match[1].split(","))
     word = as_label(values[0])
-    return Fields(Form.NMEA, ("", *(f"{word} {place}" for place in range(1, len(values)))), values)
+    return Fields(Form.NMEA, ("", *(f"{word} {index}" for index in range(1, len(values)))), values)
 
 
 def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
-    """`Gyro X: 1 Y: 2 Z: 3` names three of a gyro: a letter alone takes over the words before the first one."""
+    """Complete the labels of axes: in `Gyro X: 1 Y: 2 Z: 3` the word Gyro belongs to all three."""
     head = ""
     full = []
     for label in map(_without_unit, labels):
@@ -236,33 +236,33 @@ def _without_unit(label: str) -> str:
     return " ".join(label[head.end() :].split())
 
 
-def _axes(found: re.Match[str]) -> str:
-    label, *numbers = found.groups()
+def _axes(match: re.Match[str]) -> str:
+    label, *numbers = match.groups()
     return ", ".join(f"{label} {axis}={number}" for axis, number in zip(AXES, numbers, strict=True)) + " "
 
 
-def _named_axes(found: re.Match[str]) -> str:
-    word, *rest = found.groups()
+def _named_axes(match: re.Match[str]) -> str:
+    word, *rest = match.groups()
     return ", ".join(f"{word} {axis}={number}" for axis, number in zip(rest[:3], rest[3:], strict=True)) + " "
 
 
-def _names_first(found: re.Match[str]) -> str:
-    names, values = [name.strip() for name in found[1].split(",")], BETWEEN.split(found[2])
+def _names_first(match: re.Match[str]) -> str:
+    names, values = [name.strip() for name in match[1].split(",")], BETWEEN.split(match[2])
     if len(names) != len(values):
-        return found[0]
+        return match[0]
     return ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True)) + " "
 
 
 def _row(line: str) -> Fields:
-    mark = next((each for each in SEPARATORS if each in line), None)
+    mark = next((separator for separator in SEPARATORS if separator in line), None)
     parts = line.split() if mark is None else [part.strip() for part in line.split(mark)]
     if len(parts) > 1 and not parts[-1]:
-        parts.pop()  # a sketch that prints a separator behind each value
+        parts.pop()  # some sketches print a separator after every value
     units = [""] * len(parts)
     if mark is not None:
-        for at, part in enumerate(parts):
-            if found := WITH_UNIT.fullmatch(part):
-                parts[at], units[at] = found[1], found[2] if unit_of(found[2]) else ""
+        for index, part in enumerate(parts):
+            if match := WITH_UNIT.fullmatch(part):
+                parts[index], units[index] = match[1], match[2] if unit_of(match[2]) else ""
     if mark != ",":
         parts = [part.replace(",", ".") if DECIMAL_COMMA.fullmatch(part) else part for part in parts]
     return Fields(Form.ROW, ("",) * len(parts), tuple(parts), tuple(units) if any(units) else ())

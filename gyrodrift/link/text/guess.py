@@ -1,8 +1,8 @@
-"""The columns of an unknown text, from some of its lines: what something says, and what has to be asked.
+"""Guess of the columns of an unknown text from some of its lines.
 
-A number is a yaw rate only where a label, a unit or known firmware says so, and its unit is told only where it is
-written or the numbers leave no other. What is not said is a question: how numbers behave may tell a clock or an
-acceleration, but never a rate.
+A column is a yaw rate only if a label, a unit or known firmware says so. Its unit is given only if it is written, or if
+the numbers exclude all others. Anything else is a question to the user: the behavior of numbers may identify a clock or
+an acceleration, but never a rate.
 """
 
 import re
@@ -27,40 +27,40 @@ from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
 from gyrodrift.link.text.headings import Headings
 from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit
 
-LEAST_LINES = 3
-MOST_LINES = 400
+LINES_MIN = 3
+LINES_MAX = 400
 TIMES = re.compile(r"\s*[*×]\s*")
-"""A number that is multiplied, `gz*100`, keeps that in its name."""
+"""Factor in a name, such as `gz*100`, which the label keeps."""
 
-ASKED_UNIT = "UNIT"
-"""Stands in a SPEC for what a person has to say."""
+UNKNOWN_UNIT = "UNIT"
+"""Placeholder in a SPEC for a unit that the user must give."""
 
 
 @dataclass(frozen=True, slots=True)
 class GuessedColumn:
-    """One column.
+    """Guess of a column.
 
-    said
-        What it looks like, as in `t_ms` or `gx`; what is no quantity has the name IGNORED.
+    looks_like
+        Name such as `t_ms` or `gx`; IGNORED if it is not a known quantity.
     entry
-        The entry of `--columns` for it, IGNORED where it is of no use.
+        Entry for `--columns`; IGNORED if it is not used.
     why
-        What speaks for it.
+        Reason for the guess.
     """
 
-    said: str
+    looks_like: str
     entry: str
     why: str
 
 
 @dataclass(frozen=True, slots=True)
 class TextGuess:
-    """What the lines of a text hold.
+    """Guess of the columns of a text.
 
     example
-        A line of the kind that was looked at.
+        A line of the text.
     labels
-        One for each column; empty where the place of a value says what it is.
+        Label per column; empty if columns are identified by position.
     """
 
     form: Form
@@ -70,22 +70,22 @@ class TextGuess:
 
     @property
     def turn(self) -> GuessedColumn | None:
-        """The column that says how the device turns; None where nothing says that one does."""
+        """Column of the rate or of yaw; None if unknown."""
         return next((column for column in self.columns if column.entry.startswith(("rate", "yaw"))), None)
 
     @property
-    def is_unit_said(self) -> bool:
-        """Whether it is known in which unit that column is."""
-        return self.turn is not None and ASKED_UNIT not in self.turn.entry
+    def is_unit_known(self) -> bool:
+        """Whether the unit of that column is known."""
+        return self.turn is not None and UNKNOWN_UNIT not in self.turn.entry
 
     @property
     def spec(self) -> str | None:
-        """For `--columns`; None where something has to be asked first."""
-        return self.template if self.is_unit_said else None
+        """SPEC for `--columns`; None if information is missing."""
+        return self.template if self.is_unit_known else None
 
     @property
     def template(self) -> str | None:
-        """The same with ASKED_UNIT for a unit that is not said; None where no column is a rate or yaw."""
+        """SPEC with UNKNOWN_UNIT for a missing unit; None if no column is a rate or yaw."""
         if self.turn is None:
             return None
         entries = [column.entry for column in self.columns]
@@ -96,21 +96,21 @@ class TextGuess:
             entries.pop()
         return ", ".join(entries)
 
-    def meaning(self, place: int) -> str:
-        """What the column at that place looks like; IGNORED where there is none."""
-        return self.columns[place].said if place < len(self.columns) else IGNORED
+    def meaning(self, index: int) -> str:
+        """Name of a column; IGNORED without one."""
+        return self.columns[index].looks_like if index < len(self.columns) else IGNORED
 
 
 def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess | None:
-    """What the columns of a text are; None where nothing in it repeats that has numbers.
+    """Guess the columns of a text; None without repeated lines with numbers.
 
-    `lines_per_s` is the pace at which the lines came, where it is known: it tells the unit of a clock.
+    `lines_per_s` is the rate of the lines, or None; it gives the unit of a clock.
     """
-    heard = [line for line in (line.strip() for line in lines) if line][-MOST_LINES:]
-    found = _guess([line for line in heard if not line.startswith("#")], lines_per_s)
-    if found is None or found.turn is None:  # what looks like comments may be all there is
-        found = _guess([line.lstrip("# ") for line in heard], lines_per_s) or found
-    return found
+    heard = [line for line in (line.strip() for line in lines) if line][-LINES_MAX:]
+    guessed = _guess([line for line in heard if not line.startswith("#")], lines_per_s)
+    if guessed is None or guessed.turn is None:  # all data may have a comment mark
+        guessed = _guess([line.lstrip("# ") for line in heard], lines_per_s) or guessed
+    return guessed
 
 
 def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
@@ -119,23 +119,23 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
     layout = _usual_layout([fields for _, fields in parsed])
     if layout is None:
         return None
-    alike = [(line, fields) for line, fields in parsed if _layout(fields) == layout and _has_numbers(fields)]
-    columns = _columns([fields for _, fields in alike], _header(parsed, layout, headings))
+    similar = [(line, fields) for line, fields in parsed if _layout(fields) == layout and _has_numbers(fields)]
+    columns = _columns([fields for _, fields in similar], _header(parsed, layout, headings))
     name_by_known_row(columns)
     name_by_label(columns)
     name_by_unit(columns)
-    pace = lines_per_s * len(alike) / len(heard) if lines_per_s else None
+    pace = lines_per_s * len(similar) / len(heard) if lines_per_s else None
     unname_clocks(columns, pace)
     find_clock(columns, pace)
     find_accelerometer(columns)
     find_temperature(columns)
     guessed = tuple(_guessed(column, pace, columns) for column in columns)
-    return TextGuess(layout.form, alike[-1][0], layout.labels, _one_turn(guessed))
+    return TextGuess(layout.form, similar[-1][0], layout.labels, _one_turn(guessed))
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """Lines that have it are of one kind."""
+    """Layout of a line: lines of a kind have the same."""
 
     form: Form
     labels: tuple[str, ...]
@@ -151,34 +151,34 @@ def _has_numbers(fields: Fields) -> bool:
 
 
 def _usual_layout(parsed: Sequence[Fields]) -> _Layout | None:
-    """The most common one that has numbers; where several take turns, the one with a rate or yaw by its labels."""
-    found = Counter(_layout(fields) for fields in parsed if _has_numbers(fields))
-    common = [layout for layout, times in found.items() if times >= LEAST_LINES]
+    """Most common layout with numbers; if several alternate, the one with a labeled rate or yaw."""
+    counts = Counter(_layout(fields) for fields in parsed if _has_numbers(fields))
+    common = [layout for layout, times in counts.items() if times >= LINES_MIN]
     if not common:
         return None
-    most = max(found[layout] for layout in common)
-    turns = [layout for layout in common if found[layout] >= 0.5 * most]
+    highest = max(counts[layout] for layout in common)
+    frequent = [layout for layout in common if counts[layout] >= 0.5 * highest]
     units = {_layout(fields): fields.units for fields in parsed}
     for kind in ("rate", "yaw", "heading"):
-        for layout in turns:
+        for layout in frequent:
             if kind in _kinds(layout, units[layout]):
                 return layout
-    return max(turns, key=lambda layout: found[layout])
+    return max(frequent, key=lambda layout: counts[layout])
 
 
 def _kinds(layout: _Layout, units: tuple[str, ...]) -> set[str]:
-    """By labels and units alone."""
-    said = units or ("",) * layout.count
+    """Kinds of the columns from labels and units only."""
+    unit_texts = units or ("",) * layout.count
     columns = [
         SeenColumn(label, ("0",), (0.0,), unit_of(unit) or unit_in(label))
-        for label, unit in zip(layout.labels, said, strict=True)
+        for label, unit in zip(layout.labels, unit_texts, strict=True)
     ]
     name_by_label(columns)
     return {column.kind for column in columns}
 
 
 def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout, headings: Headings) -> tuple[str, ...] | None:
-    """The names in the last line above the first row of values."""
+    """Names in the last line above the first row of values."""
     names = None
     for _, fields in parsed:
         if fields.form is Form.ROW is layout.form and len(fields.values) == layout.count:
@@ -188,10 +188,10 @@ def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout, headings: Hea
     return None
 
 
-def _columns(alike: Sequence[Fields], header: tuple[str, ...] | None) -> list[SeenColumn]:
-    labels = header or alike[0].labels
-    units = next((fields.units for fields in alike if fields.units), ("",) * len(labels))
-    rows = [fields.values for fields in alike]
+def _columns(similar: Sequence[Fields], header: tuple[str, ...] | None) -> list[SeenColumn]:
+    labels = header or similar[0].labels
+    units = next((fields.units for fields in similar if fields.units), ("",) * len(labels))
+    rows = [fields.values for fields in similar]
     columns = []
     for label, unit, texts in zip(labels, units, zip(*rows, strict=True), strict=True):
         numbers = tuple(float(text) for text in texts if is_number(text))
@@ -204,7 +204,7 @@ def _columns(alike: Sequence[Fields], header: tuple[str, ...] | None) -> list[Se
 
 
 def _head(label: str) -> str:
-    """The words before the axis of a label."""
+    """Words before the axis of a label."""
     return label.rpartition(" ")[0]
 
 
@@ -215,21 +215,21 @@ def _guessed(column: SeenColumn, lines_per_s: float | None, columns: Sequence[Se
         return GuessedColumn(unit, unit, why)
     if kind == "rate":
         unit, why = (option, "") if option else rate_unit(column, columns)
-        return GuessedColumn(SPOKEN["rate"], f"rate:{unit or ASKED_UNIT}", f"{column.why}{why}")
+        return GuessedColumn(SPOKEN["rate"], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}")
     if kind in {"yaw", "heading"}:
         unit, why = (option, "") if option else angle_unit(column)
-        sign = ":-" if kind == "heading" else ""  # a compass counts clockwise
-        return GuessedColumn(kind, f"yaw:{unit or ASKED_UNIT}{sign}", f"{column.why}{why}")
+        sign = ":-" if kind == "heading" else ""  # a compass is positive clockwise
+        return GuessedColumn(kind, f"yaw:{unit or UNKNOWN_UNIT}{sign}", f"{column.why}{why}")
     is_counted = kind == "temp" and not all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
     entry = kind if kind in USED and not is_counted else IGNORED
     return GuessedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)
 
 
 def _one_turn(columns: tuple[GuessedColumn, ...]) -> tuple[GuessedColumn, ...]:
-    """A rate is used rather than an angle, which the device has filtered already; of several the first."""
+    """Keep the first rate, or else the first angle, which the device has filtered already; ignore others."""
     first = next((column for word in ("rate", "yaw") for column in columns if column.entry.startswith(word)), None)
     return tuple(
-        GuessedColumn(column.said, IGNORED, column.why)
+        GuessedColumn(column.looks_like, IGNORED, column.why)
         if column.entry.startswith(("rate", "yaw")) and column is not first
         else column
         for column in columns

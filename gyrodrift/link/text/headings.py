@@ -1,4 +1,4 @@
-"""Values under a heading of their own, as in `Gyroscope:` followed by lines `X = 0.1`, `Y = 0.2` and `Z = 0.3`."""
+"""Values below a heading, as in `Gyroscope:` followed by lines `X = 0.1`, `Y = 0.2` and `Z = 0.3`."""
 
 import re
 
@@ -11,24 +11,24 @@ UNIT_NAMED = re.compile(r"\s{1,4}in\s{1,4}(\S{1,20})$")
 
 
 class Headings:
-    """Reads lines one after the other, and gives letters alone the heading that they stand under."""
+    """Fields of consecutive lines; labels of a single letter get the heading above them."""
 
     def __init__(self) -> None:
         self.heading = ""
 
     def fields_of(self, line: str) -> Fields | None:
-        """The fields of the next line, with full labels."""
+        """Fields of the next line, with complete labels."""
         fields = fields_of(line)
         if fields is None:
             return None
         if fields.form is Form.LABELLED:
             return fields._replace(labels=tuple(map(self.full, fields.labels)))
-        if found := HEADING.fullmatch(line):
-            name = as_label(UNIT_NAMED.sub(r" (\1)", found[1]))
-            if found[2] or kind_of(f"{name} z"):
+        if match := HEADING.fullmatch(line):
+            name = as_label(UNIT_NAMED.sub(r" (\1)", match[1]))
+            if match[2] or kind_of(f"{name} z"):
                 self.heading = name
         return fields
 
     def full(self, label: str) -> str:
-        """The label with the heading before it, where it is an axis alone."""
+        """Label with its heading, if it is a single axis."""
         return f"{self.heading} {label}" if len(label) == 1 and self.heading else label

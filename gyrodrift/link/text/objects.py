@@ -1,8 +1,8 @@
-"""An object in braces: JSON (RFC 8259), or a dictionary as Python and MicroPython print it.
+"""Object in braces: JSON (RFC 8259), or a dictionary as Python and MicroPython print it.
 
-A device can send anything, so a line is never handed to a parser of Python. A printed dictionary has no more than
-strings, numbers, lists, tuples and three words: its tokens are written as JSON in one pass, and the JSON parser judges
-the outcome. Numbers stay the text that they were. Thus no digits are too many, and nothing overflows here.
+A device can send anything, so the Python parser is never used. A printed dictionary has only strings, numbers, lists,
+tuples and three words. Its tokens are rewritten as JSON in one pass, and parsed as JSON. Numbers remain text, so
+nothing overflows.
 """
 
 import json
@@ -10,33 +10,33 @@ import re
 from typing import Any
 
 LONGEST_CHARACTERS = 4096
-"""A longer object is damaged. Devices that send one for each measurement need a tenth of that."""
+"""Longest object; above, the line is damaged. Devices that send an object per sample need a tenth of it."""
 
-MOST_BRACKETS = 64
-"""So many opening brackets at most, which bounds the depth: the JSON parser calls itself once for each level."""
+BRACKETS_MAX = 64
+"""Largest number of opening brackets, which limits the recursion of the JSON parser."""
 
 DEEPEST = 4
-"""Objects within objects that are looked into."""
+"""Largest depth of nested objects that are read."""
 
 STRING = r"b?+'((?:[^'\\]|\\.)*+)'|b?+\"((?:[^\"\\]|\\.)*+)\""
 NUMERAL = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+|[-+]?(?:nan|inf)"
 TOKEN = re.compile(rf"\s*+(?:{STRING}|({NUMERAL})|(None|True|False)|([{{\[(])|(,?+\s*+[\]}})])|([,:]))")
-"""A comma before a closing bracket belongs to it: `(1,)` is a tuple of one."""
+"""Tokens; a comma before a closing bracket belongs to the bracket, as in `(1,)`."""
 
 WORDS = {"None": "null", "True": "true", "False": "false"}
 BRACKETS = {"{": "{", "}": "}", "[": "[", "]": "]", "(": "[", ")": "]"}
 
 
 Leaf = tuple[tuple[str, ...], str]
-"""The names that lead to a value, and the value as text."""
+"""Path of names to a value, and the value as text."""
 
 
 def leaves_of(line: str) -> list[Leaf] | None:
-    """Strings and numbers of an object, `gyro`, `z` or `gyro`, `2` before each; None where the object is damaged.
+    """Strings and numbers of an object, with paths such as (`gyro`, `z`); None if the object is damaged.
 
-    An object that says a name twice is damaged: nobody knows which of the two values counts.
+    An object with a repeated name counts as damaged.
     """
-    if len(line) > LONGEST_CHARACTERS or line.count("{") + line.count("[") + line.count("(") > MOST_BRACKETS:
+    if len(line) > LONGEST_CHARACTERS or line.count("{") + line.count("[") + line.count("(") > BRACKETS_MAX:
         return None
     text = line if '"' in line else _as_json(line.rstrip())
     try:
@@ -49,26 +49,26 @@ def leaves_of(line: str) -> list[Leaf] | None:
 
 
 def _as_json(line: str) -> str:
-    """A printed dictionary as JSON, its numbers in quotes; empty where there is something else in it."""
-    written, at = [], 0
-    while at < len(line):
-        found = TOKEN.match(line, at)
-        if found is None:
+    """Printed dictionary as JSON, with its numbers in quotes; empty if it has other content."""
+    written, position = [], 0
+    while position < len(line):
+        match = TOKEN.match(line, position)
+        if match is None:
             return ""
-        written.append(_token(found))
-        at = found.end()
+        written.append(_token(match))
+        position = match.end()
     return "".join(written)
 
 
-def _token(found: re.Match[str]) -> str:
-    single, double, numeral, word, opening, closing, mark = found.groups()
+def _token(match: re.Match[str]) -> str:
+    single, double, numeral, word, opening, closing, mark = match.groups()
     if single is not None or double is not None or numeral is not None:
         return json.dumps(next(text for text in (single, double, numeral) if text is not None))
     return WORDS[word] if word else BRACKETS[opening or closing[-1]] if opening or closing else mark
 
 
 def _constant(name: str) -> str:
-    """NaN, Infinity and -Infinity in the words that other numbers without end have."""
+    """NaN, Infinity and -Infinity in Python spelling."""
     return str(float(name))
 
 

@@ -1,4 +1,4 @@
-"""In which units a clock, a rate and an angle are printed: as written, or as the numbers leave no other."""
+"""Units of a clock, a rate and an angle: as written, or as the numbers exclude all others."""
 
 import re
 from collections.abc import Sequence
@@ -13,31 +13,33 @@ from gyrodrift.link.text.behavior import step_of
 from gyrodrift.link.text.fields import is_whole
 
 UNIT_FACTOR = 6.0
-"""How far a clock may be from the pace at which its lines come; its units are a factor of a thousand apart."""
+"""Largest factor between a clock and the arrival of its lines; its units differ by a factor of 1000."""
 
 MICROSECONDS_FROM = 400.0
-"""Without a pace, a step of this and more is in µs (2.5 kHz), and a smaller one in ms (2.5 Hz)."""
+"""Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
 
 SI_ODDS = 10.0
-"""Libraries that print m/s² beside rad/s (Adafruit Unified Sensor, ROS) against those beside deg/s (ESPHome, BNO055): a
-guess on the safe side, which decides nothing alone."""
+"""Odds of rad/s if accelerations are in m/s²; a conservative guess that is never decisive alone.
 
-LEAST_SAMPLES = 20
+Adafruit Unified Sensor and ROS use m/s² with rad/s, ESPHome and BNO055 with deg/s.
+"""
+
+SAMPLES_MIN = 20
 GRAVITY_WITHIN = 0.1
 ALWAYS = (0.1, 0.5, 0.9)
-"""Quantiles: gravity is there all the time, and a turn of 1 rad/s is not."""
+"""Quantiles of the length: gravity is constant, and a turn of 1 rad/s is not."""
 
 
 def clock_unit(column: SeenColumn, lines_per_s: float | None) -> tuple[str, str]:
-    """A key of CLOCK_US, and what speaks for it."""
+    """Key of CLOCK_US, and the reason."""
     step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
     if lines_per_s and step > 0.0:
         offsets = {unit: step * scale * 1e-6 * lines_per_s for unit, scale in CLOCK_US.items()}
         unit = next((unit for unit, off in offsets.items() if 1.0 / UNIT_FACTOR < off < UNIT_FACTOR), "")
         if unit:
-            return unit, f"grows by {step:g} with each line, and {lines_per_s:.3g} lines a second come"
+            return unit, f"grows by {step:g} per line, and {lines_per_s:.3g} lines arrive per second"
     if column.unit is not None and column.unit.dimension is Dimension.TIME:
-        return column.unit.option, f"is labelled {column.label}"
+        return column.unit.option, f"is labeled {column.label}"
     plain = re.sub(r"[^a-z]", "", column.label.lower())
     named = (
         ("t_ms", ("ms", "millis")),
@@ -47,46 +49,46 @@ def clock_unit(column: SeenColumn, lines_per_s: float | None) -> tuple[str, str]
     )
     for unit, endings in named:
         if plain.endswith(endings):
-            return unit, f"is labelled {column.label}"
+            return unit, f"is labeled {column.label}"
     if not all(map(is_whole, column.texts)) and step < 2.0:
-        return "t_s", f"grows by {step:g} with each line"
-    return ("t_us" if step >= MICROSECONDS_FROM else "t_ms"), f"grows by {step:g} with each line"
+        return "t_s", f"grows by {step:g} per line"
+    return ("t_us" if step >= MICROSECONDS_FROM else "t_ms"), f"grows by {step:g} per line"
 
 
 def rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
-    """What `rate:` says of its unit, and why; empty where nothing does."""
+    """Unit for `rate:`, and the reason; empty if unknown."""
     unit = column.unit
     if unit is not None and unit.dimension is Dimension.RATE:
-        return unit.option, f", in {unit.option} as it says"
+        return unit.option, f", in {unit.option} as labeled"
     if unit is not None:
         return "", ""
     if _is_gravity(columns, ("gx", "gy", "rate"), (1.0, STANDARD_GRAVITY_MPS2), ALWAYS):
-        return "", ", but the three have the length of gravity"
+        return "", ", but the three columns have the length of gravity"
     odds = _radian_odds(column) * (SI_ODDS if _is_gravity_si(columns) else 1.0)
     if odds < SURE_ODDS:
         return "", ""
-    beside = " beside accelerations in m/s²" if _is_gravity_si(columns) else ""
-    return "rads", f", in rad/s: for deg/s its noise is too small{beside}, odds {odds:.0f} to 1"
+    with_gravity = " next to accelerations in m/s²" if _is_gravity_si(columns) else ""
+    return "rads", f", in rad/s: its noise is too small for deg/s{with_gravity}, odds {odds:.0f} to 1"
 
 
 def angle_unit(column: SeenColumn) -> tuple[str, str]:
-    """What `yaw:` says of its unit, and why; empty where nothing does."""
+    """Unit for `yaw:`, and the reason; empty if unknown."""
     if column.unit is not None and column.unit.dimension is Dimension.ANGLE:
-        return column.unit.option, f", in {column.unit.option} as it says"
+        return column.unit.option, f", in {column.unit.option} as labeled"
     if max(map(abs, column.numbers)) > 2.0 * pi + 0.01:
-        return "deg", ", in degrees, since it is more than a turn of radians"
+        return "deg", ", in degrees, since it exceeds 2π"
     return "", ""
 
 
 def _radian_odds(column: SeenColumn) -> float:
-    """Odds of rad/s against deg/s by the noise at rest; 1 where it is not seen."""
+    """Odds of rad/s against deg/s from the noise at rest; 1 if the noise is invisible."""
     numbers = column.numbers
-    if len(numbers) < LEAST_SAMPLES or all(map(is_whole, column.texts)):
+    if len(numbers) < SAMPLES_MIN or all(map(is_whole, column.texts)):
         return 1.0
     bends = sorted(abs(a - 2.0 * b + c) for a, b, c in zip(numbers, numbers[1:], numbers[2:], strict=False))
-    quiet = bends[: max(3, len(bends) // 2)]  # half of the time at most is a device in motion
+    quiet = bends[: max(3, len(bends) // 2)]  # the device moves at most half of the time
     digits = max(len(text.partition(".")[2]) for text in column.texts)
-    hidden = 10.0**-digits / sqrt(12.0)  # what rounding may hide: the uniform error of a step
+    hidden = 10.0**-digits / sqrt(12.0)  # uniform rounding error of a step
     noise = max(sqrt(fmean(bend * bend for bend in quiet) / 6.0), hidden)
     return _density(noise * RATE_DPS["rads"]) / _density(noise)
 
@@ -104,10 +106,10 @@ def _is_gravity_si(columns: Sequence[SeenColumn]) -> bool:
 def _is_gravity(
     columns: Sequence[SeenColumn], kinds: Sequence[str], sizes: Sequence[float], quantiles: Sequence[float] = (0.5,)
 ) -> bool:
-    """Whether three columns have the length of gravity, at these quantiles of their lengths."""
+    """Whether three columns have the length of gravity at these quantiles."""
     three = [column for kind in kinds for column in columns if column.kind == kind]
     if len(three) != 3 or not all(column.is_numeric for column in three):
         return False
     lengths = sorted(hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True))
-    told = [lengths[int(quantile * (len(lengths) - 1))] for quantile in quantiles]
-    return any(all(abs(length - size) < GRAVITY_WITHIN * size for length in told) for size in sizes)
+    chosen_lengths = [lengths[int(quantile * (len(lengths) - 1))] for quantile in quantiles]
+    return any(all(abs(length - size) < GRAVITY_WITHIN * size for length in chosen_lengths) for size in sizes)

@@ -1,1 +1,1 @@
-"""Whether a stream's numbers have the units that they are taken for."""
+"""Checks of the units of a stream."""

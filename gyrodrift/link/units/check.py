@@ -1,4 +1,4 @@
-"""Looks at the first minutes of a stream: whether its clock and its rates have the units that they are taken for."""
+"""Check of the units of clock and rates in the first minutes of a stream."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,30 +10,28 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Sample
 
 CLOCK_S = 1.5
-"""How long samples have to arrive before the clock is judged, s."""
+"""Time of samples before the clock is judged, s."""
 
 CLOCK_READINGS = 10
 RATE_EVERY_S = 1.0
 RATE_WINDOWS = 300
-"""After five minutes a stream that has shown nothing odd is let be."""
-
+"""Number of windows after which the check ends: five minutes."""
 
 EAGER_WINDOWS = 20
 PATIENT_WINDOWS = 10
-"""At first each window is weighed with all before it, later only each tenth: weighing costs more than taking it."""
+"""The first EAGER_WINDOWS are all evaluated, later every tenth window: evaluation costs more than collecting."""
 
 
 class UnitCheck:
-    """Takes what the link reads until it `is_over`; what speaks for a wrong unit of the rate is an event.
+    """Check that takes all readings until it `is_over`, and reports a wrong unit of the rate as an event.
 
     Raises
     ------
     UnitError
-        From `take`, where the device clock is none in microseconds, or where the rate is hardly in deg/s and nobody
-        said that it is.
+        From `take`: the clock does not count microseconds, or the rate is not in deg/s and its unit is not stated.
     """
 
-    def __init__(self, protocol: WireProtocol, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as the protocol says it
+    def __init__(self, protocol: WireProtocol, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as in WireProtocol
         self.is_over = protocol.sends_angle and not has_clock
         self.is_hearing = has_clock
         self._protocol = protocol.name
@@ -49,7 +47,7 @@ class UnitCheck:
         self._windows = 0
 
     def take(self, readings: int, samples: list[Sample], arrival_s: float, clock: Clock) -> None:
-        """So many readings that arrived together, as the samples that the clock made of them."""
+        """Add a number of readings that arrived together, and their samples."""
         if self.is_hearing:
             self._first_s = self._first_s or arrival_s
             self._readings += readings
@@ -79,7 +77,7 @@ class UnitCheck:
         del self._window[:whole]
 
     def _judge_rates(self, window: list[Sample]) -> None:
-        from gyrodrift.columns.rate_unit import RateUnitOdds, says  # noqa: PLC0415 - after the first sample is out
+        from gyrodrift.columns.rate_unit import RateUnitOdds, event_fields  # noqa: PLC0415 - after the first sample is out
 
         self._rates = self._rates or RateUnitOdds()
         self._rates.take(window)
@@ -87,14 +85,14 @@ class UnitCheck:
         self._due_s = window[-1].t_device_s + RATE_EVERY_S
         if self._windows > EAGER_WINDOWS and self._windows % PATIENT_WINDOWS:
             return
-        found = self._rates.verdict()
-        if found is not None:
-            fields = says(found, self._protocol)
+        unit = self._rates.verdict()
+        if unit is not None:
+            fields = event_fields(unit, self._protocol)
             if not self._is_unit_said:
-                raise UnitError("nothing says in which unit its rates are: {reason}; {hint}".format(**fields))
+                raise UnitError("the unit of its rates is not stated: {reason}; {hint}".format(**fields))
             self._on_event("rate_unit_differs", **fields)
-        self.is_over = found is not None or self._windows >= RATE_WINDOWS
+        self.is_over = unit is not None or self._windows >= RATE_WINDOWS
 
 
 WINDOW = 50
-"""Samples that are looked at together; as in `rate_unit`."""
+"""Samples per window, as in `rate_unit`."""

@@ -1,4 +1,4 @@
-"""A device clock in another unit than it is taken for: found from the pace at which its samples arrive."""
+"""Unit of a device clock, from the arrival of its samples."""
 
 import shlex
 
@@ -6,7 +6,7 @@ from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 
 SLOWEST_PACE = 100.0
-"""Host seconds for one second of a device clock; no clock is so slow, and a replay only makes it faster."""
+"""Host seconds per second of a device clock: no real clock is that slow, and a replay is faster."""
 
 NEVER_PACE = 1e7
 NAMED_WITHIN = 3.0
@@ -16,27 +16,27 @@ SHORT = {"milliseconds": "t_ms", "seconds": "t_s"}
 
 
 def why_wrong(pace: float, protocol: str, heard: Heard) -> str | None:
-    """What to tell a person whose device clock is none; None where it may be one.
+    """Message about a clock in another unit; None if it may be correct.
 
-    `pace` is host seconds for one second of the device clock, infinite where it does not run at all.
+    `pace` is host seconds per second of the device clock, infinite if it does not run.
     """
     if pace < SLOWEST_PACE:
         return None
     unit = next((unit for per, unit in UNITS.items() if per / NAMED_WITHIN < pace < per * NAMED_WITHIN), None)
-    took = f"1 s of it takes {pace:.3g} s" if pace < NEVER_PACE else "its steps are none of a clock"
-    says = f"counts {unit}, not microseconds" if unit else f"is no clock in microseconds: {took}"
+    took = f"1 s of it takes {pace:.3g} s" if pace < NEVER_PACE else "its steps are not those of a clock"
+    says = f"counts {unit}, not microseconds" if unit else f"does not count microseconds: {took}"
     if protocol == "csv":
         return f"the first column {says}; {_columns(heard, unit)}"
     if protocol == text.NAME:
-        named = f": write {SHORT[unit]} for t_us" if unit else ""
+        named = f": write {SHORT[unit]} instead of t_us" if unit else ""
         return f"the clock of --columns {says}{named}; the lines are like {quoted((heard.lines() or [''])[-1])}"
-    return f"the clock t_us of its samples {says}; the device has to send microseconds"
+    return f"the clock t_us of its samples {says}; the device must send microseconds"
 
 
 def _columns(heard: Heard, unit: str | None) -> str:
-    """How lines of csv are read whose clock counts something else."""
+    """Advice for csv lines with another clock."""
     last = (heard.lines() or [""])[-1]
     if unit is None:
-        return f"{quoted(last)} is to be read with --columns, which say what stands where"
+        return f"name the columns of {quoted(last)} with --columns"
     columns = (SHORT[unit], *CSV_COLUMNS[1:])[: last.count(",") + 1]
     return f"read {quoted(last)} with --columns {shlex.quote(', '.join(columns))}"

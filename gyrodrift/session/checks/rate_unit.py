@@ -9,7 +9,7 @@ from gyrodrift.columns.rate_unit import (
     COUNTS,
     DEGREES,
     MILLIDEGREES,
-    MOST_ODDS,
+    ODDS_MAX,
     NOISE_DPS,
     PER_DPS,
     RADIANS,
@@ -128,7 +128,7 @@ def _by_size(session: Session) -> Iterator[SessionFinding]:
     if best.turn:
         evidence += f", and turns reach {best.turn:.3g} deg/s, usual is {TURN_DPS:g}"
     words = WORDS[best.unit]
-    says = f"the rate {words}, at odds of {min(best.odds, MOST_ODDS):.0f} to 1: {evidence}"
+    says = f"the rate {words}, at odds of {min(best.odds, ODDS_MAX):.0f} to 1: {evidence}"
     fitting = _option(session, 1.0 / best.per_dps)
     option = f"use --rate-unit {fitting}, or --rate-unit {_name(session.rate_scale)} if it is right as it is"
     yield SessionFinding("rate_unit", says, option, is_error=best.odds >= SURE_ODDS)

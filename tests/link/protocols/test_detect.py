@@ -53,5 +53,5 @@ def test_readings_are_not_kept_of_protocols_that_do_not_win() -> None:
 
 def test_an_unknown_protocol_is_named_with_those_there_are() -> None:
     """The message a person needs."""
-    with pytest.raises(UsageError, match=r"unknown protocol .nmea2000.; known are auto, native, .*csv, "):
+    with pytest.raises(UsageError, match=r"unknown protocol .nmea2000.; there are auto, native, .*csv, "):
         candidates("nmea2000")

@@ -10,7 +10,7 @@ from golden_frames import NativeSample
 from support import near
 
 from firmware_sim.wire.native import native_frame, sample_frame
-from gyrodrift.link.protocols.decoder import MOST_HELD, DeviceDescription
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
 from gyrodrift.link.protocols.guard import renewed
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.link.protocols.registry import PROTOCOLS
@@ -129,14 +129,14 @@ def test_a_device_that_is_known_gets_all_its_samples_scaled_though_it_booted_mea
 def test_samples_that_wait_are_bounded_and_the_oldest_go_first() -> None:
     """Those that went stay counted."""
     decoder = NativeDecoder()
-    for start in range(0, MOST_HELD + 1000, 1000):
+    for start in range(0, WAITING_MAX + 1000, 1000):
         decoder.push(run(1000, seq=start, t_us=start * 10_000))
-    total = MOST_HELD // 1000 * 1000 + 1000 + (0 if MOST_HELD % 1000 == 0 else 1000)
+    total = WAITING_MAX // 1000 * 1000 + 1000 + (0 if WAITING_MAX % 1000 == 0 else 1000)
     assert decoder.counters.before_hello == total
     readings = decoder.push(golden.HELLO + run(1, seq=total, t_us=total * 10_000))
-    assert (len(readings), decoder.counters.late) == (MOST_HELD + 1, MOST_HELD)
-    assert decoder.counters.before_hello == total - MOST_HELD
-    assert readings[0].seq == (total - MOST_HELD) % 65536
+    assert (len(readings), decoder.counters.late) == (WAITING_MAX + 1, WAITING_MAX)
+    assert decoder.counters.before_hello == total - WAITING_MAX
+    assert readings[0].seq == (total - WAITING_MAX) % 65536
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_what_is_not_a_frame_we_know_is_counted(frame: bytes, damaged: int, othe
     """As damaged, or as good but of no use."""
     decoder = NativeDecoder()
     assert decoder.push(frame) == []
-    assert (decoder.counters.damaged, decoder.counters.other) == (damaged, other)
+    assert (decoder.counters.damaged, decoder.counters.other_frames) == (damaged, other)
 
 
 def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None:

@@ -27,7 +27,7 @@ def test_a_rate_that_is_not_valid_is_no_rate() -> None:
     decoder = NmeaDecoder()
     not_valid = NMEAMessage("HE", "ROT", GET, rot=0.0, valid="V").serialize()
     assert decoder.push(not_valid + b"$HEROT,,A*05\r\n") == []
-    assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (2, 2, 0)
+    assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (2, 2, 0)
 
 
 def test_a_receiver_without_rate_of_turn_is_not_of_this_protocol() -> None:
@@ -37,7 +37,7 @@ def test_a_receiver_without_rate_of_turn_is_not_of_this_protocol() -> None:
     decoder.push(position * 9)
     assert decoder.counters.frames == 0
     assert len(decoder.push((golden.NMEA_ROT + position) * 3)) == 3
-    assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (6, 3, 0)
+    assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (6, 3, 0)
 
 
 @pytest.mark.parametrize("line", [b"$GPROT,35.6,A*02", b"$GPROT,35.6,A", b"GPROT,35.6,A*01", b"$GPROT,35.6,A*1"])

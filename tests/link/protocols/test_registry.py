@@ -85,7 +85,7 @@ def test_a_protocol_that_is_taken_away_is_unknown(toy: str) -> None:
     with pytest.raises(ValueError, match="there is an encoder 'milli' already"):
         spoken.register(encoder)
     read.unregister(toy)
-    with pytest.raises(UsageError, match=f"unknown protocol 'milli'; known are auto, {names}$"):
+    with pytest.raises(UsageError, match=f"unknown protocol 'milli'; there are auto, {names}$"):
         read.protocol_named(toy)
     read.register(protocol)
 

@@ -21,7 +21,7 @@ def test_the_frame_of_the_manual_is_whole_and_has_no_rate() -> None:
     """Angles alone are counted and passed over."""
     decoder = VectornavDecoder()
     assert decoder.push(golden.VECTORNAV_ANGLES * 3) == []
-    assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (3, 3, 0)
+    assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (3, 3, 0)
 
 
 def test_time_rate_and_temperature_are_read() -> None:
@@ -61,7 +61,7 @@ def test_a_device_without_a_clock_stays_one() -> None:
     first, second = VectornavDecoder(), VectornavDecoder()
     assert [reading.t_us for reading in first.push(untimed + timed)] == [None, None]
     assert [reading.t_us for reading in second.push(timed + untimed)] == [7]
-    assert second.counters.other == 1
+    assert second.counters.other_frames == 1
 
 
 def test_ascii_messages_between_frames_are_no_damage() -> None:
@@ -84,7 +84,7 @@ def test_of_two_messages_in_turns_one_is_listened_to() -> None:
     """Twice the rate would be twice the turn."""
     decoder = VectornavAsciiDecoder()
     assert len(decoder.push((golden.VECTORNAV_VNYMR + golden.VECTORNAV_VNIMU) * 4)) == 4
-    assert (decoder.counters.other, decoder.counters.damaged) == (4, 0)
+    assert (decoder.counters.other_frames, decoder.counters.damaged) == (4, 0)
 
 
 def test_a_message_with_a_crc_of_sixteen_bits_is_read() -> None:

@@ -19,7 +19,7 @@ def test_frames_of_other_kinds_are_counted_and_skipped() -> None:
     """Acceleration is no yaw rate."""
     decoder = WitmotionDecoder()
     assert decoder.push(golden.WT901_ACCELERATION * 5) == []
-    assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (5, 5, 0)
+    assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (5, 5, 0)
 
 
 def test_a_frame_that_stands_alone_in_noise_is_not_believed() -> None:

@@ -40,7 +40,7 @@ def test_answers_for_registers_between_them_are_passed_over() -> None:
     answer = b"\x55\x71\x3a" + bytes(17)
     decoder = WitmotionBleDecoder()
     assert len(decoder.push((frame(1.0) * 2 + answer) * 4)) == 8
-    assert (decoder.counters.frames, decoder.counters.other, decoder.counters.damaged) == (12, 4, 0)
+    assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (12, 4, 0)
 
 
 def test_a_lost_byte_costs_its_frame_and_gives_no_rate() -> None:

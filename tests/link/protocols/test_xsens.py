@@ -63,7 +63,7 @@ def test_without_a_sample_time_there_is_no_clock() -> None:
     decoder = XsensDecoder()
     (reading,) = decoder.push(message((0x8020, pack(">3f", 0, 0, 1))) + message((0x1020, b"\0\1")))
     assert reading.t_us is None
-    assert (decoder.counters.frames, decoder.counters.other) == (2, 1)
+    assert (decoder.counters.frames, decoder.counters.other_frames) == (2, 1)
 
 
 def test_no_damaged_byte_is_believed() -> None:

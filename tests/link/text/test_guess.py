@@ -80,7 +80,7 @@ def test_columns_that_something_names_can_be_pasted(name: str) -> None:
     text = "\n".join(line(i) for i in range(LINES)) + "\n"
     found = guess(text.splitlines(), 100.0 * text.count("\n") / LINES)
     assert found is not None
-    assert (", ".join(column.said for column in found.columns), found.spec) == (looks, spec)
+    assert (", ".join(column.looks_like for column in found.columns), found.spec) == (looks, spec)
     assert all(column.why for column in found.columns if column.entry != "_")
     (protocol,) = candidates("auto", spec)
     assert len(protocol.decoder().push(text.encode())) == LINES

@@ -10,7 +10,7 @@ from gyrodrift.columns.spec import columns_of
 from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.link.text.fields import fields_of
 from gyrodrift.link.text.guess import guess
-from gyrodrift.link.text.objects import LONGEST_CHARACTERS, MOST_BRACKETS, leaves_of
+from gyrodrift.link.text.objects import BRACKETS_MAX, LONGEST_CHARACTERS, leaves_of
 
 ODD = (
     "{[]: 1}",
@@ -86,7 +86,7 @@ def test_an_object_is_as_deep_and_as_long_as_it_may_be(opening: str) -> None:
     """A parser that calls itself is never asked for more levels than the interpreter has."""
     assert leaves_of("{'a':" + opening * 100_000) is None
     assert leaves_of("{" + " " * LONGEST_CHARACTERS + "}") is None
-    assert leaves_of('{"a":' + "[" * (MOST_BRACKETS - 1) + "]" * (MOST_BRACKETS - 1) + "}") == []
+    assert leaves_of('{"a":' + "[" * (BRACKETS_MAX - 1) + "]" * (BRACKETS_MAX - 1) + "}") == []
 
 
 @given(st.dictionaries(st.text("abcxyz_", min_size=1), st.floats() | st.integers()))

@@ -165,9 +165,9 @@ def found_in(name: str, seed: int) -> tuple[TextGuess, bytes, list[Rates], float
 def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
     """The columns read the rate about the third axis, and the time where there is one; its unit may be asked for."""
     found, text, rates, step_s = found_in(name, seed)
-    assert found.template is not None, [column.said for column in found.columns]
+    assert found.template is not None, [column.looks_like for column in found.columns]
     assert all(column.why for column in found.columns if column.entry != "_")
-    assert found.is_unit_said == (name not in ASKED)
+    assert found.is_unit_known == (name not in ASKED)
     spec = found.template.replace("UNIT", ASKED.get(name, "UNIT"))
     (protocol,) = candidates("auto", spec)
     readings = protocol.decoder().push(text)

@@ -34,8 +34,8 @@ def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: A
             lambda i: f"{10 * i},0.{i % 7},{i / 10},25.1",
             "the first column counts milliseconds, not microseconds.*--columns 't_ms, rate:dps, encoder, temp'",
         ),
-        (lambda i: f"{i},0.{i % 7}", "is no clock in microseconds: 1 s of it takes 1e.04 s.*with --columns"),
-        (lambda i: f"{10_000_000 * i},0.{i % 7}", "is no clock in microseconds.*with --columns"),
+        (lambda i: f"{i},0.{i % 7}", "does not count microseconds: 1 s of it takes 1e.04 s.*with --columns"),
+        (lambda i: f"{10_000_000 * i},0.{i % 7}", "does not count microseconds.*with --columns"),
     ],
     ids=["ms", "counter", "ns"],
 )
@@ -60,7 +60,7 @@ def test_the_columns_scale_it(port: Path, columns: str, step: float) -> None:
 def test_columns_that_name_the_wrong_unit_are_told(port: Path) -> None:
     """Since a person has written them down."""
     with pytest.raises(
-        UnitError, match="the clock of --columns counts milliseconds, not microseconds: write t_ms for t_us"
+        UnitError, match="the clock of --columns counts milliseconds, not microseconds: write t_ms instead of t_us"
     ):
         heard(port, lambda i: f"{10 * i},0.{i % 7}", columns="t_us, rate")
 

@@ -60,7 +60,7 @@ FAULTS = (
     Fault(
         "link/arrival-hold-lost",
         ARRIVAL,
-        "        self._number = len(held)\n",
+        "        self._number = len(waiting)\n",
         "        self._number = 0\n",
         "Samples that were held until there is a line are numbered twice.",
         ARRIVAL_TESTS,
@@ -124,8 +124,8 @@ FAULTS = (
     Fault(
         "link/frames-resume-behind-damage",
         f"{PROTOCOLS}/frames.py",
-        "            at = end or at + 1\n",
-        "            at = end or at + len(self.head)\n",
+        "            position = end or position + 1\n",
+        "            position = end or position + len(self.head)\n",
         "A head that begins within a damaged head is missed.",
         (f"{TESTS}/test_decoders.py", f"{TESTS}/test_bno08x_rvc.py", f"{TESTS}/test_xsens.py"),
     ),
@@ -156,8 +156,8 @@ FAULTS = (
     Fault(
         "link/witmotion-checksum",
         f"{PROTOCOLS}/witmotion.py",
-        "and sum(buffer[at : at + FRAME_BYTES - 1]) & 0xFF == buffer[at + FRAME_BYTES - 1]",
-        "and sum(buffer[at + 2 : at + FRAME_BYTES - 1]) + 0xA7 & 0xFF == buffer[at + FRAME_BYTES - 1]",
+        "and sum(buffer[position : position + FRAME_BYTES - 1]) & 0xFF ==",
+        "and sum(buffer[position + 2 : position + FRAME_BYTES - 1]) + 0xA7 & 0xFF ==",
         "The checksum leaves out the kind of the frame.",
         (f"{TESTS}/test_witmotion.py", f"{TESTS}/test_decoders.py"),
     ),
