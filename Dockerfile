@@ -15,9 +15,9 @@ RUN uv sync --locked --no-editable --no-cache --extra websocket --extra mqtt --e
 
 FROM python:3.13-slim-bookworm
 COPY --from=build /opt/gyrodrift /opt/gyrodrift
-RUN useradd --create-home --groups dialout gyrodrift
+RUN useradd --uid 1000 --create-home --groups dialout gyrodrift
 ENV PATH=/opt/gyrodrift/bin:$PATH
-USER gyrodrift
+USER 1000
 WORKDIR /home/gyrodrift
 EXPOSE 8117
 ENTRYPOINT ["gyrodrift"]

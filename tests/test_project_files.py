@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 import yaml
-from distribution_support import ROOT, run_online, tool
+from distribution_support import ROOT, run, run_online, tool
 
 from gyrodrift.cli import parser_of
 
@@ -100,6 +100,12 @@ def test_the_container_is_built_from_stated_versions_and_runs_as_a_user() -> Non
     assert users
     assert [words[0] for words in lines[users[-1] :] if words[0] in ("RUN", "COPY")] == []
     assert re.search(r'^ENTRYPOINT \["gyrodrift"\]$', read("Dockerfile"), re.MULTILINE)
+
+
+def test_hadolint_finds_nothing_in_the_dockerfile() -> None:
+    """Not even a remark."""
+    done = run(tool("hadolint"), "--no-color", "Dockerfile")
+    assert (done.returncode, done.stdout) == (0, "")
 
 
 def test_the_commands_of_the_container_install_a_program_that_runs(tmp_path: Path) -> None:
