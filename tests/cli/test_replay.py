@@ -142,7 +142,7 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
         (["--speed", "fast"], 2, "--speed fast: expected a number above 0, or max"),
         (["--lsb", "0"], 2, "--lsb 0: expected deg/s per count"),
         (["--link", "{session}"], 3, "exists and is not a link"),
-        (["--raw"], 4, "is no MCAP file; only those keep raw bytes"),
+        (["--raw"], 4, "is no MCAP file; only MCAP files have raw bytes"),
         (["--raw", "--loop"], 2, "raw bytes can be played only once"),
     ],
 )
