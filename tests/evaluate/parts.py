@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from evaluate import diagnose_part, everyday_part, hard_cases_part
+from evaluate import diagnose_part, everyday_part, hard_cases_part, round_trip_part
 from evaluate.figures import Figure
 
 Say = Callable[[str], None]
@@ -22,6 +22,9 @@ class Part:
 
 PARTS = {
     "diagnose": Part("gyrodrift diagnose on blind cases of each row", 4711, 10, diagnose_part.measure),
+    "round-trip": Part(
+        "simulate and diagnose with the shipped rig, seeds of each effect", 1, 1, round_trip_part.measure
+    ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),
     "hard-cases": Part("restlevel on the hard cases, seeds of each", 101, 5, hard_cases_part.measure),
 }

@@ -12,6 +12,7 @@ from evaluate.everyday_part import error_of
 from evaluate.figures import Figure, mean_figure, share_figure
 from evaluate.last import LAST, Measured, is_worse, read_last, worse_than, write_last
 from evaluate.parts import PARTS, Part
+from evaluate.round_trip_part import effect_text, names_first_or_tied
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 
@@ -92,3 +93,12 @@ def test_after_a_rest_an_everyday_motion_keeps_its_yaw(motion: str) -> None:
     """One session of each: restlevel stays ahead of plain integration."""
     one = session(motion, 1, is_still=True, seed=3)
     assert error_of("restlevel", one) < max(0.5, 0.5 * error_of("euler", one))
+
+
+def test_a_round_trip_counts_an_effect_that_comes_first_or_is_tied_with_the_first() -> None:
+    """A second cause, and none, are misses; the option has the parameters of the size."""
+    causes = [{"effect": "latency", "tied_with": ["bandwidth"]}, {"effect": "spikes", "tied_with": []}]
+    hits = {name: names_first_or_tied({"causes": causes}, name) for name in ("latency", "bandwidth", "spikes")}
+    assert hits == {"latency": True, "bandwidth": True, "spikes": False}
+    assert not names_first_or_tied({"causes": []}, "latency")
+    assert effect_text("spikes", "typical") == "spikes:height_dps=50.0,share_percent=0.1"
