@@ -8,7 +8,7 @@ from textwrap import indent
 from types import ModuleType
 
 from gyrodrift.cli.parser import Parser, unknown
-from gyrodrift.cli.standard_streams import open_standard_streams
+from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
 from gyrodrift.errors import GyrodriftError, UsageError
 from gyrodrift.secret import mentions_secret, shown_words
 
@@ -58,6 +58,7 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 def main(argv: list[str] | None = None) -> int:
     """Run one command and give its exit status; a person's mistake is one line on stderr, never a traceback."""
     open_standard_streams()
+    accept_all_characters()
     if ASKED_BY_A_SHELL in os.environ:
         import_module("gyrodrift.cli.completion").complete()
     arguments = sys.argv[1:] if argv is None else argv

@@ -6,6 +6,7 @@ written to by whatever writes there. So all three are opened before any other fi
 
 import os
 import sys
+from io import TextIOWrapper
 
 STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
@@ -19,6 +20,20 @@ def open_standard_streams() -> None:
             stream = open(fd, mode, encoding="utf-8", errors="backslashreplace", closefd=False)  # noqa: SIM115 - open to the end
             setattr(sys, name, stream)
             setattr(sys, f"__{name}__", stream)
+
+
+def accept_all_characters() -> None:
+    """Let stdout and stderr take every text. An encoding such as ASCII shows `?` for characters that it lacks.
+
+    A pipe on Windows gets UTF-8, the encoding of session tables and reports, not the old code page.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if not isinstance(stream, TextIOWrapper) or stream.encoding.lower().replace("-", "") == "utf8":
+            continue
+        if sys.platform == "win32" and not stream.isatty():
+            stream.reconfigure(encoding="utf-8")
+        else:
+            stream.reconfigure(errors="replace")
 
 
 def _is_open(fd: int) -> bool:

@@ -1,7 +1,8 @@
 """Run gyrodrift as on Windows: python elsewhere.py MODULE ARGUMENTS, or -c CODE.
 
 The modules termios, fcntl, pty and others cannot be imported. Functions and constants that Windows lacks are deleted.
-`select.select` takes sockets only. Packages of others adapt to the real system, so they are imported before.
+`select.select` takes sockets only. Opening a text file without its encoding is an error, since it is not UTF-8 there.
+Packages of others adapt to the real system, so they are imported before.
 """
 
 import asyncio
@@ -24,6 +25,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+import warnings
 from types import SimpleNamespace
 from typing import Any
 
@@ -68,6 +70,7 @@ def import_lab() -> None:
 
 
 def become_windows() -> None:
+    importlib.import_module("numpy")
     for module in (os, select):  # pyserial and shutil keep the functions of this system
         setattr(serial.serialposix, module.__name__, SimpleNamespace(**vars(module)))
     vars(shutil)["os"] = SimpleNamespace(**vars(os))
@@ -81,6 +84,8 @@ def become_windows() -> None:
 
 
 if __name__ == "__main__":
+    warnings.filterwarnings("ignore", category=EncodingWarning)  # in packages of others
+    warnings.filterwarnings("error", category=EncodingWarning, module="gyrodrift|firmware_sim")
     del sys.argv[0]
     if sys.argv[0] == "-c":
         import_lab()

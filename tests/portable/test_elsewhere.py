@@ -1,13 +1,14 @@
 """The library, the analyses and `serve` on a system without termios, fcntl, pty, fork, poll and unix sockets."""
 
 import json
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from support import Command
+from support import Command, ours
 
 from gyrodrift.cli import main
 
@@ -31,7 +32,7 @@ for filter_class in (gyrodrift.Hdr, gyrodrift.Restlevel):
 
 
 def run_elsewhere(*words: str | Path, stdin: str = "") -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", ELSEWHERE, *map(str, words)]
+    command = [sys.executable, "-X", "warn_default_encoding", "-m", ELSEWHERE, *map(str, words)]
     return subprocess.run(command, input=stdin, capture_output=True, text=True, check=False)
 
 
@@ -126,3 +127,13 @@ def test_what_needs_posix_says_so(tmp_path: Path) -> None:
     assert json.loads(statuses) == {words[0]: 2 for words in commands}
     assert all(re.match(r"gyrodrift: .* needs? Linux", line) for line in sentences)
     assert len(sentences) == len(commands)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_an_old_encoding_of_the_terminal_stops_no_command(encoding: str) -> None:
+    """A character that it lacks is shown as `?`."""
+    environment = {**os.environ, "PYTHONIOENCODING": encoding}
+    done = subprocess.run(ours("help", "doctor"), env=environment, capture_output=True, text=False, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    degrees = {"ascii": b"?C", "cp1252": "°C".encode("cp1252")}
+    assert degrees[encoding] in done.stdout
