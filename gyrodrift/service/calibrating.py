@@ -1,6 +1,6 @@
-"""What `serve` does with samples before the filter: their rates put right by the calibration of the config.
+"""Applies the calibration of the config to samples before the filter.
 
-Only by one of this device: which one it is may be known late, and change when another board is plugged in.
+A calibration of another device is not applied. The device may be known late, and change when another one is plugged in.
 """
 
 from collections.abc import Callable
@@ -18,12 +18,12 @@ from gyrodrift.sample import Sample
 
 @dataclass(slots=True)
 class Calibrating:
-    """Applies a calibration that may change while the filter runs; the filter's bias estimate stays right then.
+    """Applies a calibration that may change while the filter runs; the bias estimate of the filter stays valid.
 
     given
-        That of the config; None without one.
+        Calibration of the config; None without one.
     applied
-        What is in force; None where rates stay as they are measured.
+        Calibration in force; None without one.
     """
 
     link: Link
@@ -36,10 +36,10 @@ class Calibrating:
     _has_begun: bool = False
 
     def take(self, samples: list[Sample], bias_dps: float) -> list[Sample]:
-        """Samples with their true rates; `bias_dps` is what the filter has found so far."""
+        """Samples with calibrated rates; `bias_dps` is the present estimate of the filter."""
         if not samples:
             return samples
-        if self.link.device != self._device:  # a device says who it is once a second
+        if self.link.device != self._device:  # a device sends its name once a second
             self._decide(bias_dps)
         if self.applied is None:
             return samples
@@ -47,23 +47,23 @@ class Calibrating:
         return [self.applied.sample(sample) for sample in samples]
 
     def follow(self, given: Calibration | None, bias_dps: float) -> None:
-        """Take over what a new config says."""
+        """Apply the calibration of a new config."""
         if given != self.given:
             self.given = given
             if self._has_begun:
                 self._decide(bias_dps)
 
     def _decide(self, bias_dps: float) -> None:
-        wanted, self._device = self._wanted(), self.link.device
-        if wanted is None and self.applied is None:
+        new, self._device = self._applicable(), self.link.device
+        if new is None and self.applied is None:
             self._has_begun = True
             return
         if self._has_begun:
-            wanted = (wanted or NO_CALIBRATION).following(self.applied or NO_CALIBRATION, bias_dps, self._temp_c)
-        self.applied, self._has_begun = wanted, True
+            new = (new or NO_CALIBRATION).following(self.applied or NO_CALIBRATION, bias_dps, self._temp_c)
+        self.applied, self._has_begun = new, True
 
-    def _wanted(self) -> Calibration | None:
-        """The calibration of the config where it is one of this device; what is odd about it is told."""
+    def _applicable(self) -> Calibration | None:
+        """Calibration of the config if it is for this device; warns of another device and of an old date."""
         if self.given is None:
             return None
         given, device_id = self.given, device_identity(self.link.device.device_id, self.link.name)

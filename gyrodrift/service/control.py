@@ -1,9 +1,8 @@
-"""Control of a running service: a unix socket, a command a line in, a JSON object a line out.
+"""Control of a running service through a unix socket: one command per line in, one JSON object per line out.
 
-It is part of the loop that reads the port, since it changes what that loop does; so a client gets little: few
-connections, short lines, one command at a time, and all of them together a small share of the loop's time. Nothing
-that a client does or leaves undone ends the service. Who may open the socket file may control the service, nobody
-else: outputs run in another process and have no way here.
+It runs in the loop that reads the port. So the clients get few connections, short lines, one command at a time, and
+together a small share of the time of the loop. No client can end the service by accident. Users who can open the
+socket file can control the service. The buttons of the live page are clients, too; they need a token.
 """
 
 import json
@@ -25,35 +24,35 @@ from gyrodrift.outputs.output import OutputError
 
 MOST_CLIENTS = 8
 IDLE_S = 10.0
-"""Who has been silent for so long gives its place to a newcomer where all places are taken."""
+"""A client that was silent for this long is dropped for a new one when the limit is reached, s."""
 
 LONGEST_COMMAND = 256
 READ_BYTES = 4096
 
 PAUSE_S = 0.01
-"""Between two turns of the socket: at most 100 commands and 100 new connections a second."""
+"""Pause between two turns of the socket, s: at most 100 commands and 100 new connections a second."""
 
 SHARE = 0.1
-"""Of the loop's time, for all clients together: after a turn of 5 ms the next one begins 50 ms later."""
+"""Share of the time of the loop for all clients: a turn of 5 ms is followed by a pause of 50 ms."""
 
 LONGEST_PAUSE_S = 0.5
-"""After a command that is slow by nature, as `reload` of a large config: a client is not kept waiting for longer."""
+"""Longest pause after a slow command such as `reload`, s."""
 
 
 NOTHING: Mapping[int, int] = {}
 
 
 class CommandError(Exception):
-    """A command cannot be carried out; the text is for the person who gave it."""
+    """A command cannot be carried out; the text tells the user why."""
 
 
 Later = Callable[[], Mapping[str, Any] | None]
-"""Gives the fields of an answer, None as long as they are not there, or raises CommandError; waits for nothing."""
+"""Gives the fields of an answer, or None while they are pending, or raises CommandError; never waits."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Due:
-    """An answer that is not there yet, and the words of the command."""
+    """A pending answer, and the words of its command."""
 
     words: list[str]
     run: Callable[[], Mapping[str, Any] | Later | None]
@@ -61,9 +60,9 @@ class _Due:
 
 @dataclass(frozen=True, slots=True)
 class ControlCommand:
-    """One of those that there are; `run` takes the words behind its name.
+    """A command; `run` takes the words behind its name.
 
-    It gives the fields of the answer, or what is asked for them until they are there.
+    It gives the fields of the answer, or a function that gives them later.
     """
 
     usage: str
@@ -74,54 +73,54 @@ class ControlCommand:
 class _Client:
     """One connection.
 
-    asked
-        What it has sent and nobody has carried out yet: less than READ_BYTES and a command.
+    received
+        Bytes that were not carried out yet: less than READ_BYTES and a command.
     answer
-        What it has not read yet: to one command.
+        Bytes of one answer that were not sent yet.
     due
-        The answer that it waits for.
+        Pending answer.
     heard_s
-        When it last sent or read something, on the monotonic clock.
+        Time of its last action on the monotonic clock, s.
     has_ended
-        It sends nothing more; what it has asked is still answered.
+        It sends nothing more; its commands are still answered.
     """
 
     connection: socket.socket
     heard_s: float
-    asked: bytes = b""
+    received: bytes = b""
     answer: bytes = b""
     due: _Due | None = None
     has_ended: bool = False
 
     @property
     def is_due(self) -> bool:
-        """A command is there whole, or too long to be one, and the answer to the one before has been read."""
-        return not self.answer and self.due is None and (b"\n" in self.asked or len(self.asked) > LONGEST_COMMAND)
+        """Whether a whole command, or a line that is too long, waits, and the answer before was read."""
+        return not self.answer and self.due is None and (b"\n" in self.received or len(self.received) > LONGEST_COMMAND)
 
     @property
     def is_over(self) -> bool:
-        """Nothing is left to be done for it."""
+        """Whether nothing remains to be done for the client."""
         return self.has_ended and not self.answer and self.due is None and not self.is_due
 
-    def wanted(self) -> int:
-        """Events of `poll` that let it go on; 0 where none is waited for."""
+    def events(self) -> int:
+        """Events of `poll` that the client waits for; 0 for none."""
         if self.answer:
             return select.POLLOUT
         return 0 if self.is_due or self.due is not None or self.has_ended else select.POLLIN
 
 
 class Control:
-    """Listens at a path; `serve` is called by the loop, which waits for `wakes` and no longer than `wake_s`.
+    """Listens at a path. The loop waits for `wakes`, at most `wake_s`, and then calls `serve`.
 
     Parameters
     ----------
     monotonic
-        The clock that the share of the loop's time is measured on, s.
+        Clock of the share of time, s.
 
     Raises
     ------
     UsageError
-        From the constructor, where the path cannot be had.
+        From the constructor, if the socket cannot be made.
     """
 
     def __init__(
@@ -147,18 +146,18 @@ class Control:
         self._look_ahead()
 
     def wakes(self) -> Mapping[int, int]:
-        """Descriptors that it waits for, with the events of `poll`; none during a pause."""
+        """Descriptors to wait for, with the events of `poll`; none during a pause."""
         return NOTHING if self._monotonic() < self._resume_s else self._wakes
 
     def wake_s(self) -> float:
-        """How long the loop may wait for anything else, s: a pause ends, and commands may have been read already."""
+        """Longest wait of the loop, s: until the pause ends, or 0 if a command was read already."""
         pause_s = self._resume_s - self._monotonic()
         if pause_s > 0.0:
             return pause_s
         return 0.0 if self._is_due else inf
 
     def serve(self, ready: set[int]) -> None:
-        """Do what can be done on these descriptors without waiting, and no more than one command."""
+        """Handle descriptors that are ready, without waiting, and carry out at most one command."""
         begun_s = self._monotonic()
         if begun_s < self._resume_s:
             return
@@ -177,7 +176,7 @@ class Control:
         self._resume_s = ended_s + max(PAUSE_S, min((ended_s - begun_s) / SHARE, LONGEST_PAUSE_S))
 
     def close(self) -> None:
-        """Take the socket away."""
+        """Close the clients and remove the socket."""
         for client in self._clients.values():
             client.connection.close()
         self._clients.clear()
@@ -185,44 +184,44 @@ class Control:
         unlink_unix(self._path, self._file)
 
     def _look_ahead(self) -> None:
-        """What the next turn is for."""
-        wanted = {fd: client.wanted() for fd, client in self._clients.items()}
+        """Note what the next turn has to do."""
+        events_by_fd = {fd: client.events() for fd, client in self._clients.items()}
         self._is_due = any(client.is_due for client in self._clients.values())
         self._is_waited = any(client.due is not None for client in self._clients.values())
-        self._wakes = {fd: events for fd, events in wanted.items() if events}
+        self._wakes = {fd: events for fd, events in events_by_fd.items() if events}
         self._wakes[self._listening.fileno()] = select.POLLIN
 
     def _accept(self, now_s: float) -> None:
         try:
             connection, _ = self._listening.accept()
-        except OSError:  # it has left already, or no descriptor is free
+        except OSError:  # it has closed already, or no descriptor is free
             return
         connection.setblocking(False)
-        if len(self._clients) >= MOST_CLIENTS and not self._made_room(now_s):
+        if len(self._clients) >= MOST_CLIENTS and not self._has_dropped_idle(now_s):
             self._turn_away(connection)
             return
         self._clients[connection.fileno()] = _Client(connection, now_s)
 
-    def _made_room(self, now_s: float) -> bool:
-        """Let the client go that has been silent for longest; False where none has for IDLE_S."""
-        fd, client = min(self._clients.items(), key=lambda each: each[1].heard_s)
+    def _has_dropped_idle(self, now_s: float) -> bool:
+        """Drop the client that was silent for longest; False if it was silent for less than IDLE_S."""
+        fd, client = min(self._clients.items(), key=lambda item: item[1].heard_s)
         if now_s - client.heard_s < IDLE_S:
             return False
         self._forget(fd)
         return True
 
     def _turn_away(self, connection: socket.socket) -> None:
-        with connection, suppress(OSError):  # it need not wait for the reason
+        with connection, suppress(OSError):  # it may not wait for the reason
             connection.send(_line({"ok": False, "error": f"there are {MOST_CLIENTS} clients already"}))
 
     def _go_on(self, fd: int, client: _Client, now_s: float) -> None:
-        """Send on, or read on."""
+        """Send the rest of an answer, or read."""
         try:
             if client.answer:
                 client.answer = client.answer[client.connection.send(client.answer) :]
             elif not client.is_due:
                 chunk = client.connection.recv(READ_BYTES)
-                client.asked += chunk
+                client.received += chunk
                 client.has_ended = not chunk
             client.heard_s = now_s
         except (BlockingIOError, InterruptedError):
@@ -231,24 +230,24 @@ class Control:
             self._forget(fd)
 
     def _carry_out_one(self) -> None:
-        """One command, of the client that has waited longest."""
+        """Carry out one command, of the client that has waited longest."""
         fd = next((fd for fd, client in self._clients.items() if client.is_due), None)
         if fd is None:
             return
         client = self._clients[fd] = self._clients.pop(fd)
-        line, _, rest = client.asked.partition(b"\n")
+        line, _, rest = client.received.partition(b"\n")
         if len(line) > LONGEST_COMMAND:
             answer: dict[str, Any] | _Due = {
                 "ok": False,
                 "error": f"a command has no more than {LONGEST_COMMAND} bytes",
             }
-            client.asked, client.has_ended = b"", True
+            client.received, client.has_ended = b"", True
         else:
-            client.asked, answer = rest, self._answer(line)
+            client.received, answer = rest, self._answer(line)
         self._give(fd, client, answer)
 
     def _answer_those_who_wait(self) -> bool:
-        """Where it is there; whether it was for anybody."""
+        """Send pending answers that are complete; whether there was one."""
         has_answered = False
         for fd, client in list(self._clients.items()):
             if client.due is not None:
@@ -258,7 +257,7 @@ class Control:
         return has_answered
 
     def _give(self, fd: int, client: _Client, answer: dict[str, Any] | _Due) -> None:
-        """Send an answer, or keep that it is due."""
+        """Send an answer, or note that it is pending."""
         if isinstance(answer, _Due):
             client.due = answer
             return
@@ -269,17 +268,17 @@ class Control:
         words = line.decode(errors="replace").split()
         command = self._commands.get(words[0]) if words else None
         if command is None:
-            known = ", ".join(each.usage for each in self._commands.values())
-            return {"ok": False, "error": f"{' '.join(words)[:80]!r} is no command; commands are {known}"}
+            usages = ", ".join(entry.usage for entry in self._commands.values())
+            return {"ok": False, "error": f"{' '.join(words)[:80]!r} is no command; the commands are {usages}"}
         return self._outcome(words, partial(command.run, words[1:]))
 
     def _outcome(self, words: list[str], run: Callable[[], Mapping[str, Any] | Later | None]) -> dict[str, Any] | _Due:
-        """What a command gave, or what it is asked again."""
+        """Answer of a command, or a pending one."""
         try:
             fields = run()
         except CommandError as error:
             return {"ok": False, "error": str(error)}
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with one command is not for the service
+        except Exception as error:  # noqa: BLE001 - a mistake in one command must not end the service
             reason = f"{type(error).__name__}: {error}"
             self._log.error("control_failed", command=words[0], reason=reason)
             return {"ok": False, "error": f"{words[0]} failed: {reason}"}
@@ -294,12 +293,12 @@ class Control:
 
 
 def number(words: list[str], usage: str) -> float:
-    """The only word, as a number.
+    """Parse the only word as a number.
 
     Raises
     ------
     CommandError
-        Where there is none.
+        If it is none.
     """
     try:
         (word,) = words

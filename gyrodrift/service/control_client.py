@@ -1,4 +1,4 @@
-"""The other end of the control socket: what `ctl` and `top` ask a running service through."""
+"""Client of the control socket, for `ctl` and `top`."""
 
 import json
 import socket
@@ -15,8 +15,8 @@ class ControlClient:
     Raises
     ------
     UsageError
-        From the constructor and from `ask`, where there is no service, it may not be controlled by this user, or it
-        does not answer.
+        From the constructor and from `ask`, if there is no service, this user may not control it, or it does not
+        answer.
     """
 
     def __init__(self, path: Path, patience_s: float) -> None:
@@ -43,7 +43,7 @@ class ControlClient:
         self._connection.close()
 
     def ask(self, command: str) -> dict[str, Any]:
-        """Give a command and wait for its answer."""
+        """Send a command and wait for its answer."""
         try:
             self._connection.sendall(command.encode() + b"\n")
             while b"\n" not in self._pending:
@@ -62,7 +62,7 @@ def _why(error: OSError) -> str:
         case FileNotFoundError():
             return "there is no such socket; is serve running with --control?"
         case ConnectionRefusedError():
-            return "no service listens there any more"
+            return "the service has ended"
         case PermissionError():
             return "this user may not control the service; it belongs to another"
         case TimeoutError():

@@ -1,4 +1,4 @@
-"""What `serve` does with samples: the filter, then stdout and outputs; its config is followed between two samples."""
+"""The filter of `serve`: it hands corrected samples to the sinks, and applies a new config between two samples."""
 
 import time
 from collections.abc import Callable
@@ -19,37 +19,36 @@ from gyrodrift.service.calibrating import Calibrating
 from gyrodrift.service.reference import EncoderReference, YawReference
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
-if TYPE_CHECKING:  # the config brings its checker along, which a service without a config does without
+if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
     from gyrodrift.config.model import Config
     from gyrodrift.config.watch import ConfigWatch
 
 REJECTED_S = 1.0
 
 RATE_TOLERANCE = 0.05
-"""Parameters belong to the sample rate they were tuned at; a stream that differs by more is warned of."""
+"""Largest relative difference between the sample rate and the one that the parameters were tuned at."""
 
 
 @dataclass(slots=True)
 class Filtering:
-    """Takes samples, hands corrected ones on.
+    """Filters samples and hands the corrected samples to the sinks.
 
     sinks
-        Who they are handed to; one whose reader is gone is taken out, as long as another one is wanted.
+        Receivers of corrected samples. A sink with a closed reader is removed while another sink is wanted.
     chosen
-        What runs at its defaults where there is no config.
+        Filter that runs at its defaults without a config.
     config_listeners
-        Called with each config that is taken while the service runs.
+        Called with each new config.
     event_listeners
-        Called with what is logged of filter and config.
+        Called with the log events of filter and config.
     filter, params, state
-        What runs.
+        The running filter.
     calibrating
-        What puts rates right before the filter.
+        Applies the calibration before the filter.
     last
-        The last sample that the filter took.
+        Last sample that the filter accepted.
     applied, refused, applied_s
-        How often the config was taken since the start and how often it had mistakes; Unix time of the last time it was
-        taken, s.
+        Number of configs that were applied and refused since the start; Unix time of the last one applied, s.
     """
 
     link: Link
@@ -93,7 +92,7 @@ class Filtering:
         self.state = self.filter.state()
 
     def take(self, samples: list[Sample]) -> None:
-        """Filter samples and hand them on."""
+        """Filter samples and hand them to the sinks."""
         calibrated = self.calibrating.take(samples, self.state.bias_dps)
         if self.calibrating.applied is not self._scaled_by:
             self._set_coefficients()
@@ -105,7 +104,7 @@ class Filtering:
                 self._forget(sink)
 
     def tick(self, now_s: float) -> None:
-        """Follow the config, tell what was rejected."""
+        """Follow the config, and warn of rejected samples."""
         for sink in tuple(self.sinks):
             try:
                 sink.tick(now_s)
@@ -123,13 +122,13 @@ class Filtering:
             self._compare_rate(self.watch.config)
 
     def stats(self) -> dict[str, Any]:
-        """For the log."""
+        """Counters and values for the log."""
         of_sinks = {name: value for sink in self.sinks for name, value in sink.stats().items()}
         yaw_deg, bias_dps = round(self.yaw_deg, 3), round(self.state.bias_dps, 5)
         return {"rejected": self.state.rejected, **of_sinks, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
 
     def close(self) -> None:
-        """Let the sinks end, all at the same time and each whatever the others make of it."""
+        """Close all sinks at the same time; a failing sink does not keep the others open."""
         with ExitStack() as closing:
             if self.watch is not None:
                 closing.callback(self.watch.close)
@@ -139,7 +138,7 @@ class Filtering:
 
     @property
     def yaw_deg(self) -> float:
-        """As it is sent."""
+        """Yaw of the output, deg."""
         return self.state.yaw_deg - self.reference.zero_deg
 
     @property
@@ -149,11 +148,11 @@ class Filtering:
 
     @property
     def witness(self) -> WitnessState | None:
-        """What the filter tells of its witness of rest; None for one that hears none."""
+        """Witness of rest of the filter; None for a filter without one."""
         return getattr(self.state, "witness", None) if self.filter.sees_beside else None
 
     def begin_with(self, state: FilterState) -> None:
-        """Let the filter begin with this instead of anew; before its first sample."""
+        """Start the filter with this state; before its first sample."""
         self.state = state
 
     def zero(self) -> None:
@@ -163,7 +162,7 @@ class Filtering:
         self.encoder.align()
 
     def set_heading(self, heading_deg: float) -> None:
-        """The compass heading is this, clockwise from north."""
+        """Set the compass heading, deg clockwise from north."""
         self.reference.set_heading(self.state.yaw_deg, heading_deg)
 
     def _set_coefficients(self) -> None:
@@ -204,9 +203,9 @@ class Filtering:
         return corrected
 
     def _forget(self, sink: Sink) -> None:
-        """Go on without a reader who is gone, unless the service ran for that one alone."""
-        others = [other for other in self.sinks if other is not sink]
-        if not any(other.is_wanted for other in others):
+        """Continue without a sink whose reader is closed, unless no other sink is wanted."""
+        remaining = [candidate for candidate in self.sinks if candidate is not sink]
+        if not any(candidate.is_wanted for candidate in remaining):
             raise ReaderGoneError
         self.log.info("reader_gone")
         self.sinks.remove(sink)
@@ -216,9 +215,9 @@ class Filtering:
             listener(event, fields)
 
     def reload(self, watch: "ConfigWatch") -> Callable[[], list[str] | None]:
-        """Have the config read again, changed or not; what gives the changes, and None until they are there.
+        """Read the config again, changed or not. The result gives the changes, or None until they are known.
 
-        It raises ConfigError with every mistake; the old config stays then.
+        It raises ConfigError with all mistakes; the old config then stays.
         """
         return partial(self._outcome_of, watch, watch.ask())
 
@@ -230,14 +229,14 @@ class Filtering:
         return self._outcome
 
     def _tell_refuted(self) -> None:
-        """A witness of rest that the rate has contradicted."""
+        """Warn of a witness of rest that the rate has contradicted."""
         witness = self.witness
         if witness is None or witness.refuted <= self._refuted:
             return
         self._refuted = witness.refuted
         fields = {
             "count": witness.refuted,
-            "hint": "it said rest in a turn, and is not believed until it says otherwise",
+            "hint": "it reported rest during a turn; it is ignored until it reports motion",
         }
         self.log.warning("witness_refuted", **fields)
         self._tell("witness_refuted", fields)
@@ -278,14 +277,14 @@ class Filtering:
         return changes
 
     def _tell_completed(self, watch: "ConfigWatch") -> None:
-        """With which defaults."""
+        """Log the defaults in use."""
         if watch.config.completed:
             self.log.info("config_completed", file=str(watch.path), defaults=list(watch.config.completed))
 
     def _tell_gone(self, watch: "ConfigWatch") -> None:
-        """Once, and once more when it is back."""
+        """Warn of a missing config file once, and log its return."""
         if watch.is_gone and not self._is_gone:
-            self.log.warning("config_gone", file=str(watch.path), hint="the last one that was valid stays")
+            self.log.warning("config_gone", file=str(watch.path), hint="the last valid config stays")
             self._tell("config_gone", {"file": str(watch.path)})
         elif self._is_gone and not watch.is_gone:
             self.log.info("config_back", file=str(watch.path))
@@ -293,7 +292,7 @@ class Filtering:
         self._is_gone = watch.is_gone
 
     def _begin_again(self, chosen: Filter) -> None:
-        """Another filter knows nothing of this one's drift estimate, but goes on from the same yaw."""
+        """Start another filter at the present yaw; the bias estimate of the old filter is dropped."""
         old, self.filter, self.state = self.state, chosen, chosen.state()
         self._refuted = 0
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
@@ -309,5 +308,5 @@ class Filtering:
                 "sample_rate_differs",
                 tuned_at_hz=tuned_hz,
                 stream_hz=round(1.0 / period_s, 3),
-                hint=f"{self.filter.sample_counted} count samples: tune at the rate of this stream",
+                hint=f"{self.filter.sample_counted} count samples; tune at the rate of this stream",
             )

@@ -117,14 +117,14 @@ class GuidedCalibration:
         link, watch = self.filtering.link, self.filtering.watch
         try:
             device_id = device_identity(link.device.device_id, link.name)
-            found = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
+            calibration = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
             if watch is not None:
-                _write(watch.path, found)
+                _write(watch.path, calibration)
         except (CalibrationError, UsageError, OSError) as error:
             self._end(f"Nothing is written: {error}")
             return
         if watch is None:
-            self.filtering.calibrating.follow(found, self.filtering.state.bias_dps)
+            self.filtering.calibrating.follow(calibration, self.filtering.state.bias_dps)
             self._end("Applied until the service ends; start serve with --config FILE to keep it.")
         else:
             self._end(f"Written to {watch.path}; it is applied at once.")

@@ -1,4 +1,4 @@
-"""The service as systemd runs it: a unit, and a udev rule for an adapter that is plugged in."""
+"""The systemd unit of a service, and the udev rule of its USB adapter."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from gyrodrift.service.unit_words import command_line, file_url, plain_text, ser
 UNIT = Path("/etc/systemd/system/gyrodrift.service")
 RULES = Path("/etc/udev/rules.d/60-gyrodrift.rules")
 CONTROL = "%t/gyrodrift/control"
-"""In the runtime directory, which systemd makes for the service."""
+"""Control socket in the runtime directory, which systemd creates for the service."""
 
 HOMES = ("/home", "/root")
 
@@ -24,12 +24,12 @@ COMMANDS = (
     ("udevadm", "control", "--reload"),
     ("systemctl", "enable", "--now", "gyrodrift.service"),
 )
-"""What has to be run once the files are there."""
+"""Commands to run after the files were written."""
 
 
 @dataclass(frozen=True, slots=True)
 class UsbIdentity:
-    """How udev knows an adapter: numbers of its maker and kind, and a serial number where it has one."""
+    """Identity of a USB adapter for udev: vendor, product, and serial number (empty if it has none)."""
 
     vendor: str
     product: str
@@ -37,20 +37,20 @@ class UsbIdentity:
 
 
 def files(port: str, config: Path | None, outputs: Sequence[str], usb: UsbIdentity | None) -> Mapping[Path, str]:
-    """What is to be written, by path; without a rule where the port is no USB adapter.
+    """Files to write, by path; without a rule if the port is no USB adapter.
 
     Parameters
     ----------
     port
-        The port as a person named it; with a rule, the service reads the name that the rule gives.
+        Port of the command line; with a rule the service reads /dev/gyro.
 
     Raises
     ------
     UsageError
-        Where something from outside cannot be written into a unit or a rule.
+        If a name cannot be written into a unit or a rule.
     """
-    read = "/dev/gyro" if usb else port
-    written = {UNIT: unit(read, config, outputs)}
+    service_port = "/dev/gyro" if usb else port
+    written = {UNIT: unit(service_port, config, outputs)}
     if usb:
         serial = f', ATTRS{{serial}}=="{serial_pattern(usb.serial)}"' if usb.serial else ""
         rule = shipped_config("systemd/60-gyrodrift.rules").read_text()
@@ -59,7 +59,7 @@ def files(port: str, config: Path | None, outputs: Sequence[str], usb: UsbIdenti
 
 
 def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
-    """The unit that serves a port."""
+    """Text of the unit for a port."""
     if port.startswith("-"):
         raise UsageError(f"--port {port}: a service needs a port of its own, such as /dev/ttyUSB0")
     python = (sys.executable, "-m", "gyrodrift")
@@ -68,7 +68,7 @@ def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
         serve += ["--config", str(config.resolve())]
     for output in outputs:
         serve += ["--output", output]
-    places = [sys.executable, __file__, *([str(config.resolve())] if config else [])]
+    paths = [sys.executable, __file__, *([str(config.resolve())] if config else [])]
     return (
         shipped_config("systemd/gyrodrift.service")
         .read_text()
@@ -77,13 +77,13 @@ def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
             docs=file_url(str(Path(__file__).parents[2] / "docs" / "service.md")),
             serve=f"{command_line(serve)} --control {CONTROL}",
             reload=f"{command_line([*python, 'ctl'])} {CONTROL} reload",
-            home="read-only" if any(place.startswith(HOMES) for place in places) else "yes",
+            home="read-only" if any(path.startswith(HOMES) for path in paths) else "yes",
         )
     )
 
 
 def usb_identity(port: str, devices: Path = Path("/sys/class/tty")) -> UsbIdentity | None:
-    """Of the adapter behind a port; None where it is none."""
+    """USB adapter behind a port; None if there is none."""
     device = devices / Path(port).resolve().name / "device"
     if not device.exists():
         return None
@@ -95,7 +95,7 @@ def usb_identity(port: str, devices: Path = Path("/sys/class/tty")) -> UsbIdenti
 
 
 def _attribute(path: Path) -> str:
-    """The text of a file in /sys, one character a byte; empty where there is none."""
+    """Text of a file in /sys, one character per byte; empty if there is no such file."""
     if not path.is_file():
         return ""
     with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""How the link is now, second by second: what a person who watches wants beside the counters."""
+"""State of the link over the last second: sample rate, jitter, and use of the line."""
 
 import time
 from typing import Any
@@ -12,14 +12,14 @@ BITS_PER_BYTE = 10
 
 
 class LinkMeter:
-    """Hears the samples of a link; what it tells is of the last whole second.
+    """Measures the samples of a link over the last whole second.
 
     rate_hz
         Samples per second.
     jitter_s
-        Peak-to-peak variation of how long samples took from the device's clock to here.
+        Peak-to-peak variation of the delay from device clock to arrival, s.
     busy
-        Share of the line's capacity that is used; 0 for a pty.
+        Used share of the capacity of the line; 0 for a pty.
     """
 
     def __init__(self, link: Link) -> None:
@@ -31,7 +31,7 @@ class LinkMeter:
         self.rate_hz = self.jitter_s = self.busy = 0.0
 
     def take(self, samples: list[Sample]) -> None:
-        """Note how late the newest of them is."""
+        """Note the delay of the newest sample."""
         if not samples:
             return
         newest = samples[-1]
@@ -40,7 +40,7 @@ class LinkMeter:
         self._most_s = max(self._most_s, late_s)
 
     def tick(self, now_s: float) -> None:
-        """Once a second, the figures of the second that has passed."""
+        """Update the values once a second."""
         elapsed_s = now_s - self._marked_s
         if elapsed_s < SECOND_S:
             return
@@ -53,7 +53,7 @@ class LinkMeter:
         self._least_s, self._most_s = float("inf"), float("-inf")
 
     def stats(self) -> dict[str, Any]:
-        """Nothing of its own: the loop logs the counters."""
+        """No fields: the loop logs the counters."""
         return {}
 
     def close(self) -> None:

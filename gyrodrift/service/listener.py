@@ -1,4 +1,4 @@
-"""What samples are handed to as they come: one shape, before the filter and behind it."""
+"""Receivers of samples as they arrive, before the filter and behind it."""
 
 from typing import Any, Protocol, TypeVar
 
@@ -8,14 +8,14 @@ T = TypeVar("T")
 
 
 class Listener(Protocol[T]):
-    """Something that samples are handed to, in the thread that reads the port; it must never wait."""
+    """A receiver of samples. It runs in the thread that reads the port and must never wait."""
 
     def take(self, samples: list[T]) -> None:
-        """Take the samples that arrived together; none where something waits to be written."""
+        """Take the samples that arrived together; an empty list lets it continue a pending write."""
         ...
 
     def tick(self, now_s: float) -> None:
-        """Do what is due a few times a second; `now_s` is on the monotonic clock."""
+        """Do periodic work, a few times a second; `now_s` is on the monotonic clock."""
         ...
 
     def stats(self) -> dict[str, Any]:
@@ -23,9 +23,9 @@ class Listener(Protocol[T]):
         ...
 
     def close(self) -> None:
-        """No more will come."""
+        """End; no more samples come."""
         ...
 
 
 SampleListener = Listener[Sample]
-"""What hears the samples as they were measured: the filter with its outputs, a recorder, a live line."""
+"""A receiver of samples as measured: the filter, a recorder, a live line."""

@@ -1,6 +1,6 @@
-"""The loop of `serve` and `record`: wait, read, hand on, in one thread and with no hop between threads.
+"""The loop of `serve` and `record`: wait, read, hand samples to the listeners, all in one thread.
 
-A signal to stop is one of the things waited for.
+The loop also wakes for a signal to stop.
 """
 
 import gc
@@ -22,7 +22,7 @@ from gyrodrift.service.sink import ReaderGoneError, Sink
 from gyrodrift.service.stream_watch import StreamWatch
 from gyrodrift.waiting import POLLIN, Poller, new_poller
 
-if TYPE_CHECKING:  # a service that nobody controls does without
+if TYPE_CHECKING:  # a service without control socket does not need them
     from gyrodrift.service.control import Control
     from gyrodrift.service.notify import SystemdNotify
 
@@ -39,7 +39,7 @@ BITS_PER_BYTE = 10
 
 @dataclass(slots=True)
 class _Marks:
-    """When what was done last, and what the counters said then."""
+    """Times of the last periodic work, and the counters at those times."""
 
     tick_s: float = 0.0
     stats_s: float = 0.0
@@ -50,21 +50,21 @@ class _Marks:
 
 @dataclass(slots=True)
 class Service:
-    """A link and who hears its samples, run until a signal or until nobody reads any more.
+    """A link and the listeners of its samples, run until a signal or until the last reader is closed.
 
     listeners
-        In this order they hear samples, and are closed in the end: a recording before what waits for readers.
+        They get samples, and are closed, in this order: a recording comes before listeners that wait for readers.
     sinks
-        Those behind the listeners that may have to wait for their readers: the loop wakes when one can go on.
+        Sinks of the listeners that may wait for readers: the loop wakes when one can continue.
     control
-        Who may ask the service for something while it runs.
+        Control socket.
     word
-        What somebody has said of rest, for all listeners.
+        Rest as stated by `ctl rest`, for all listeners.
     notify
-        Told that the service is ready, and with every turn of the loop that it is alive.
+        Notified when the service is ready, and with each turn of the loop.
     read_interval_s
-        A stream of more than 2 kHz is read this far apart, s: where nobody waits for the samples, it costs less in
-        handfuls. Arrival times are later by up to as much.
+        Time between two reads of a stream above 2 kHz, s, when nobody waits for the samples: fewer reads cost less.
+        Arrival times are later by up to this time.
     end_event
         Event name of the last log line.
     is_watched
@@ -98,17 +98,17 @@ class Service:
         Raises
         ------
         LinkError
-            Where the device never says anything that can be decoded.
+            If no frame of the device can be decoded.
         RecordingError
-            Where a recording that was asked for cannot go on.
+            If a recording fails.
         """
         self._begun_s = self._marks.stats_s = self._marks.tick_s = time.monotonic()
         gc.collect()
-        gc.freeze()  # what start-up left behind need not be walked again while samples come in
+        gc.freeze()  # the collector then skips the objects of the start
         try:
             if self.notify is not None:
                 self.notify.ready(f"reading {without_secrets(self.link.name)}")
-            with ExitStack() as closing:  # each is closed, whatever the others make of it
+            with ExitStack() as closing:  # a failing listener does not keep the others open
                 for listener in reversed(self.listeners):  # the last callback is called first
                     closing.callback(listener.close)
                 closing.callback(self.events.report_pending, is_end=True)
@@ -125,7 +125,7 @@ class Service:
             samples = self.link.read()
             self._watch.take(samples)
             if self.word is not None:
-                samples = self.word.told(samples)
+                samples = self.word.with_rest(samples)
             if samples or is_waited_for:
                 for listener in self.listeners:
                     listener.take(samples)
@@ -137,22 +137,22 @@ class Service:
                 time.sleep(self.read_interval_s)
 
     def _wait(self) -> bool:
-        """Wait until there is something to do; whether a sink waits for its reader."""
-        wanted = {self.stop.fd: POLLIN}
+        """Wait until there is work; whether a sink waits for its reader."""
+        events_by_fd = {self.stop.fd: POLLIN}
         link_fd = self.link.fileno()
         if link_fd is not None:
-            wanted[link_fd] = POLLIN
-        own = len(wanted)
+            events_by_fd[link_fd] = POLLIN
+        own = len(events_by_fd)
         for sink in self.sinks:
-            wanted |= sink.wakes()
-        is_waited_for = len(wanted) > own
+            events_by_fd |= sink.wakes()
+        is_waited_for = len(events_by_fd) > own
         if self.control is not None:
-            wanted |= self.control.wakes()
-        if wanted != self._waited_for:
+            events_by_fd |= self.control.wakes()
+        if events_by_fd != self._waited_for:
             self._poller = new_poller()
-            for fd, events in wanted.items():
+            for fd, events in events_by_fd.items():
                 self._poller.register(fd, events)
-            self._waited_for = wanted
+            self._waited_for = events_by_fd
         most_s = inf if self.control is None else self.control.wake_s()
         ready = self._poller.poll(min(self.link.wake_s(), TICK_S, most_s) * 1e3)
         if self.control is not None:

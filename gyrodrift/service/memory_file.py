@@ -1,4 +1,4 @@
-"""What a filter remembers of a device, as a JSON file that is there whole or not at all."""
+"""Memory of a filter about a device, as a JSON file that is written whole."""
 
 import json
 import os
@@ -13,17 +13,17 @@ from gyrodrift.files import UnreadableError, read_ordinary, write_whole
 VERSION = 1
 
 LONGEST_BYTES = 1 << 20
-"""A memory is a few kilobytes."""
+"""Longest file, in bytes; a memory takes a few kilobytes."""
 
 CLOCK_UNSET_S = 86_400.0
-"""The age of a memory that was written later than now: the clock of one of the two was not set."""
+"""Age of a memory with a time in the future, s: one of the clocks was not set."""
 
 LATEST_S = 1e12
-"""Unix time; the year 33 658."""
+"""Latest Unix time that is accepted, s; the year 33 658."""
 
 
 class MemoryDamagedError(Exception):
-    """A file that holds no memory; it says why."""
+    """A file holds no memory; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,15 +31,15 @@ class MemoryFile:
     """A memory.
 
     device
-        Whose: what the device calls itself, or the name of its port.
+        Name of the device, or of its port.
     filter
-        Which filter remembers.
+        Name of the filter.
     written_s
-        Unix time when it was made, s.
+        Unix time of writing, s.
     knowledge
-        What that filter knows.
+        Fields of the memory of that filter.
     calibration
-        Date of the calibration that its rates were put right by; empty for none.
+        Date of the calibration that was applied; empty for none.
     """
 
     device: str
@@ -49,19 +49,19 @@ class MemoryFile:
     calibration: str = ""
 
     def age_s(self, now_s: float) -> float:
-        """How old it is, s."""
+        """Age, s."""
         return now_s - self.written_s if now_s >= self.written_s else CLOCK_UNSET_S
 
 
 def read_memory(path: Path) -> MemoryFile | None:
-    """The memory in a file; None where there is no file.
+    """Read a memory; None if there is no file.
 
     Raises
     ------
     MemoryDamagedError
-        Where it holds none.
+        If the file holds no memory.
     UsageError
-        Where it cannot be read.
+        If it cannot be read.
     """
     try:
         text = read_ordinary(path, LONGEST_BYTES).content.decode()
@@ -87,7 +87,7 @@ def _memory_of(content: Any) -> MemoryFile:
             raise MemoryDamagedError(f"{name} is {content.get(name)!r}")
     if not isinstance(content.get("calibration", ""), str):
         raise MemoryDamagedError(f"calibration is {content['calibration']!r}")
-    if not abs(content["written_s"]) < LATEST_S:  # JSON may say NaN, and more digits than any float has
+    if not abs(content["written_s"]) < LATEST_S:  # JSON can hold NaN, and numbers beyond all floats
         raise MemoryDamagedError("written_s is no time")
     return MemoryFile(
         content["device"],
@@ -99,12 +99,12 @@ def _memory_of(content: Any) -> MemoryFile:
 
 
 def write_memory(path: Path, memory: MemoryFile) -> None:
-    """Write a memory in place of the one before.
+    """Replace a memory.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to; the one before is still there then.
+        If the file cannot be written; the old memory then stays.
     """
     content = {
         "gyrodrift_memory": VERSION,
@@ -119,12 +119,12 @@ def write_memory(path: Path, memory: MemoryFile) -> None:
 
 
 def set_aside(path: Path) -> Path:
-    """Give a file that holds no memory another name, so that nothing of it is lost; that name.
+    """Rename a damaged memory, so that nothing is lost; returns the new name.
 
     Raises
     ------
     UsageError
-        Where it cannot be renamed.
+        If it cannot be renamed.
     """
     number = 1
     while os.path.lexists(aside := path.with_name(f"{path.name}.damaged_{number}")):

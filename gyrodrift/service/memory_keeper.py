@@ -1,4 +1,4 @@
-"""Keeps what the filter knows of a device across restarts: handed over before the first sample, then written."""
+"""Keeps the memory of the filter about a device across restarts: loaded before the first sample, then written."""
 
 import threading
 import time
@@ -18,23 +18,23 @@ from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory
 
 SAVE_S = 60.0
-"""How often the memory is written while the service runs; a kill costs no more than this."""
+"""Interval of writing, s; a kill loses at most this."""
 
 HANGS_S = 5.0
-"""How long the end waits for a disk; the file is written under another name first, so that nothing half is left."""
+"""Longest wait for a disk at the end, s. The file is written under another name first, so it is never partial."""
 
 
 @dataclass(slots=True)
 class MemoryKeeper:
-    """Listens in front of filter and recording, so that both begin with what is remembered.
+    """A listener before filter and recording, so that both begin with the memory.
 
     state
-        What `ctl status` says of it: `none` before the first sample, `new`, `used`, or `refused`.
+        As in `ctl status`: `none` before the first sample, `new`, `used`, or `refused`.
 
     Raises
     ------
     UsageError
-        From the constructor, where the file cannot be read or its folder not be written to.
+        From the constructor, if the file cannot be read or its folder cannot be written to.
     """
 
     path: Path
@@ -61,12 +61,12 @@ class MemoryKeeper:
             self._put_aside(str(error))
 
     def take(self, samples: list[Sample]) -> None:
-        """Before the first sample, see whose memory it is, and hand it to the filter."""
+        """Check the memory before the first sample, and hand it to the filter."""
         if samples and self.state == "none":
             self._begin(samples[0])
 
     def tick(self, now_s: float) -> None:
-        """Write what was learned, now and then."""
+        """Write the memory periodically."""
         if self._writing is not None and not self._writing.is_alive():
             self._join()
         if now_s - self._saved_s >= SAVE_S:
@@ -74,11 +74,11 @@ class MemoryKeeper:
             self._save()
 
     def stats(self) -> dict[str, Any]:
-        """Nothing that changes."""
+        """No fields."""
         return {}
 
     def close(self) -> None:
-        """Write what was learned last, if the disk takes it."""
+        """Write the memory a last time."""
         self._join()
         if self._writing is None:
             self._save()
@@ -87,7 +87,7 @@ class MemoryKeeper:
             self.log.error("memory_not_written", reason=f"{self.path}: the disk hangs")
 
     def status(self) -> dict[str, str]:
-        """For `ctl status`."""
+        """Fields for `ctl status`."""
         return {"file": str(self.path), "state": self.state, "reason": self.reason, "device": self.device}
 
     def _begin(self, first: Sample) -> None:
@@ -96,24 +96,24 @@ class MemoryKeeper:
         self._begun_s, self._saved_s, self._filter = self.now(), time.monotonic(), kind.name
         self._calibration = self._calibrated()
         if kind.memory is None:
-            self._refuse(f"the filter {kind.name} remembers nothing")
+            self._refuse(f"the filter {kind.name} has no memory")
             return
         file, self.state = self._file, "new"
         if file is None:
             self.log.info("memory_new", file=str(self.path), device=self.device)
             return
         if file.device != self.device:
-            self._refuse(f"it is of the device {file.device}, and this is {self.device}: give each a file of its own")
+            self._refuse(f"it is for device {file.device}, and this is {self.device}; use one file per device")
         elif file.filter != kind.name:
-            self._refuse(f"it is of the filter {file.filter}, and {kind.name} runs: give each a file of its own")
+            self._refuse(f"it is for the filter {file.filter}, and {kind.name} runs; use one file per filter")
         elif file.calibration != self._calibration:
-            self._file, self.reason = None, "the calibration is another one, and with it the bias"
+            self._file, self.reason = None, "the calibration has changed, and with it the bias"
             self.log.warning("memory_new", file=str(self.path), device=self.device, reason=self.reason)
         else:
             self._use(file, kind.memory, first)
 
     def _calibrated(self) -> str:
-        """The calibration that rates are put right by as this run begins."""
+        """Date of the calibration at the start of this run; empty for none."""
         link = self.filtering.link
         applied = of_this_device(self.filtering.calibrating.given, link.device.device_id, link.name)
         return "" if applied is None else applied.date
@@ -136,21 +136,21 @@ class MemoryKeeper:
 
     def _put_aside(self, reason: str) -> None:
         aside = set_aside(self.path)
-        self.reason = f"the one before was damaged, and is now {aside}: {reason}"
+        self.reason = f"the old file was damaged and is now {aside}: {reason}"
         self.log.error("memory_damaged", file=str(self.path), reason=reason, set_aside=str(aside))
 
     def _save(self) -> None:
-        """Hand what is known to a thread that writes it: a slow disk never keeps the port waiting."""
+        """Write the memory in a thread: a slow disk must not delay the port."""
         kind, now_s = self.filtering.filter, self.now()
         if self.state not in {"new", "used"} or kind.memory is None or self._writing is not None:
             return
-        if kind.name != self._filter:  # another config, another filter: what that knows is of another kind
+        if kind.name != self._filter:  # a new config has changed the filter
             return
         age_s = 0.0 if self._file is None else self._file.age_s(now_s)
-        known = kind.memory.learned(self.filtering.state, self._before, age_s)
-        if known is None:
+        knowledge = kind.memory.learned(self.filtering.state, self._before, age_s)
+        if knowledge is None:
             return
-        memory = MemoryFile(self.device, kind.name, now_s, asdict(known), self._calibration)
+        memory = MemoryFile(self.device, kind.name, now_s, asdict(knowledge), self._calibration)
         self._writing = threading.Thread(target=self._write, args=(memory,), name="memory", daemon=True)
         self._writing.start()
 

@@ -1,6 +1,6 @@
-"""What systemd is told: that the service is ready, that its loop is alive, that it ends (sd_notify(3)).
+"""Notifications for systemd: the service is ready, its loop runs, it ends (sd_notify(3)).
 
-A datagram each to the socket that NOTIFY_SOCKET names; without one, nothing. The socket is never waited for.
+Each is a datagram to the socket of NOTIFY_SOCKET, sent without waiting; without that variable nothing is sent.
 """
 
 import os
@@ -9,11 +9,11 @@ from collections.abc import MutableMapping
 from contextlib import suppress
 
 WATCHDOG_SHARE = 0.25
-"""Of the time that systemd waits before it takes the service for dead."""
+"""Interval of notifications as a share of the watchdog time of systemd."""
 
 
 class SystemdNotify:
-    """Tells systemd; takes its variables out of the environment, so that no child speaks for the service."""
+    """Notifies systemd. It removes the variables from the environment, so that no child notifies for the service."""
 
     def __init__(self, environ: MutableMapping[str, str] = os.environ) -> None:
         address = environ.pop("NOTIFY_SOCKET", "")
@@ -28,17 +28,17 @@ class SystemdNotify:
             self._address = f"\0{address[1:]}" if address.startswith("@") else address
 
     def ready(self, status: str) -> None:
-        """The service does what it is for."""
+        """Report that the service is ready."""
         self._send(f"READY=1\nSTATUS={status}")
 
     def alive(self, now_s: float) -> None:
-        """The loop has come round; `now_s` is on the monotonic clock."""
+        """Report a turn of the loop; `now_s` is on the monotonic clock."""
         if now_s - self._fed_s >= self._every_s:
             self._fed_s = now_s
             self._send("WATCHDOG=1")
 
     def stopping(self) -> None:
-        """The service ends."""
+        """Report that the service ends."""
         self._send("STOPPING=1")
         if self._socket is not None:
             self._socket.close()
@@ -46,5 +46,5 @@ class SystemdNotify:
 
     def _send(self, text: str) -> None:
         if self._socket is not None:
-            with suppress(OSError):  # a manager that does not listen is its own affair
+            with suppress(OSError):  # the manager may not listen
                 self._socket.sendto(text.encode(), self._address)

@@ -1,8 +1,8 @@
-"""The way from the loop that reads the port to the outputs' process: a socket pair, and a bounded queue before it.
+"""Connection from the loop that reads the port to the process of the outputs: a socket pair with a bounded queue.
 
-Nothing here waits but `close`. What the process does not take at once is kept up to a bound, then the oldest goes, and
-the outputs are told how many samples. There is one process at a time: what is wanted and what is there are compared
-with each tick, and the next process is started when the one before is gone.
+Only `close` waits. Messages that the process does not take are queued up to a limit. Then the oldest are dropped, and
+the outputs get the number of dropped samples. There is one process at a time. Each tick compares the wanted outputs
+with the process, and starts the next process when the old one has ended.
 """
 
 import errno
@@ -29,20 +29,20 @@ from gyrodrift.sample import Corrected
 
 LONGEST_QUEUE_BYTES = 4 << 20
 KERNEL_BYTES = 1 << 20
-"""What the kernel is asked to keep; it may give less."""
+"""Requested size of the kernel buffer; it may be smaller."""
 
 STATUS_S = 1.0
 RESTART_FIRST_S = 0.5
 RESTART_LONGEST_S = 30.0
 STABLE_S = 60.0
 END_S = 4.0
-"""That a process has to say goodbye to its clients while the service goes on; then it is killed."""
+"""Time for a process to close its clients while the service continues, s; then it is killed."""
 
 LAST_S = 1.5
-"""The same where the service ends."""
+"""Time for a process to close its clients when the service ends, s."""
 
 KILLED_S = 0.2
-"""That a killed process has to be gone; one that hangs in the kernel is not waited for."""
+"""Time for a killed process to end, s; a process that hangs in the kernel may take longer."""
 
 NOTHING: Mapping[int, int] = {}
 
@@ -50,16 +50,16 @@ KEPT_KINDS = (wire.OUTPUTS, wire.ACCESS)
 """Messages that are never dropped."""
 
 State = Callable[[], ServiceStatus]
-"""Gives the state of the service now."""
+"""Gives the present state of the service."""
 
 
 class OutputFeed:
-    """Hands samples, events and the service's state to the outputs' process, which runs while there are outputs.
+    """Sends samples, events and the state of the service to the process of the outputs, while there are outputs.
 
     Parameters
     ----------
     level, style
-        Of the log of that process.
+        Level and format of the log of that process.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class OutputFeed:
         self._monotonic = monotonic
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: socket.socket | None = None
-        self._told: tuple[OutputSpec, ...] = ()
+        self._sent_specs: tuple[OutputSpec, ...] = ()
         self._has_died = False
         self._kill_s = inf
         self._start_s = self._started_s = -inf
@@ -92,21 +92,21 @@ class OutputFeed:
 
     @property
     def is_wanted(self) -> bool:
-        """There are outputs."""
+        """Whether there are outputs."""
         return bool(self.specs)
 
     @property
     def pid(self) -> int | None:
-        """Of the outputs' process."""
+        """Process of the outputs; None without one."""
         return self._process.pid if self._process else None
 
     def want(self, specs: Sequence[OutputSpec]) -> None:
-        """These outputs from now on; what stays notices nothing."""
+        """Set the outputs; outputs that stay are not interrupted."""
         self.specs = tuple(dict.fromkeys(specs))
         self._reconcile(self._monotonic())
 
     def take(self, samples: list[Corrected]) -> None:
-        """Hand samples over, or keep them a while."""
+        """Send samples, or queue them."""
         if self._socket is None:
             return
         if self._queue:
@@ -116,43 +116,43 @@ class OutputFeed:
                 self._send(wire.pack_samples(batch))
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Hand an event over."""
+        """Send an event, or queue it."""
         if self._socket is not None:
             self._send(wire.pack_json(wire.EVENT, {"event": event, "fields": fields}))
 
     def tick(self, now_s: float) -> None:
-        """Hear how the outputs are, say how the service is, and see that the process is there that is wanted."""
+        """Read the state of the outputs, send the state of the service, and start or end the process."""
         self._reconcile(now_s)
         if self._socket is not None:
             self._listen(self._socket)
             self._flush()
-        if self._queue or self._socket is None:  # a state that waits behind samples would be an old one
+        if self._queue or self._socket is None:  # behind queued samples the state would be old
             return
         if self.state is not None and now_s - self._status_s >= STATUS_S:
             self._status_s = now_s
             self._send(wire.pack_json(wire.STATUS, asdict(self.state())))
 
     def statuses(self) -> tuple[OutputStatus, ...]:
-        """How the outputs are, as of the last second."""
-        known = {each.output: each for each in self._statuses}
-        return tuple(known.get(str(spec), OutputStatus(str(spec), problem="is being opened")) for spec in self.specs)
+        """State of the outputs as of the last second."""
+        statuses = {status.output: status for status in self._statuses}
+        return tuple(statuses.get(str(spec), OutputStatus(str(spec), problem="is being opened")) for spec in self.specs)
 
     def stats(self) -> dict[str, Any]:
-        """Clients, and samples that the process was too slow for."""
+        """Number of clients, and of samples that the process was too slow for."""
         if not self.specs:
             return {}
-        return {"clients": sum(each.client_count for each in self._statuses), "outputs_dropped": self.dropped}
+        return {"clients": sum(status.client_count for status in self._statuses), "outputs_dropped": self.dropped}
 
     def wakes(self) -> Mapping[int, int]:
-        """The socket while something waits that the process has not taken."""
+        """The socket while messages are queued."""
         return self._wakes if self._queue else NOTHING
 
     def finish(self) -> None:
-        """Let the outputs say goodbye to their clients."""
+        """Let the outputs close their clients."""
         self._let_go(self._monotonic() + LAST_S)
 
     def close(self) -> None:
-        """Wait for their process, LAST_S at most since `finish`."""
+        """Wait for the process, at most LAST_S after `finish`."""
         if self._process is None:
             return
         try:
@@ -164,7 +164,7 @@ class OutputFeed:
         self._process = None
 
     def _reconcile(self, now_s: float) -> None:
-        """One step from what is there to what is wanted; none waits for the process."""
+        """One step towards the wanted outputs, without waiting for the process."""
         if self._process is not None and self._socket is None:
             self._reap(self._process, now_s)
         if self._process is None:
@@ -172,8 +172,8 @@ class OutputFeed:
                 self._start(now_s)
         elif not self.specs:
             self._let_go(now_s + END_S)
-        elif self._socket is not None and self.specs != self._told:
-            self._tell_wanted()
+        elif self._socket is not None and self.specs != self._sent_specs:
+            self._send_specs()
 
     def _start(self, now_s: float) -> None:
         try:
@@ -187,7 +187,7 @@ class OutputFeed:
         command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), *self._log_words]
         with theirs:
             try:
-                self._process = subprocess.Popen(  # noqa: S603 - this very program
+                self._process = subprocess.Popen(  # noqa: S603 - this program
                     command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
                 )
             except OSError as error:
@@ -200,21 +200,21 @@ class OutputFeed:
         self._wakes = {ours.fileno(): select.POLLOUT}
         if self.access is not None:
             self._send(wire.pack_json(wire.ACCESS, {"path": self.access.path, "token": self.access.token}))
-        self._tell_wanted()
+        self._send_specs()
 
     def _not_started(self, error: OSError, now_s: float) -> None:
-        """No memory or no descriptor is left for it: that may pass."""
+        """Try again later: memory or descriptors may become free."""
         self._put_off(now_s)
         self._log.error("outputs_not_started", reason=error.strerror, retry_s=self._restart_s)
 
-    def _tell_wanted(self) -> None:
-        """What the process is to have open; of several lists that wait for it only the last one counts."""
+    def _send_specs(self) -> None:
+        """Send the wanted outputs; an older list in the queue is replaced."""
         self._queue = deque(message for message in self._queue if message[:1] != wire.OUTPUTS)
         self._queue_bytes = sum(map(len, self._queue))
-        self._told = self.specs
+        self._sent_specs = self.specs
         self._send(
             wire.pack_json(
-                wire.OUTPUTS, [{"name": each.name, "options": revealed(each.options)} for each in self.specs]
+                wire.OUTPUTS, [{"name": spec.name, "options": revealed(spec.options)} for spec in self.specs]
             )
         )
 
@@ -228,7 +228,7 @@ class OutputFeed:
         self._kill_s = min(self._kill_s, kill_s)
 
     def _reap(self, process: subprocess.Popen[bytes], now_s: float) -> None:
-        """Take notice of the end of a process; kill it where its time is over."""
+        """Notice the end of a process, or kill it after its time."""
         status = process.poll()
         if status is None:
             if now_s >= self._kill_s:
@@ -237,10 +237,10 @@ class OutputFeed:
         self._process = None
         if self._has_died:
             self._has_died = False
-            self._log.error("outputs_died", **_how(status))
+            self._log.error("outputs_died", **_exit_of(status))
 
     def _died(self) -> None:
-        """The socket says so; the process is killed where it closed that alone."""
+        """Handle a closed socket; a process that has only closed the socket is killed."""
         now_s = self._monotonic()
         self._has_died, self._statuses = True, ()
         self._let_go(now_s)
@@ -249,7 +249,7 @@ class OutputFeed:
         self._put_off(now_s)
 
     def _put_off(self, now_s: float) -> None:
-        """The next start is tried later, and later each time."""
+        """Delay the next start, with growing pauses."""
         self._start_s = now_s + self._restart_s
         self._restart_s = min(2.0 * self._restart_s, RESTART_LONGEST_S)
 
@@ -277,14 +277,14 @@ class OutputFeed:
         except (BlockingIOError, InterruptedError):
             return False
         except OSError as error:
-            if error.errno == errno.EMSGSIZE:  # an event that is too long to be told
+            if error.errno == errno.EMSGSIZE:  # an event that is too long is dropped
                 return True
             self._died()
             return False
         return True
 
     def _drop(self) -> None:
-        """Let the older half go; what is wanted stays."""
+        """Drop the older half of the queue, except for KEPT_KINDS."""
         target, kept, dropped = LONGEST_QUEUE_BYTES // 2, deque[bytes](), 0
         for message in self._queue:
             if self._queue_bytes > target and message[:1] not in KEPT_KINDS:
@@ -298,27 +298,27 @@ class OutputFeed:
         self._untold += dropped
 
     def _listen(self, end: socket.socket) -> None:
-        """Take the last of what the process has said."""
-        said = b""
+        """Read the newest state that the process has sent."""
+        newest = b""
         try:
             while message := end.recv(wire.LONGEST_BYTES):
-                said = message
+                newest = message
         except (BlockingIOError, InterruptedError):
-            if said:
-                self._statuses = tuple(output_status(each) for each in wire.unpack_json(b" " + said))
+            if newest:
+                self._statuses = tuple(output_status(status) for status in wire.unpack_json(b" " + newest))
         except OSError:
             self._died()
         else:
             self._died()
 
 
-def _how(status: int) -> dict[str, Any]:
-    """Of a process that ended."""
+def _exit_of(status: int) -> dict[str, Any]:
+    """Signal or exit status of a process."""
     return {"signal": signal.Signals(-status).name} if status < 0 else {"status": status}
 
 
 def memory_bytes(pid: int | None) -> int:
-    """Resident memory of a process; 0 where there is none."""
+    """Resident memory of a process, bytes; 0 without one."""
     try:
         with open(f"/proc/{pid}/statm") as file:  # noqa: PTH123 - a path object would cost more than the read
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,4 +1,4 @@
-"""The state of the whole service as one value, for outputs, `ctl status` and `top`."""
+"""The state of the service as one value, for outputs, `ctl status` and `top`."""
 
 import os
 import time
@@ -14,14 +14,14 @@ from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.link_meter import LinkMeter
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 
-if TYPE_CHECKING:  # a service that remembers nothing does without
+if TYPE_CHECKING:  # optional parts of the service
     from gyrodrift.service.memory_keeper import MemoryKeeper
     from gyrodrift.service.recording_switch import RecordingSwitch
 
 
 @dataclass(slots=True)
 class Reporting:
-    """Those who know."""
+    """Sources of the state of the service."""
 
     meter: LinkMeter
     filtering: Filtering
@@ -32,7 +32,7 @@ class Reporting:
     _since_s: float = field(default_factory=time.monotonic)
 
     def status(self) -> ServiceStatus:
-        """As it is now; of the outputs, as of the last second."""
+        """Present state; that of the outputs is of the last second."""
         return ServiceStatus(
             version=__version__,
             pid=os.getpid(),
@@ -75,16 +75,16 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
     return FilterStatus(
         name=filtering.filter.name,
         yaw_deg=filtering.yaw_deg,
-        yaw_sigma_deg=_known(state.yaw_sigma_deg),
-        scale_sigma_deg=_known(filtering.scale_sigma_deg),
+        yaw_sigma_deg=_finite(state.yaw_sigma_deg),
+        scale_sigma_deg=_finite(filtering.scale_sigma_deg),
         bias_dps=state.bias_dps,
-        bias_sigma_dps=_known(state.bias_sigma_dps),
-        rest_probability=_known(state.rest_probability),
-        confidence=_known(state.confidence),
-        heading_deg=_known(filtering.reference.heading_deg(state.yaw_deg)),
-        temp_c=_known(filtering.last.temp_c) if filtering.last else None,
+        bias_sigma_dps=_finite(state.bias_sigma_dps),
+        rest_probability=_finite(state.rest_probability),
+        confidence=_finite(state.confidence),
+        heading_deg=_finite(filtering.reference.heading_deg(state.yaw_deg)),
+        temp_c=_finite(filtering.last.temp_c) if filtering.last else None,
         rejected=state.rejected,
-        still=_known(filtering.last.still) if filtering.last else None,
+        still=_finite(filtering.last.still) if filtering.last else None,
         temp_curve=getattr(state, "temp_curve", None),
         is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
     )
@@ -96,6 +96,6 @@ def _config_status(filtering: Filtering) -> ConfigStatus:
     return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts)
 
 
-def _known(value: float) -> float | None:
-    """None where a filter does not say."""
+def _finite(value: float) -> float | None:
+    """A finite value, or None."""
     return value if isfinite(value) else None

@@ -1,4 +1,4 @@
-"""What `ctl rest` has said of rest: of all samples from then on, in place of what the device says itself."""
+"""Rest as stated by `ctl rest`; it replaces the statement of the device for all later samples."""
 
 from dataclasses import dataclass
 from math import isnan, nan
@@ -8,11 +8,11 @@ from gyrodrift.sample import Sample
 
 @dataclass(slots=True)
 class RestWord:
-    """1 while the device is said to stand still, 0 while it is said to move; NaN while nobody says."""
+    """1 for rest, 0 for motion, NaN for no statement."""
 
     still: float = nan
 
-    def told(self, samples: list[Sample]) -> list[Sample]:
-        """Samples with what was said of them."""
+    def with_rest(self, samples: list[Sample]) -> list[Sample]:
+        """Samples with the stated rest."""
         still = self.still
         return samples if isnan(still) else [Sample(*sample[:-1], still) for sample in samples]

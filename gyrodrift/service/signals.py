@@ -1,4 +1,4 @@
-"""SIGINT, SIGTERM and SIGHUP as something a loop can wait on, so that nothing is interrupted half way."""
+"""SIGINT, SIGTERM and SIGHUP as a descriptor that a loop can wait for, so that no work is interrupted."""
 
 import os
 import signal
@@ -13,21 +13,20 @@ SIGHUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
 """Windows has none."""
 
 REPEAT_S = 1.0
-"""Terminals, shells and `timeout` ask twice within moments and mean it once."""
+"""Terminals, shells and `timeout` may send a signal twice within this time, s."""
 
 
 class StopSignal:
-    """From entering to leaving, the signals only set `is_set` and make `fd` readable.
+    """Inside the context the signals only set `is_set` and make `fd` readable.
 
-    Who asks again after REPEAT_S, since a disk hangs or a reader takes nothing, ends the process at once. With SIGHUP
-    the terminal is gone, and what is still said to it goes nowhere. Where SIGHUP is ignored, as nohup asks for, it
-    stays so.
+    A second signal after REPEAT_S ends the process at once, for a disk that hangs or a reader that takes nothing. After
+    SIGHUP the terminal is closed, and output to it is discarded. An ignored SIGHUP, as under nohup, stays ignored.
     """
 
     def __init__(self) -> None:
         self.is_set = False
         self.fd = -1
-        self._asked_s: float | None = None
+        self._first_s: float | None = None
 
     def __enter__(self) -> Self:
         self._wake = WakePipe()
@@ -56,7 +55,7 @@ class StopSignal:
             os.close(nowhere)
         self.is_set = True
         now_s = time.monotonic()
-        self._asked_s = self._asked_s or now_s
-        if now_s - self._asked_s >= REPEAT_S:
+        self._first_s = self._first_s or now_s
+        if now_s - self._first_s >= REPEAT_S:
             signal.signal(number, signal.SIG_DFL)
             os.kill(os.getpid(), number)

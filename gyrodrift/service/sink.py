@@ -1,4 +1,4 @@
-"""What corrected samples are handed to in the service itself: stdout, and the way to the outputs' process."""
+"""Receivers of corrected samples in the service: stdout, and the feed of the outputs."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -8,21 +8,21 @@ from gyrodrift.service.listener import Listener
 
 
 class ReaderGoneError(Exception):
-    """Nobody reads any more (the pipe is closed)."""
+    """The reader has closed the pipe or the terminal."""
 
 
 class Sink(Listener[Corrected], Protocol):
-    """Takes corrected samples and hands them on, as many as are taken now; ReaderGoneError where that is over."""
+    """Takes corrected samples and writes as many as the reader takes now; raises ReaderGoneError if it is closed."""
 
     @property
     def is_wanted(self) -> bool:
-        """Whether the service has to go on for this one alone."""
+        """Whether the service must continue for this sink alone."""
         ...
 
     def wakes(self) -> Mapping[int, int]:
-        """Descriptors that it waits for, with the events of `poll`; when one is ready, `take` is called."""
+        """Descriptors to wait for, with the events of `poll`; when one is ready, `take` is called."""
         ...
 
     def finish(self) -> None:
-        """No more will come: begin to end, without waiting; `close` waits for it."""
+        """Begin to end, without waiting; `close` waits."""
         ...

@@ -1,7 +1,7 @@
-"""One JSON object a line on a file descriptor, without ever waiting for whoever reads it.
+"""JSON lines on a file descriptor, written without waiting for the reader.
 
-Lines go out in pieces of PIPE_BUF bytes, which a pipe takes whole or not at all. What the reader does not take is kept
-up to a bound, then dropped, oldest first and whole lines only.
+Lines go out in pieces of PIPE_BUF bytes, which a pipe takes whole or not at all. Lines that the reader does not take
+are queued up to a limit; then the oldest lines are dropped.
 """
 
 import errno
@@ -26,11 +26,11 @@ STDOUT = 1
 PIECE_BYTES: int = getattr(select, "PIPE_BUF", 512)
 LONGEST_QUEUE_BYTES = 8 << 20
 LAST_S = 1.0
-"""How long the end waits for a reader, s, whether it takes nothing or is slow; what is left then is dropped."""
+"""Longest wait for a slow reader at the end, s; the remaining lines are dropped."""
 
 GONE = (errno.EPIPE, errno.ECONNRESET, *([errno.EINVAL] if sys.platform == "win32" else []))
 TERMINAL_GONE = (*GONE, errno.EIO)
-"""What a write fails with where the reader is gone; of a file, EIO is a disk that fails."""
+"""Errors of a write to a closed reader; for a file, EIO is a failing disk."""
 
 NOTHING: Mapping[int, int] = {}
 
@@ -60,20 +60,20 @@ class JsonLines:
         self._writable = {fd: POLLOUT}
 
     def set_rate(self, rate_hz: float | None) -> None:
-        """Thin them out anew."""
+        """Change the rate."""
         self._thinning = Thinning(rate_hz)
 
     @property
     def is_wanted(self) -> bool:
-        """Whoever reads a pipe has asked for the service."""
+        """The reader of the pipe started the service."""
         return True
 
     def wakes(self) -> Mapping[int, int]:
-        """The descriptor while lines are left that the reader has not taken."""
+        """The descriptor while lines are queued."""
         return self._writable if self._queue else NOTHING
 
     def take(self, samples: list[Corrected]) -> None:
-        """Queue a line for each sample that thinning leaves, and write as much as the reader takes now."""
+        """Queue a line for each sample that is due, and write as much as the reader takes now."""
         lines = [json_line(corrected) for corrected in self._thinning.due(samples)]
         if lines:
             self.lines += len(lines)
@@ -82,17 +82,17 @@ class JsonLines:
             pass
 
     def tick(self, now_s: float) -> None:
-        """Nothing: lines leave as they come, or when the descriptor wakes the service."""
+        """Do nothing: lines are written in `take`."""
 
     def stats(self) -> dict[str, Any]:
-        """Lines handed over, and how many of them the reader was too slow for."""
+        """Number of lines, and of those dropped for a slow reader."""
         return {"lines": self.lines, "lines_dropped": self.dropped}
 
     def finish(self) -> None:
-        """Nothing: what is left is written by `close`."""
+        """Do nothing: `close` writes the queued lines."""
 
     def close(self) -> None:
-        """Give the reader LAST_S to take what is left, and drop the rest."""
+        """Write the queued lines for at most LAST_S, and drop the rest."""
         until_s = time.monotonic() + LAST_S
         with suppress(ReaderGoneError):
             while self._queue and (left_s := until_s - time.monotonic()) > 0.0:
@@ -120,15 +120,15 @@ class JsonLines:
         self._queue_bytes += len(piece)
 
     def _drop_oldest(self) -> None:
-        """Drop the oldest piece that has not begun to be sent."""
-        at = 1 if self._sent else 0
-        piece = self._queue[at]
-        del self._queue[at]
+        """Drop the oldest piece, unless a part of it was sent."""
+        index = 1 if self._sent else 0
+        piece = self._queue[index]
+        del self._queue[index]
         self._queue_bytes -= len(piece)
         self.dropped += piece.count(b"\n")
 
     def _write(self) -> bool:
-        """Hand over the first piece as far as it is taken; False where the reader takes nothing."""
+        """Write the first piece as far as the reader takes it; False if it takes nothing."""
         piece = self._queue[0]
         try:
             sent = send_unwaiting(self.fd, piece[self._sent :] if self._sent else piece)

@@ -1,4 +1,4 @@
-"""Text from outside, as unit files of systemd and rules of udev may hold it: escaped, or refused with a reason."""
+"""Text for unit files of systemd and rules of udev: escaped, or refused with a reason."""
 
 import re
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from urllib.parse import quote
 from gyrodrift.errors import UsageError
 
 PLAIN = re.compile(r"[A-Za-z0-9/_.:,+=@~-]+")
-"""Characters that mean themselves everywhere in a unit file."""
+"""Characters without a special meaning in a unit file."""
 
 USB_NUMBER = re.compile(r"[0-9A-Fa-f]{4}")
 """A vendor or product number, as the kernel writes it (Linux, Documentation/ABI/testing/sysfs-bus-usb)."""
@@ -20,7 +20,7 @@ LONGEST_SERIAL = 256
 """USB allows 126 characters; a longer text is no serial number."""
 
 NO_PROGRAM = frozenset("\"'\\$")
-"""systemd takes no program whose path has one of them (systemd.service(5): the first word is not substituted)."""
+"""Characters that systemd refuses in the path of a program (systemd.service(5))."""
 
 
 def command_line(words: Sequence[str]) -> str:
@@ -29,11 +29,11 @@ def command_line(words: Sequence[str]) -> str:
     Raises
     ------
     UsageError
-        Where a word has characters that a unit file cannot hold.
+        If a word has characters that a unit file cannot hold.
     """
     if NO_PROGRAM & set(words[0]):
         raise UsageError(
-            f"{words[0]!r}: systemd runs no program with a quote, $ or \\ in its path: install it elsewhere"
+            f"{words[0]!r}: systemd runs no program with a quote, $ or \\ in its path; install it elsewhere"
         )
     return " ".join(_word(word) for word in words)
 
@@ -46,22 +46,22 @@ def _word(text: str) -> str:
 
 
 def plain_text(text: str) -> str:
-    """Text for a description, with `_` in the place of characters that might mean something."""
+    """Text for a description, with `_` for special characters."""
     return "".join(letter if PLAIN.fullmatch(letter) else "_" for letter in text)
 
 
 def file_url(path: str) -> str:
-    """A path as `Documentation=` takes it."""
+    """URL of a path for `Documentation=`."""
     return f"file://{quote(path)}".replace("%", "%%")
 
 
 def usb_number(text: str) -> str:
-    """A vendor or product number.
+    """Check a vendor or product number.
 
     Raises
     ------
     UsageError
-        Where it is none.
+        If it is none.
     """
     if not USB_NUMBER.fullmatch(text):
         raise UsageError(
@@ -71,6 +71,6 @@ def usb_number(text: str) -> str:
 
 
 def serial_pattern(serial: str) -> str:
-    """A pattern that matches a serial number, in which letters, digits and `_.:-` stand for themselves."""
-    found = NOT_PLAIN_IN_A_SERIAL.sub(ANY_ONE_BYTE, serial[:LONGEST_SERIAL])
-    return f"{found}*" if len(serial) > LONGEST_SERIAL else found
+    """Udev pattern of a serial number: letters, digits and `_.:-` stay, other bytes become `?`."""
+    pattern = NOT_PLAIN_IN_A_SERIAL.sub(ANY_ONE_BYTE, serial[:LONGEST_SERIAL])
+    return f"{pattern}*" if len(serial) > LONGEST_SERIAL else pattern

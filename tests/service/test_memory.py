@@ -79,8 +79,8 @@ def test_a_memory_goes_on_where_a_run_learns_nothing(port: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     ("key", "other", "said"),
     [
-        ("device", "bench-8", "it is of the device bench-8, and this is "),
-        ("filter", "hdr", "it is of the filter hdr, and restlevel runs"),
+        ("device", "bench-8", "it is for device bench-8, and this is "),
+        ("filter", "hdr", "it is for the filter hdr, and restlevel runs"),
     ],
 )
 def test_a_memory_of_something_else_is_refused_and_left_alone(
@@ -105,7 +105,7 @@ def test_a_memory_under_another_calibration_is_begun_anew(port: Path, tmp_path: 
     rested(port, memory)
     config.write_text("filter: restlevel\ncalibration: {date: '2026-11-01T12:00:00Z', bias_dps: 0.4}\n")
     found, log = moved(port, "--memory", memory, "--config", config)
-    assert '"reason": "the calibration is another one, and with it the bias"' in log
+    assert '"reason": "the calibration has changed, and with it the bias"' in log
     assert found[0]["bias_dps"] == 0.0
     rested(port, memory, "--config", config)
     content = json.loads(memory.read_text())
