@@ -78,7 +78,7 @@ def legend(series: Sequence[ChartLine], title: str) -> Text:
 
 
 def chart(series: Sequence[ChartLine], x_range: AxisRange, y_range: AxisRange, columns: int, rows: int) -> list[Text]:
-    """As many rows of text as asked for, with the axes; at least SMALLEST_ROWS."""
+    """Rows of text with the axes; `rows` is at least SMALLEST_ROWS."""
     plot_rows = rows - X_AXIS_ROWS
     labels = _y_labels(y_range, plot_rows)
     width = max(map(len, labels.values()))

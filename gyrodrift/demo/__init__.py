@@ -1,1 +1,1 @@
-"""`gyrodrift demo`: the simulator and `serve` as processes of their own, watched by a view."""
+"""`gyrodrift demo`: the simulator and `serve` as processes, with a live view."""

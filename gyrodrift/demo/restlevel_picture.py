@@ -27,7 +27,7 @@ SEED = 4
 EVERY = 25
 """Samples to a point of the picture."""
 
-GREY, BLUE, RED = "0.6", "tab:blue", "tab:red"
+GRAY, BLUE, RED = "0.6", "tab:blue", "tab:red"
 
 
 def motion() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -52,7 +52,7 @@ def draw(path: Path) -> None:
         rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.rest_probability))
         if s.samples % EVERY == 0:
             hypotheses += [(each_s, h.bias_dps, h.weight) for h in s.hypotheses if h.weight > 0.0]
-    t_s, rate_dps, true_deg, plain_deg = (each[::EVERY] for each in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
+    t_s, rate_dps, true_deg, plain_deg = (column[::EVERY] for column in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
     yaw_deg, sigma_deg, bias_dps, resting = np.array(rows[::EVERY]).T
     mpl.rcParams.update({"font.size": 9.0})
     figure, (rates, biases, errors) = plt.subplots(3, 1, figsize=(8.0, 6.6), sharex=True, layout="constrained")
@@ -64,7 +64,7 @@ def draw(path: Path) -> None:
 
 
 def _rates(axes: Axes, t_s: np.ndarray, rate_dps: np.ndarray, resting: np.ndarray) -> None:
-    axes.plot(t_s, rate_dps, color=GREY, linewidth=0.6)
+    axes.plot(t_s, rate_dps, color=GRAY, linewidth=0.6)
     axes.fill_between(t_s, -40.0, 40.0, where=(resting > 0.5).tolist(), color=BLUE, alpha=0.15, linewidth=0.0)
     axes.set(ylabel="measured rate, deg/s", ylim=(-40.0, 40.0), title="shaded: probably at rest")
 
@@ -72,9 +72,9 @@ def _rates(axes: Axes, t_s: np.ndarray, rate_dps: np.ndarray, resting: np.ndarra
 def _biases(axes: Axes, t_s: np.ndarray, bias_dps: np.ndarray, hypotheses: list[tuple[float, float, float]]) -> None:
     at_s, each_dps, weights = np.array(hypotheses).T
     axes.axhline(BIAS_DPS, color="black", linewidth=0.8, linestyle=":")
-    axes.scatter(at_s, each_dps, s=30.0 * weights + 0.5, color=GREY, linewidths=0.0)
+    axes.scatter(at_s, each_dps, s=30.0 * weights + 0.5, color=GRAY, linewidths=0.0)
     axes.plot(t_s, bias_dps, color=BLUE, linewidth=1.2)
-    axes.set(ylabel="bias, deg/s", title="grey: every hypothesis, as large as it is probable; dotted: the truth")
+    axes.set(ylabel="bias, deg/s", title="gray: every hypothesis, as large as it is probable; dotted: the truth")
     axes.set_yscale("symlog", linthresh=1.0)
     axes.set_yticks([-1.0, 0.0, 1.0, 10.0], ["−1", "0", "1", "10"])
 

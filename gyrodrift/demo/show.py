@@ -1,4 +1,4 @@
-"""Starts the simulator and `serve`, reads what `serve` prints, and shows it."""
+"""Runs the simulator and `serve`, and shows the output of `serve`."""
 
 import io
 import json
@@ -27,17 +27,17 @@ from gyrodrift.files import shipped_config, write_whole
 
 FRAMES_PER_S = 10
 STARTING_S = 60.0
-"""Deadline for a simulator that hangs; one that ends is noticed at once, and a busy machine takes its time."""
+"""Longest wait for the simulator, s. A simulator that ends is noticed at once."""
 SUMMARY_ROWS = 5
-"""Below the last view: the summary and the prompt."""
+"""Rows for the summary and the prompt below the last view."""
 
 DEVICE = "gyro"
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""What asks a demo to end."""
+"""Signals that end a demo."""
 
 SVG_WITHOUT_WEB_FONTS = re.sub(r"@font-face \{\{.*?\}\}", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
-"""A picture that asks nobody for a font when it is looked at."""
+"""Template of the picture without web fonts: a viewer loads nothing."""
 
 
 def run_demo(
@@ -56,7 +56,7 @@ def run_demo(
     Raises
     ------
     LinkError
-        Where the simulator or `serve` ended before its time.
+        If the simulator or `serve` ended too early.
     """
     screen = Screen(duration_s) if _is_for_eyes() and not is_quiet else None
     error = YawError()
@@ -87,7 +87,7 @@ def run_demo(
 
 
 class Screen:
-    """The terminal as a whole, for as long as the demo runs; every frame has the size that it has at that moment."""
+    """The screen of the terminal during the demo; each frame has the present size of the terminal."""
 
     def __init__(self, duration_s: float) -> None:
         self._console = Console(force_terminal=True)
@@ -96,7 +96,7 @@ class Screen:
         self.live = Live(console=self._console, auto_refresh=False, screen=True)
 
     def show(self, error: YawError) -> None:
-        """Draw a frame, where one is due."""
+        """Draw a frame if one is due."""
         if time.monotonic() < self._next_s:
             return
         self._console.size = _size()
@@ -111,7 +111,7 @@ class Screen:
 
 
 def save_svg(path: Path, error: YawError, duration_s: float) -> None:
-    """The view as a picture; a frame of it, not the film. It is the same on every terminal and without one."""
+    """Save the last view as a picture; it does not depend on the terminal."""
     console = Console(
         width=PICTURE.columns,
         file=io.StringIO(),
@@ -130,7 +130,7 @@ def _is_for_eyes() -> bool:
 
 
 def _size() -> Size:
-    """Of the terminal now; as the environment says where it does not tell."""
+    """Size of the terminal; from the environment if the terminal does not tell."""
     try:
         size = os.get_terminal_size(sys.stdout.fileno())
     except OSError:
@@ -140,7 +140,7 @@ def _size() -> Size:
 
 @contextmanager
 def _log(folder: Path) -> Iterator[BinaryIO]:
-    """Where the processes log while the view has the terminal; told when that is over."""
+    """Log file of the processes while the view has the terminal; it is printed at the end."""
     path = folder / "log"
     try:
         with path.open("wb") as log:
@@ -150,7 +150,7 @@ def _log(folder: Path) -> Iterator[BinaryIO]:
 
 
 def _watch(lines: Iterator[bytes | None], error: YawError, duration_s: float, screen: Screen | None) -> None:
-    """Add up what `serve` prints until the time is over, and show it where somebody looks on."""
+    """Evaluate and show the lines of `serve` until the time is over."""
     for line in lines:
         if line is not None:
             error.add(json.loads(line))
@@ -161,7 +161,7 @@ def _watch(lines: Iterator[bytes | None], error: YawError, duration_s: float, sc
 
 
 def _lines(service: "subprocess.Popen[bytes]") -> Iterator[bytes | None]:
-    """What `serve` prints; None where nothing comes for as long as a frame takes, so that a terminal may change."""
+    """Lines of `serve`; None after a frame without a line, so that the view can follow the terminal."""
     assert service.stdout is not None  # noqa: S101 - it was opened with a pipe
     fd, pending = service.stdout.fileno(), b""
     while True:
@@ -177,8 +177,8 @@ def _lines(service: "subprocess.Popen[bytes]") -> Iterator[bytes | None]:
 
 @contextmanager
 def _process(arguments: list[str], stdout: int | None, log: BinaryIO | None) -> "Iterator[subprocess.Popen[bytes]]":
-    """A Python process that is asked to end, and ended, when the block is left."""
-    process = subprocess.Popen([sys.executable, *arguments], stdout=stdout, stderr=log)  # noqa: S603 - our own
+    """A Python process that ends with the block."""
+    process = subprocess.Popen([sys.executable, *arguments], stdout=stdout, stderr=log)  # noqa: S603 - our own module
     try:
         yield process
     finally:
@@ -194,15 +194,15 @@ def _process(arguments: list[str], stdout: int | None, log: BinaryIO | None) -> 
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """An end that is asked for meanwhile comes after the block: what is half begun has nobody who would end it."""
-    asked: list[int] = []
-    before = {ending: signal.signal(ending, lambda number, _: asked.append(number)) for ending in ENDINGS}
+    """Delay signals to the end of the block, so that no started process is left behind."""
+    endings: list[int] = []
+    before = {ending: signal.signal(ending, lambda number, _: endings.append(number)) for ending in ENDINGS}
     try:
         yield
     finally:
         for ending, handler in before.items():
             signal.signal(ending, handler)
-    if asked:
+    if endings:
         raise KeyboardInterrupt
 
 

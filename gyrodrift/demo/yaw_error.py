@@ -1,4 +1,4 @@
-"""The yaw error against the encoder: of the rate integrated as it is, and of the corrected yaw."""
+"""Yaw error against the encoder, of the integrated rate and of the corrected yaw."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,12 +8,12 @@ HISTORY = 4096
 
 @dataclass(slots=True)
 class YawError:
-    """Adds up mean |error| in degrees; both angles are 0 at the first sample.
+    """Mean |error| in degrees; all angles are 0 at the first sample.
 
     raw_deg, corrected_deg, true_deg
         The latest angles.
     history
-        The latest (t_s, raw error, corrected error), thinned out as they grow many.
+        (t_s, raw error, corrected error) of the samples, thinned when the list grows long.
     """
 
     samples: int = 0
@@ -30,7 +30,7 @@ class YawError:
     _first_encoder_deg: float = 0.0
 
     def add(self, line: dict[str, Any]) -> None:
-        """Take one line of `serve`; lines without an encoder angle are passed by."""
+        """Add a line of `serve`; lines without an encoder angle are ignored."""
         if "encoder_deg" not in line:
             return
         t_s = float(line["t_s"])
@@ -57,20 +57,20 @@ class YawError:
 
     @property
     def raw_error_deg(self) -> float:
-        """Integrated rate less encoder, degrees."""
+        """Error of the integrated rate, deg."""
         return self.raw_deg - self.true_deg
 
     @property
     def corrected_error_deg(self) -> float:
-        """Corrected yaw less encoder, degrees."""
+        """Error of the corrected yaw, deg."""
         return self.corrected_deg - self.true_deg
 
     @property
     def raw_mean_deg(self) -> float:
-        """Mean |error| of the integrated rate, degrees."""
+        """Mean |error| of the integrated rate, deg."""
         return self.raw_sum_deg / max(1, self.samples)
 
     @property
     def corrected_mean_deg(self) -> float:
-        """Mean |error| of the corrected yaw, degrees."""
+        """Mean |error| of the corrected yaw, deg."""
         return self.corrected_sum_deg / max(1, self.samples)

@@ -1,5 +1,5 @@
-"""Outputs: corrected samples to whoever listens on a socket, in a process of their own beside the service.
+"""Outputs: corrected samples for clients, in a process of their own beside the service.
 
-They know nothing of link, filter and service: samples, events and the service's state reach them through a socket,
-and nothing of a client's ever goes the other way.
+They do not depend on link, filter and service. Samples, events and the state of the service reach them through a
+socket. No client can send anything back, except the buttons of the live page, through the control socket.
 """

@@ -13,23 +13,23 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.hub import Hub
 
 DESCRIPTORS = 4096
-"""Clients beyond the limit of a server are turned away, not left waiting for a descriptor."""
+"""Limit of descriptors, so high that servers refuse clients by their own limits."""
 
 
 class LibraryLog(logging.Handler):
-    """What the libraries of outputs have to say, as lines of the service's log; asyncio's chatter of clients is not."""
+    """Log messages of the libraries, as lines of the log of the service."""
 
     def __init__(self, log: FilteringBoundLogger) -> None:
         super().__init__(logging.WARNING)
         self._log = log
 
     def emit(self, record: logging.LogRecord) -> None:
-        """One line, without a traceback."""
+        """Write one line, without a traceback."""
         self._log.log(record.levelno, "library", of=record.name, message=record.getMessage())
 
 
 def main(fd: int, level: str, style: str) -> None:
-    """Run until the service closes its end; the signals that stop a service are for the service."""
+    """Run until the service closes its end; signals that stop the service are ignored here."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)

@@ -1,4 +1,4 @@
-"""A server for the Foxglove app: samples, the filter's state and the link's statistics."""
+"""A server for the Foxglove app: samples, state of the filter, and statistics of the link."""
 
 import json
 import time
@@ -18,7 +18,7 @@ from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
-"""Names of the protocol now and before; the app and its forks ask for one or both."""
+"""Present and former name of the protocol; the app and its forks request one or both."""
 
 SAMPLE = FoxgloveChannel(1, "/gyro/sample", SAMPLE_SCHEMA)
 STATE = FoxgloveChannel(2, "/gyro/state", schema_of("gyrodrift.State", FilterStatus))
@@ -28,15 +28,15 @@ CHANNELS = (SAMPLE, STATE, LINK)
 
 @dataclass(frozen=True, slots=True)
 class FoxgloveOptions:
-    """Where, and how often."""
+    """Address and rate."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 8765
-    rate_hz: Annotated[Rate, About("at most so many samples a second of device time")] = None
+    rate_hz: Annotated[Rate, About("at most this many samples a second of device time")] = None
 
 
 class FoxgloveOutput(Output[FoxgloveOptions]):
-    """Three channels, and the config in force as parameters that nobody can set."""
+    """Three channels, and the config in force as read-only parameters."""
 
     options_type = FoxgloveOptions
 
@@ -53,7 +53,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
         self.address = await self._server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send samples, where somebody has subscribed; each message is written once for all of them."""
+        """Send samples to subscribers; each message is encoded once."""
         subscribed = self._subscribed(SAMPLE)
         if not subscribed:
             return
@@ -63,20 +63,20 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
                 session.publish(SAMPLE.number, time_ns, message)
 
     def note(self, status: ServiceStatus) -> None:
-        """Send state and statistics, and the parameters where they are others now."""
+        """Send state and statistics, and parameters that have changed."""
         self._set_parameters(parameters_of(status.config))
         for channel, record in ((STATE, status.filter), (LINK, status.link)):
             if subscribed := self._subscribed(channel):
-                time_ns, message = time.time_ns(), _known(record)
+                time_ns, message = time.time_ns(), _present_fields(record)
                 for session in subscribed:
                     session.publish(channel.number, time_ns, message)
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Messages."""
+        """Messages sent and dropped."""
         return self._server.counts()
 
     async def close(self) -> None:
@@ -117,5 +117,5 @@ def _sample(corrected: Corrected) -> bytes:
     return json_line(corrected, start).encode()
 
 
-def _known(record: Any) -> bytes:
+def _present_fields(record: Any) -> bytes:
     return json.dumps({name: value for name, value in asdict(record).items() if value is not None}).encode()

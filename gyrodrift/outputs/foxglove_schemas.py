@@ -1,4 +1,4 @@
-"""JSON schemas of what the output `foxglove` sends; what is not known is left out, so that nothing is required."""
+"""JSON schemas of the output `foxglove`. Unknown values are omitted, so no property is required."""
 
 from dataclasses import fields
 from types import NoneType, UnionType
@@ -16,16 +16,16 @@ SAMPLE_SCHEMA = {
 
 
 def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
-    """The schema of a dataclass of plain values."""
+    """Schema of a dataclass of plain values."""
     hints = get_type_hints(record)
     return {
         "title": title,
         "type": "object",
-        "properties": {each.name: {"type": _type_of(hints[each.name])} for each in fields(record)},
+        "properties": {field.name: {"type": _type_of(hints[field.name])} for field in fields(record)},
     }
 
 
 def _type_of(hint: Any) -> str:
     if isinstance(hint, UnionType):
-        hint = next(each for each in get_args(hint) if each is not NoneType)
+        hint = next(option for option in get_args(hint) if option is not NoneType)
     return TYPES[get_origin(hint) or hint]

@@ -1,7 +1,7 @@
-"""One client of foxglove: the channels that it subscribed to, and parameters that nobody can set.
+"""One client of foxglove: its subscriptions, and read-only parameters.
 
-The server of the Foxglove SDK has no limit on its clients and tells nobody what it drops. This is the part of its
-protocol that a server needs who only sends.
+The server of the Foxglove SDK has no limit on clients and does not report dropped messages. This module has the part
+of the protocol that a server needs to send.
 
 Source: docs/spec.md of foxglove/ws-protocol; `foxglove.sdk.v1`, of the SDK 0.30, is the same for these messages.
 """
@@ -19,7 +19,7 @@ MESSAGE_DATA = 1
 """Opcode of a binary message to a client."""
 
 MESSAGE_HEAD = Struct("<BIQ")
-"""Opcode, the client's number of its subscription, and time, ns."""
+"""Opcode, subscription number of the client, and time, ns."""
 
 GREATEST_NUMBER = 2**32 - 1
 
@@ -36,7 +36,7 @@ class FoxgloveChannel:
     schema: dict[str, Any]
 
     def advertised(self) -> dict[str, Any]:
-        """As clients are told of it."""
+        """Announcement of the channel."""
         return {
             "id": self.number,
             "topic": self.topic,
@@ -51,14 +51,14 @@ Parameters = dict[str, float | str]
 
 
 class FoxgloveSession:
-    """Messages in, messages out.
+    """Protocol state of one client.
 
     Parameters
     ----------
     parameters
-        Gives the parameters as they are now.
+        Gives the present parameters.
     forget
-        Called with the session when the client is gone.
+        Called with the session when the client has left.
     """
 
     def __init__(
@@ -84,79 +84,79 @@ class FoxgloveSession:
         }
 
     def has_subscribed(self, channel: int) -> bool:
-        """It is sent messages of this channel."""
+        """Whether the client has subscribed to a channel."""
         return channel in self._subscriptions
 
     def publish(self, channel: int, time_ns: int, message: bytes) -> None:
-        """Send a message, where the client has subscribed to its channel."""
+        """Send a message if the client has subscribed to its channel."""
         if channel in self._subscriptions:
             self._client.send(MESSAGE_HEAD.pack(MESSAGE_DATA, self._subscriptions[channel], time_ns) + message)
 
     def tell_parameters(self, names: set[str]) -> None:
-        """Send those of the parameters with these names that the client follows."""
+        """Send parameters with these names, if the client follows them."""
         if followed := names & self._followed:
             self._urge(self._parameter_values(followed))
 
     def message(self, content: str | bytes) -> None:
-        """Take an operation; what cannot be done is answered with a status, and the connection stays."""
+        """Carry out an operation. A mistake is answered with a status; the connection stays."""
         try:
             self._take(parse_json(content) if isinstance(content, str) else None)
         except (LookupError, NotJsonError) as error:
             self._say(ERROR, str(error.args[0]))
 
     def dropped(self, messages: int) -> str:
-        """How many messages this client was too slow for so far; the app shows the last of these alone."""
+        """Status with the total of dropped messages; the app shows only the newest."""
         self._dropped += messages
         text = f"{self._dropped} messages dropped: this client reads too slowly"
         return json.dumps({"op": "status", "level": WARNING, "message": text, "id": "gyrodrift-dropped"})
 
     def closed(self) -> None:
-        """It is no longer published to."""
+        """End: no more messages."""
         self._forget(self)
 
     def _take(self, operation: Any) -> None:
         name = operation.get("op") if isinstance(operation, dict) else None
         if not isinstance(name, str):
-            raise LookupError('expected an object with "op"')  # noqa: TRY004 - the client's mistake, told to it
+            raise LookupError('expected an object with "op"')  # noqa: TRY004 - a mistake of the client
         if name not in self._operations:
-            raise LookupError(f"{name[:40]} is not done here: nothing that a client sends reaches the gyro")
+            raise LookupError(f"{name[:40]} is not supported: clients can only read")
         self._operations[name](operation)
 
-    def _subscribe(self, asked: dict[str, Any]) -> None:
-        for each in _list_of(asked, "subscriptions", dict):
-            number, channel = each.get("id"), each.get("channelId")
+    def _subscribe(self, request: dict[str, Any]) -> None:
+        for entry in _list_of(request, "subscriptions", dict):
+            number, channel = entry.get("id"), entry.get("channelId")
             if not _is_number(number) or channel not in list(self._channels):
-                raise LookupError(f"there is no channel {str(channel)[:40]}, or the id is none")
+                raise LookupError(f"no channel {str(channel)[:40]}, or an invalid id")
             if channel in self._subscriptions or number in self._subscriptions.values():
                 self._say(WARNING, f"channel {channel} or id {number} is subscribed already; this is ignored")
             else:
                 self._subscriptions[channel] = number
 
-    def _unsubscribe(self, asked: dict[str, Any]) -> None:
-        gone = _list_of(asked, "subscriptionIds", int)
+    def _unsubscribe(self, request: dict[str, Any]) -> None:
+        gone = _list_of(request, "subscriptionIds", int)
         self._subscriptions = {channel: number for channel, number in self._subscriptions.items() if number not in gone}
 
-    def _get_parameters(self, asked: dict[str, Any]) -> None:
-        self._answer(asked, set(_list_of(asked, "parameterNames", str)))
+    def _get_parameters(self, request: dict[str, Any]) -> None:
+        self._answer(request, set(_list_of(request, "parameterNames", str)))
 
-    def _set_parameters(self, asked: dict[str, Any]) -> None:
-        """Answer with what they are: nothing is set from here."""
-        names = {str(each.get("name")) for each in _list_of(asked, "parameters", dict)}
-        self._answer(asked, names or {""})
+    def _set_parameters(self, request: dict[str, Any]) -> None:
+        """Answer with the present values: parameters are read only."""
+        names = {str(entry.get("name")) for entry in _list_of(request, "parameters", dict)}
+        self._answer(request, names or {""})
 
-    def _follow(self, asked: dict[str, Any]) -> None:
-        names = _list_of(asked, "parameterNames", str) or list(self._parameters())
+    def _follow(self, request: dict[str, Any]) -> None:
+        names = _list_of(request, "parameterNames", str) or list(self._parameters())
         self._followed |= self._parameters().keys() & set(names)
 
-    def _unfollow(self, asked: dict[str, Any]) -> None:
-        self._followed -= set(_list_of(asked, "parameterNames", str) or self._followed)
+    def _unfollow(self, request: dict[str, Any]) -> None:
+        self._followed -= set(_list_of(request, "parameterNames", str) or self._followed)
 
-    def _answer(self, asked: dict[str, Any], names: set[str]) -> None:
-        request = asked.get("id")
-        self._urge(self._parameter_values(names) | ({"id": request} if isinstance(request, str) else {}))
+    def _answer(self, request: dict[str, Any], names: set[str]) -> None:
+        request_id = request.get("id")
+        self._urge(self._parameter_values(names) | ({"id": request_id} if isinstance(request_id, str) else {}))
 
     def _parameter_values(self, names: set[str]) -> dict[str, Any]:
-        """All parameters, or those with the names."""
+        """Parameters with these names, or all."""
         values = [
             {"name": name, "value": value} | ({} if isinstance(value, str) else {"type": "float64"})
             for name, value in self._parameters().items()
@@ -169,11 +169,11 @@ class FoxgloveSession:
 
     def _urge(self, message: dict[str, Any]) -> None:
         if not self._client.send_first(json.dumps(message)):
-            raise ValueError("too many requests wait for an answer")
+            raise ValueError("too many pending requests")
 
 
 def opening(channels: Sequence[FoxgloveChannel], session_id: str) -> tuple[str, str]:
-    """The messages that a connection begins with."""
+    """First messages of a connection."""
     info = {
         "op": "serverInfo",
         "name": "gyrodrift",
@@ -181,14 +181,14 @@ def opening(channels: Sequence[FoxgloveChannel], session_id: str) -> tuple[str, 
         "metadata": {},
         "sessionId": session_id,
     }
-    return json.dumps(info), json.dumps({"op": "advertise", "channels": [each.advertised() for each in channels]})
+    return json.dumps(info), json.dumps({"op": "advertise", "channels": [channel.advertised() for channel in channels]})
 
 
-def _list_of(asked: dict[str, Any], name: str, kind: type[Any]) -> list[Any]:
-    found = asked.get(name)
-    if not isinstance(found, list) or not all(isinstance(each, kind) for each in found):
-        raise LookupError(f"{asked['op']}: {name} is a list")
-    return found
+def _list_of(request: dict[str, Any], name: str, kind: type[Any]) -> list[Any]:
+    values = request.get(name)
+    if not isinstance(values, list) or not all(isinstance(value, kind) for value in values):
+        raise LookupError(f"{request['op']}: {name} is a list")
+    return values
 
 
 def _is_number(value: object) -> bool:

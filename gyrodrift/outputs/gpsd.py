@@ -1,10 +1,9 @@
-"""gpsd's JSON on TCP, for the clients that a boat or a car has already: VERSION, DEVICES, WATCH, POLL, and then ATT.
+"""JSON of gpsd on TCP, for existing clients on boats and in cars: VERSION, DEVICES, WATCH, POLL, and ATT.
 
-The protocol is that of gpsd_json(5), version 3.14. A daemon of gpsd is not needed, and none may have the same port.
+The protocol is gpsd_json(5), version 3.14. It needs no gpsd; a running gpsd must have another port.
 
-Sent per sample: an ATT for what gpsd has names for, and a GYRO, which is no class of gpsd, with all fields of the JSON
-line. libgps passes by classes that it does not know. In ATT everything is clockwise, as gpsd has it: `rot` in degrees
-per minute, minus to port.
+Each sample gives an ATT with the fields of gpsd, and a GYRO with all fields of the JSON line. GYRO is no class of gpsd;
+libgps skips it. Angles in ATT are clockwise, as in gpsd; `rot` is in degrees per minute, negative to port.
 """
 
 import json
@@ -14,7 +13,7 @@ from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import known
+from gyrodrift.outputs.json_line import present_fields
 from gyrodrift.outputs.net.json_input import parse_json_at
 from gyrodrift.outputs.net.lines import LineClient, LineServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
@@ -24,23 +23,23 @@ from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
 PROTOCOL = (3, 14)
-"""Major and minor version of gpsd's protocol that is spoken here."""
+"""Major and minor version of the protocol."""
 
 SHOWN = 40
-"""Characters of a request that an error repeats."""
+"""Characters of a request that an error message shows."""
 
 
 LONGEST_REQUEST = 1024
-"""Characters of a line of requests; gpsd_json(5) has 80, and its clients send more."""
+"""Longest line of requests; gpsd_json(5) says 80, but clients send more."""
 
 
 @dataclass(frozen=True, slots=True)
 class GpsdOptions:
-    """Where, and how often."""
+    """Address and rate."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 2947
-    rate_hz: Annotated[Rate, About("at most so many reports a second of device time")] = 10.0
+    rate_hz: Annotated[Rate, About("at most this many reports a second of device time")] = 10.0
 
 
 class GpsdOutput(Output[GpsdOptions]):
@@ -60,16 +59,16 @@ class GpsdOutput(Output[GpsdOptions]):
         self.address = await self._server.listen_tcp(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send reports to those who watch."""
+        """Send reports to watching clients."""
         self.last = samples[-1]
         due = self._thinning.due(samples)
         if due and (watching := self._watching()):
-            lines = b"".join(encoded(report) for each in due for report in reports(each, self.path))
+            lines = b"".join(encoded(report) for sample in due for report in reports(sample, self.path))
             for client in watching:
                 client.send(lines, 2 * len(due))
 
     def note(self, status: ServiceStatus) -> None:
-        """Tell those who watch when the device came or went."""
+        """Tell watching clients that the device came or went."""
         device = device_of(status)
         if device != self._device:
             self._device = device
@@ -78,7 +77,7 @@ class GpsdOutput(Output[GpsdOptions]):
 
     @property
     def path(self) -> str:
-        """The device's name to clients."""
+        """Name of the device for clients."""
         return path_of(self.host.status)
 
     def device(self) -> dict[str, Any]:
@@ -86,11 +85,11 @@ class GpsdOutput(Output[GpsdOptions]):
         return device_of(self.host.status)
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Reports and answers."""
+        """Reports and answers, sent and dropped."""
         return self._server.counts()
 
     async def close(self) -> None:
@@ -103,7 +102,7 @@ class GpsdOutput(Output[GpsdOptions]):
 
 
 class GpsdSession:
-    """One client, and what it watches."""
+    """One client, and its WATCH policy."""
 
     def __init__(self, client: LineClient, output: GpsdOutput) -> None:
         self._client, self._output = client, output
@@ -111,11 +110,11 @@ class GpsdSession:
 
     @property
     def is_watching(self) -> bool:
-        """Whether it is sent reports."""
+        """Whether the client gets reports."""
         return self._is_enabled and self._is_json
 
     def line(self, text: bytes) -> None:
-        """Answer the requests of a line; like gpsd's, mistakes are told and cost nothing."""
+        """Answer the requests of a line; as in gpsd, a mistake gives an ERROR."""
         try:
             for name, argument in requests(text.decode("ascii", "replace")):
                 self._answer(name, argument)
@@ -123,15 +122,15 @@ class GpsdSession:
             self._send({"class": "ERROR", "message": str(error)})
 
     def dropped(self, messages: int) -> bytes:
-        """For a client that was too slow; no class of gpsd."""
+        """Message for a client that was too slow; not a class of gpsd."""
         return encoded({"class": "DROPPED", "messages": messages})
 
     def refused(self, why: str) -> bytes:
-        """For a client whose connection is closed from here."""
+        """Message for a client whose connection is closed."""
         return encoded({"class": "ERROR", "message": why})
 
     def closed(self) -> None:
-        """Nothing is kept."""
+        """Do nothing."""
 
     def _answer(self, name: str, argument: dict[str, Any] | None) -> None:
         if name == "VERSION":
@@ -165,7 +164,7 @@ class GpsdSession:
         return {"class": "DEVICES", "devices": [self._output.device()]}
 
     def _poll(self) -> dict[str, Any]:
-        """The last reports; as with gpsd, devices have to be watched first. There is no position in any case."""
+        """The last reports, after a WATCH as in gpsd. There is never a position."""
         path, last = self._output.path, self._output.last
         opening = {"class": "POLL", "time": iso_time(datetime.now(UTC).timestamp())}
         if last is None or not self._is_enabled:
@@ -179,12 +178,12 @@ class GpsdSession:
 
 
 def requests(line: str) -> Iterator[tuple[str, dict[str, Any] | None]]:
-    """The requests of a line: name, and the object that follows `=` where one does.
+    """Requests of a line: name, and the object behind `=` if there is one.
 
     Raises
     ------
     ValueError
-        At what is no request.
+        At an invalid request.
     """
     if len(line) > LONGEST_REQUEST:
         raise ValueError(f"a line of requests is longer than {LONGEST_REQUEST} characters")
@@ -203,32 +202,32 @@ def requests(line: str) -> Iterator[tuple[str, dict[str, Any] | None]]:
 
 
 def _object_at(text: str, start: int) -> tuple[dict[str, Any], int]:
-    """The JSON object that begins there, and where it ends."""
+    """JSON object at an index, and the index behind it."""
     try:
-        found, end = parse_json_at(text, start)
+        value, end = parse_json_at(text, start)
     except ValueError:
-        found, end = None, start
-    if not isinstance(found, dict):
-        raise ValueError(  # noqa: TRY004 - what a client gets is one kind
+        value, end = None, start
+    if not isinstance(value, dict):
+        raise ValueError(  # noqa: TRY004 - one kind of error for the client
             f"Invalid {text[1 : start - 1][:SHOWN]}: no JSON object follows the ="
         )
-    return found, end
+    return value, end
 
 
 def _truth(policy: dict[str, Any], name: str, *, default: bool) -> bool:
     value = policy.get(name, default)
     if not isinstance(value, bool):
-        raise ValueError(f"Invalid WATCH: {name} is true or false")  # noqa: TRY004 - what a client gets is one kind
+        raise ValueError(f"Invalid WATCH: {name} is true or false")  # noqa: TRY004 - one kind of error for the client
     return value
 
 
 def path_of(status: ServiceStatus) -> str:
-    """What clients know the device by: its port."""
+    """Name of the device for clients: its port."""
     return status.link.port or "gyrodrift"
 
 
 def device_of(status: ServiceStatus) -> dict[str, Any]:
-    """The DEVICE object; of a device that is away, with `activated` 0 and no more."""
+    """DEVICE object; only `activated` 0 for a device that is away."""
     opening = {"class": "DEVICE", "path": path_of(status)}
     if not status.link.is_open:
         return {**opening, "activated": 0}
@@ -250,7 +249,7 @@ def version() -> dict[str, Any]:
 
 
 def reports(sample: Corrected, path: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """ATT and GYRO of a sample; absent values are left out."""
+    """ATT and GYRO of a sample, without unknown values."""
     opening = {"device": path, "time": iso_time(sample.sample.t_host_s)}
     attitude = {
         "heading": sample.heading_deg,
@@ -259,11 +258,11 @@ def reports(sample: Corrected, path: str) -> tuple[dict[str, Any], dict[str, Any
         "temp": sample.sample.temp_c,
     }
     present = {name: value for name, value in attitude.items() if value == value}  # noqa: PLR0124 - not NaN
-    return {"class": "ATT", **opening, **present}, {"class": "GYRO", **opening, **known(sample)}
+    return {"class": "ATT", **opening, **present}, {"class": "GYRO", **opening, **present_fields(sample)}
 
 
 def clockwise_deg(yaw_deg: float) -> float:
-    """Counter-clockwise, unwrapped yaw as a clockwise one from -180 to 180."""
+    """Convert unwrapped counter-clockwise yaw to clockwise from -180 to 180."""
     return round((180.0 - yaw_deg) % 360.0 - 180.0, 4)
 
 
@@ -273,5 +272,5 @@ def iso_time(unix_s: float) -> str:
 
 
 def encoded(report: dict[str, Any]) -> bytes:
-    """A line; libgps knows a class only where no blank stands before it."""
+    """Encode a report as a line; libgps requires that no blank stands before the class."""
     return json.dumps(report, separators=(",", ":")).encode() + b"\r\n"

@@ -1,4 +1,4 @@
-"""How the service is, in plain words: the same on the page, in the terminal and wherever a person looks."""
+"""Health of the service in sentences, the same on the page and in the terminal."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ RATE_TOLERANCE = 0.05
 
 
 class HealthLevel(StrEnum):
-    """How much it matters."""
+    """Severity of a finding."""
 
     GOOD = "good"
     NOTE = "note"
@@ -31,17 +31,17 @@ class Health:
 
 
 def health(status: ServiceStatus) -> list[Health]:
-    """What is to be said of it, the worst first; one sentence that all is well where nothing is."""
-    found = [*_of_link(status), *_of_outputs(status)]
+    """Findings about the service, worst first, or one finding that the link is ok."""
+    findings = [*_of_link(status), *_of_outputs(status)]
     order = list(HealthLevel)
-    return sorted(found, key=lambda each: -order.index(each.level)) or [
-        Health(HealthLevel.GOOD, "Every sample arrives whole.")
+    return sorted(findings, key=lambda finding: -order.index(finding.level)) or [
+        Health(HealthLevel.GOOD, "Link OK: no samples lost or damaged.")
     ]
 
 
 def _of_link(status: ServiceStatus) -> Iterator[Health]:
     link = status.link
-    said = (
+    findings = (
         _of_port(link),
         line_busy(link),
         damaged(link),
@@ -54,99 +54,97 @@ def _of_link(status: ServiceStatus) -> Iterator[Health]:
         clock_off(link),
         rate_differs(link, status.device),
     )
-    return filter(None, said)
+    return filter(None, findings)
 
 
 def _of_port(link: LinkStatus) -> Health | None:
     if not link.is_open:
-        return Health(HealthLevel.BAD, f"The port {link.port} is gone; it is waited for.")
+        return Health(HealthLevel.BAD, f"The port {link.port} is gone; the service waits for it.")
     if not link.samples:
-        return Health(HealthLevel.NOTE, f"Nothing that can be decoded has come from {link.port} yet.")
+        return Health(HealthLevel.NOTE, f"Nothing was decoded from {link.port} yet.")
     return silent(link)
 
 
 def silent(link: LinkStatus, longest_s: float = SILENT_S) -> Health | None:
-    """A device that has stopped."""
+    """Finding about a device that sends nothing."""
     if link.silent_s > longest_s:
-        return Health(HealthLevel.BAD, f"The device has said nothing for {link.silent_s:.0f} s.")
+        return Health(HealthLevel.BAD, f"No sample for {link.silent_s:.0f} s.")
     return None
 
 
 def line_busy(link: LinkStatus) -> Health | None:
-    """Whether the line rate leaves room."""
+    """Finding about a line near its capacity."""
     if link.busy > BUSY:
-        return Health(
-            HealthLevel.BAD, f"The line is used to {link.busy:.0%} of its capacity; samples start to be lost."
-        )
+        return Health(HealthLevel.BAD, f"The line uses {link.busy:.0%} of its capacity; samples may be lost.")
     return None
 
 
 def damaged(link: LinkStatus) -> Health | None:
-    """Frames that failed their checksum or form."""
+    """Finding about frames with a wrong checksum or form."""
     if link.samples and link.damaged > DAMAGED_SHARE * link.samples:
         share = link.damaged / (link.samples + link.damaged)
         return Health(
-            HealthLevel.BAD, f"{link.damaged} frames arrived damaged ({share:.1%}); look at cable, ground and baud."
+            HealthLevel.BAD, f"{link.damaged} frames are damaged ({share:.1%}); check cable, ground and baud."
         )
     if link.damaged:
-        return Health(HealthLevel.NOTE, f"{_counted(link.damaged, 'frame')} arrived damaged.")
+        return Health(HealthLevel.NOTE, f"Damaged: {_counted(link.damaged, 'frame')}.")
     return None
 
 
 def lost(link: LinkStatus) -> Health | None:
-    """Samples that never came."""
+    """Finding about lost samples."""
     if not link.missing:
         return None
     return Health(HealthLevel.NOTE, f"Lost: {_counted(link.missing, 'sample')} in {_counted(link.gaps, 'gap')}.")
 
 
 def restarted(link: LinkStatus) -> Health | None:
-    """A device that booted, or whose clock jumped."""
+    """Finding about a restart of the device, or a jump of its clock."""
     if not link.device_resets:
         return None
-    return Health(HealthLevel.NOTE, f"The device began anew {_times(link.device_resets)}.")
+    return Health(HealthLevel.NOTE, f"The device restarted {_times(link.device_resets)}.")
 
 
 def replugged(link: LinkStatus) -> Health | None:
-    """A port that was gone for a while."""
+    """Finding about a port that was gone."""
     if not link.reconnects:
         return None
-    away = f"after {link.gone_s:.1f} s away in all"
-    return Health(HealthLevel.NOTE, f"The port came back {_times(link.reconnects)}, {away}.")
+    away = f"after {link.gone_s:.1f} s in total"
+    return Health(HealthLevel.NOTE, f"The port was reconnected {_times(link.reconnects)}, {away}.")
 
 
 def clipped(link: LinkStatus) -> Health | None:
-    """Samples that the device marks as out of its range."""
+    """Finding about samples out of the range of the sensor."""
     if not link.clipped:
         return None
-    return Health(HealthLevel.NOTE, f"{_counted(link.clipped, 'sample')} left the range of the sensor.")
+    return Health(HealthLevel.NOTE, f"Out of range: {_counted(link.clipped, 'sample')}.")
 
 
 def _rejected(status: ServiceStatus) -> Health | None:
     if not status.filter.rejected:
         return None
-    return Health(HealthLevel.NOTE, f"{_counted(status.filter.rejected, 'sample')} made no sense and were left out.")
+    return Health(HealthLevel.NOTE, f"Invalid time or rate: {_counted(status.filter.rejected, 'sample')}.")
 
 
 def uneven(link: LinkStatus) -> Health | None:
-    """How evenly samples arrive."""
+    """Finding about uneven arrival."""
     if link.jitter_ms > JITTER_MS:
-        return Health(HealthLevel.NOTE, f"Samples arrive unevenly: by up to {link.jitter_ms:.0f} ms.")
+        return Health(HealthLevel.NOTE, f"Samples arrive unevenly, by up to {link.jitter_ms:.0f} ms.")
     return None
 
 
 def clock_off(link: LinkStatus) -> Health | None:
-    """The device's clock against the host's."""
+    """Finding about the rate of the device clock."""
     if link.clock_ppm is not None and abs(link.clock_ppm) > CLOCK_PPM:
-        return Health(HealthLevel.NOTE, f"The device's clock runs {link.clock_ppm:+.0f} ppm off this computer's.")
+        return Health(HealthLevel.NOTE, f"The device clock runs {link.clock_ppm:+.0f} ppm against this computer.")
     return None
 
 
 def rate_differs(link: LinkStatus, device: DeviceStatus) -> Health | None:
-    """The sample rate that arrives against the one that the device states."""
-    told_hz = device.sample_rate_hz
-    if told_hz and link.rate_hz and abs(link.rate_hz / told_hz - 1.0) > RATE_TOLERANCE:
-        return Health(HealthLevel.NOTE, f"{link.rate_hz:.1f} samples a second arrive; the device says {told_hz:g}.")
+    """Finding about a sample rate that differs from the one stated by the device."""
+    stated_hz = device.sample_rate_hz
+    if stated_hz and link.rate_hz and abs(link.rate_hz / stated_hz - 1.0) > RATE_TOLERANCE:
+        return Health(HealthLevel.NOTE, f"The rate is {link.rate_hz:.1f} Hz; the device states {stated_hz:g} Hz.")
     return None
 
 
@@ -157,9 +155,9 @@ def _of_outputs(status: ServiceStatus) -> Iterator[Health]:
         elif output.warning:
             yield Health(HealthLevel.BAD, f"The output {output.output}: {output.warning}.")
         elif output.dropped:
-            yield Health(HealthLevel.NOTE, f"Clients of {output.output} were too slow for {output.dropped} messages.")
+            yield Health(HealthLevel.NOTE, f"Slow clients of {output.output}: {output.dropped} messages dropped.")
     if status.dropped:
-        yield Health(HealthLevel.BAD, f"The outputs were too slow for {_counted(status.dropped, 'sample')}.")
+        yield Health(HealthLevel.BAD, f"The outputs are too slow: {_counted(status.dropped, 'sample')} dropped.")
     if status.config.refused > 0 and status.config.file:
         yield Health(
             HealthLevel.NOTE, f"{status.config.file} had mistakes {_times(status.config.refused)}; see the log."

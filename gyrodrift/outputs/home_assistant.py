@@ -1,6 +1,6 @@
-"""What Home Assistant is told of the service over MQTT: a device discovery document, one for all of its entities.
+"""Discovery document for Home Assistant over MQTT, with all entities of the service.
 
-Keys are the abbreviations of Home Assistant's MQTT discovery, and whole words where it has none:
+Keys are the abbreviations of MQTT discovery, or whole words if there is no abbreviation:
 https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload
 """
 
@@ -13,12 +13,12 @@ from gyrodrift.outputs.status import DeviceStatus
 
 ONLINE, OFFLINE = "online", "offline"
 BIRTH = "online"
-"""What Home Assistant says on `PREFIX/status` when it starts."""
+"""Message of Home Assistant on `PREFIX/status` when it starts."""
 
 
 @dataclass(frozen=True, slots=True)
 class Topics:
-    """Where a service publishes.
+    """Topics of a service.
 
     state, link
         JSON of the last sample and of the serial link.
@@ -32,13 +32,13 @@ class Topics:
 
     @classmethod
     def of(cls, base: str, name: str) -> "Topics":
-        """Below `base/name`."""
-        return cls(*(f"{base}/{name}/{each}" for each in ("state", "link", "availability")))
+        """Topics below `base/name`."""
+        return cls(*(f"{base}/{name}/{part}" for part in ("state", "link", "availability")))
 
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """One sensor: the key of the JSON that it shows, and how."""
+    """One sensor: the key of its JSON value, and how it is displayed."""
 
     key: str
     name: str
@@ -58,7 +58,7 @@ MEASURED = (
     Entity("rest_probability", "Rest probability", None, 2),
     Entity("temp_c", "Temperature", "°C", 1, "temperature"),
 )
-"""Of `Topics.state`; the mean of headings is none, so heading has no statistics."""
+"""Sensors of `Topics.state`. A mean of headings has no meaning, so heading has no state class."""
 
 DIAGNOSTIC = (
     Entity("rate_hz", "Sample rate", "Hz", 1, "frequency"),
@@ -68,17 +68,17 @@ DIAGNOSTIC = (
     Entity("reconnects", "Reconnects", None, 0, None, "total_increasing"),
     Entity("health", "Health", state_class=None),
 )
-"""Of `Topics.link`."""
+"""Sensors of `Topics.link`."""
 
 
 def discovery(name: str, topics: Topics, device: DeviceStatus, version: str) -> str:
-    """The document for `PREFIX/device/NAME/config`, as JSON."""
+    """Document for `PREFIX/device/NAME/config`, as JSON."""
     service = {"t": topics.availability}
     link = {"t": topics.link, "val_tpl": _template(f"'{ONLINE}' if value_json.is_open else '{OFFLINE}'")}
     components: dict[str, Any] = {
-        each.key: _sensor(name, each, topics.state) | {"avty": [service, link]} for each in MEASURED
+        entity.key: _sensor(name, entity, topics.state) | {"avty": [service, link]} for entity in MEASURED
     }
-    components |= {each.key: _sensor(name, each, topics.link) | {"ent_cat": "diagnostic"} for each in DIAGNOSTIC}
+    components |= {entity.key: _sensor(name, entity, topics.link) | {"ent_cat": "diagnostic"} for entity in DIAGNOSTIC}
     components["is_open"] = {
         "p": "binary_sensor",
         "uniq_id": f"{name}_is_open",
@@ -100,12 +100,12 @@ def discovery(name: str, topics: Topics, device: DeviceStatus, version: str) -> 
 
 
 def _device(name: str, device: DeviceStatus, version: str) -> Mapping[str, Any]:
-    told = {"serial_number": device.device_id} if device.device_id else {}
-    return {"ids": [name], "name": name, "mf": "gyrodrift", "mdl": "Gyro on a serial link", "sw": version, **told}
+    serial = {"serial_number": device.device_id} if device.device_id else {}
+    return {"ids": [name], "name": name, "mf": "gyrodrift", "mdl": "Gyro on a serial link", "sw": version, **serial}
 
 
 def _sensor(name: str, entity: Entity, topic: str) -> dict[str, Any]:
-    given = {
+    settings = {
         "unit_of_meas": entity.unit,
         "dev_cla": entity.device_class,
         "stat_cla": entity.state_class,
@@ -117,7 +117,7 @@ def _sensor(name: str, entity: Entity, topic: str) -> dict[str, Any]:
         "name": entity.name,
         "stat_t": topic,
         "val_tpl": _template(f"value_json.{entity.key}"),
-        **{key: value for key, value in given.items() if value is not None},
+        **{key: value for key, value in settings.items() if value is not None},
     }
 
 

@@ -1,7 +1,7 @@
-"""The loop of the outputs' process: takes what the service hands over, and runs each output until it is not wanted.
+"""The loop of the process of the outputs: it takes messages of the service and runs the wanted outputs.
 
-An output that cannot be opened, or breaks, is tried again with growing pauses; the others know nothing of it. Which
-outputs there are follows from what is wanted last: `Hub._reconcile` is the only place that begins or ends one.
+An output that fails is retried with growing pauses; this does not affect the others. `Hub._reconcile` alone begins and
+ends outputs, so that they always follow the last list of wanted outputs.
 """
 
 import asyncio
@@ -26,10 +26,10 @@ from gyrodrift.sample import Corrected
 
 REPORT_S = 0.5
 END_S = 3.0
-"""That all outputs together have to close in the end; what takes longer goes with the process."""
+"""Time for all outputs to close at the end, s; the process then ends."""
 
 MOST_MESSAGES = 64
-"""Taken at a time, before the clients get their turn."""
+"""Messages that are read in a row, before the clients get their turn."""
 
 
 class Hub:
@@ -47,7 +47,7 @@ class Hub:
         self._broke = BoundedEvent(log.error, "output_broke", "outputs_broke")
 
     async def run(self) -> None:
-        """Until the service closes its end."""
+        """Run until the service closes its end."""
         loop = asyncio.get_running_loop()
         loop.set_exception_handler(self._say)
         self._service.setblocking(False)
@@ -82,37 +82,37 @@ class Hub:
         self._hand_on()
 
     def _hand_on(self) -> None:
-        """Samples that have come, in handfuls: what is written for them at once is what a slow client costs."""
+        """Hand samples to the outputs in batches."""
         samples, self._samples = self._samples, []
         if samples:
-            self._each(lambda output: output.take(samples))
+            self._call_all(lambda output: output.take(samples))
 
     def _take(self, kind: bytes, content: Any) -> None:
         match kind:
             case wire.EVENT:
-                self._each(lambda output: output.hear(content["event"], content["fields"]))
+                self._call_all(lambda output: output.hear(content["event"], content["fields"]))
             case wire.STATUS:
                 self._status = ServiceStatus.from_dict(content)
                 for running in self._running.values():
                     running.note(self._status)
             case wire.OUTPUTS:
-                self._want([_spec_of(each) for each in content])
+                self._want([_spec_of(entry) for entry in content])
             case wire.ACCESS:
                 self._access = ControlAccess(**content)
             case wire.DROPPED:
-                self._each(lambda output: output.hear("samples_dropped", {"count": content}))
+                self._call_all(lambda output: output.hear("samples_dropped", {"count": content}))
 
-    def _each(self, what: Callable[[Output[Any]], None]) -> None:
+    def _call_all(self, what: Callable[[Output[Any]], None]) -> None:
         for running in self._running.values():
             running.call(what)
 
-    def _want(self, wanted: list[OutputSpec]) -> None:
-        """These from now on; what stays notices nothing."""
-        self._wanted = wanted
+    def _want(self, specs: list[OutputSpec]) -> None:
+        """Set the wanted outputs; outputs that stay are not interrupted."""
+        self._wanted = specs
         self._reconcile()
 
     def _reconcile(self) -> None:
-        """Compare what is wanted with what is there; each output then goes its way by itself."""
+        """Compare wanted with running outputs; each output then opens or closes by itself."""
         for spec, running in self._running.items():
             running.is_wanted = spec in self._wanted
         for spec in self._wanted:
@@ -125,12 +125,12 @@ class Hub:
             running.poke()
 
     def _is_blocked(self, blocked: RunningOutput) -> bool:
-        """Whether an output that is not wanted any more still has what this one claims."""
-        others = (each for each in self._running.values() if each is not blocked and not each.is_wanted)
-        return any(each.claims & blocked.claims for each in others)
+        """Whether a closing output still has a resource that this output needs."""
+        closing = (running for running in self._running.values() if running is not blocked and not running.is_wanted)
+        return any(running.exclusive_resources & blocked.exclusive_resources for running in closing)
 
     def _ended(self, spec: OutputSpec, task: asyncio.Task[None]) -> None:
-        """An output is closed; it may be wanted again meanwhile."""
+        """Remove a closed output; it may be wanted again."""
         del self._running[spec]
         if not task.cancelled() and task.exception() is not None:
             self._log.error("output_broke", output=spec.name, reason=repr(task.exception()))
@@ -146,15 +146,15 @@ class Hub:
             await asyncio.gather(*late, return_exceptions=True)
 
     def _report(self) -> None:
-        wanted = [self._running[spec] for spec in self._wanted if spec in self._running]
-        statuses = [asdict(running.status()) for running in wanted]
-        with contextlib.suppress(OSError):  # the service reads it a little later, or has gone
+        outputs = [self._running[spec] for spec in self._wanted if spec in self._running]
+        statuses = [asdict(running.status()) for running in outputs]
+        with contextlib.suppress(OSError):  # the service reads later, or has ended
             self._service.send(json.dumps(statuses).encode())
 
     def _say(self, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """What asyncio would write as a traceback."""
+        """Log an error of asyncio, in place of its traceback."""
         reason = f"{context.get('exception')!r}: {context['message']}"
-        if self._is_over.is_set():  # the loop may have ended, and this be its last words
+        if self._is_over.is_set():  # the timer of `_broke` would not run any more
             self._log.error("output_broke", reason=reason)
         else:
             self._broke.happened(reason=reason)

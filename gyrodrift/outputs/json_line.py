@@ -1,4 +1,4 @@
-"""A corrected sample as a line of JSON: on stdout, and for whoever connects."""
+"""A corrected sample as a line of JSON, for stdout and for clients."""
 
 import json
 from collections.abc import Callable, Iterable
@@ -23,29 +23,28 @@ FIELDS: dict[str, Callable[[Corrected], float]] = {
     "encoder_deg": lambda c: c.sample.encoder_deg,
     "temp_c": lambda c: c.sample.temp_c,
 }
-"""All that can be asked for, by name."""
+"""Fields by name."""
 
 DIGITS = {name: 5 if name.endswith("_dps") else 4 for name in FIELDS} | {"t_s": 6, "t_host_s": 6, "temp_c": 2}
-"""Behind the point. Device clocks count microseconds; a hundredth of a millidegree per second is 0.036 deg in an hour,
-less than the bias instability of any such gyro; 1e-4 deg is a count of 3.6 million, finer than encoders of turntables;
-a probability and a thermometer mean less than what is written. Recordings keep every digit."""
+"""Digits behind the point. Device clocks count microseconds. 1e-5 deg/s is 0.036 deg/h, below the bias instability of
+any such gyro. 1e-4 deg is one of 3.6 million counts, finer than encoders of turntables. Recordings keep all digits."""
 
 
 def _part(*names: str) -> str:
-    """Of a line; the `%` of whole parts takes a third of the time of an f-string of every digit."""
+    """Format of a part of a line; `%` on a whole part takes a third of the time of an f-string."""
     return ",".join(f'"{name}":%.{DIGITS[name]}f' for name in names)
 
 
 MEASURED = '"seq":%d,' + _part("t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps")
 CERTAINTY = "," + _part("yaw_sigma_deg", "confidence")
-OF_BIAS = "," + _part("bias_sigma_dps", "rest_probability")
+BIAS_CERTAINTY = "," + _part("bias_sigma_dps", "rest_probability")
 HEADING, ENCODER, TEMPERATURE = ("," + _part(name) for name in ("heading_deg", "encoder_deg", "temp_c"))
 
 
 def json_line(corrected: Corrected, opening: str = "{") -> str:
-    """The line for one sample, each number with the digits that mean something; absent values are left out.
+    """Line for one sample with significant digits, without unknown values.
 
-    `opening` is what the object begins with, for a field that all lines have.
+    `opening` is the beginning of the object, for a field that all lines have.
     """
     (
         (seq, t_s, _, rate_dps, encoder_deg, temp_c, _),
@@ -61,10 +60,10 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         _,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
-    if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false for NaN alone, and the fastest way to ask
+    if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false only for NaN; the fastest test
         line += CERTAINTY % (yaw_sigma_deg, confidence)
     if bias_sigma_dps == bias_sigma_dps:  # noqa: PLR0124
-        line += OF_BIAS % (bias_sigma_dps, rest_probability)
+        line += BIAS_CERTAINTY % (bias_sigma_dps, rest_probability)
     if heading_deg == heading_deg:  # noqa: PLR0124
         line += HEADING % heading_deg
     if encoder_deg == encoder_deg:  # noqa: PLR0124
@@ -74,12 +73,12 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     return line + "}\n"
 
 
-def known(corrected: Corrected, names: Iterable[str] = tuple(FIELDS)) -> dict[str, float]:
-    """These fields with the digits that mean something, in this order; absent values are left out."""
+def present_fields(corrected: Corrected, names: Iterable[str] = tuple(FIELDS)) -> dict[str, float]:
+    """Fields with significant digits, in this order, without unknown values."""
     values = {name: FIELDS[name](corrected) for name in names}
     return {name: round(value, DIGITS[name]) for name, value in values.items() if value == value}  # noqa: PLR0124
 
 
-def chosen_line(corrected: Corrected, names: Iterable[str], **more: Any) -> str:
-    """A line with these fields alone, in this order; absent values are left out."""
-    return json.dumps(more | known(corrected, names)) + "\n"
+def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str:
+    """A line with only these fields, in this order, without unknown values."""
+    return json.dumps(fixed | present_fields(corrected, names)) + "\n"

@@ -1,4 +1,4 @@
-"""What `tcp` and `unix` have in common: JSON lines to each client of a server of lines."""
+"""Common part of `tcp` and `unix`: JSON lines for each client of a server of lines."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
@@ -15,7 +15,7 @@ LineOptions = TypeVar("LineOptions")
 
 
 class LineOutput(Output[LineOptions]):
-    """Lines that all clients get alike are written once for all of them."""
+    """JSON lines; a line that all clients get is encoded once."""
 
     def __init__(self, options: LineOptions, host: OutputHost, rate_hz: float | None) -> None:
         super().__init__(options, host)
@@ -23,7 +23,7 @@ class LineOutput(Output[LineOptions]):
         self._thinning = Thinning(rate_hz)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send samples to all, each as it has asked for."""
+        """Send samples to all clients, with the rate and fields that each has requested."""
         if not self.server.clients:
             return
         due = self._thinning.due(samples)
@@ -34,21 +34,21 @@ class LineOutput(Output[LineOptions]):
                 session.take(samples)
             elif due:
                 if lines is None:
-                    lines = "".join([json_line(each, SAMPLE) for each in due]).encode()
+                    lines = "".join([json_line(sample, SAMPLE) for sample in due]).encode()
                 client.send(lines, len(due))
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Send an event to all."""
+        """Send an event to all clients."""
         line = event_line(event, fields)
         for client in self.server.clients:
             client.send(line)
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         return self.server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Lines."""
+        """Lines sent and dropped."""
         return self.server.counts()
 
     async def close(self) -> None:

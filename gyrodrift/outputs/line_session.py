@@ -1,4 +1,4 @@
-"""What a client of `tcp` and `unix` is told and may ask for, one JSON object a line."""
+"""Messages of `tcp` and `unix` to and from a client, one JSON object per line."""
 
 import json
 from collections.abc import Sequence
@@ -13,21 +13,21 @@ from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
 SAMPLE = '{"class":"SAMPLE",'
-ASKS = ("class", "rate_hz", "fields")
+WATCH_KEYS = ("class", "rate_hz", "fields")
 
 
 def hello() -> bytes:
-    """The first line of a connection."""
+    """First line of a connection."""
     return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(FIELDS)})
 
 
 def event_line(event: str, fields: Any) -> bytes:
-    """An event of the service's log."""
+    """Line with an event of the log of the service."""
     return _line({"class": "EVENT", "event": event, **fields})
 
 
 class JsonSession:
-    """One client: all samples with all fields, until it sends a WATCH with a rate and fields of its own."""
+    """One client: all samples with all fields, until it sends a WATCH with a rate and fields."""
 
     def __init__(self, client: LineClient) -> None:
         self.client = client
@@ -36,21 +36,21 @@ class JsonSession:
 
     @property
     def is_plain(self) -> bool:
-        """It takes what everybody takes."""
+        """Whether the client has sent no WATCH."""
         return self._thinning is None and not self._fields
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send what this client has asked for."""
+        """Send samples with the rate and fields of the WATCH."""
         due = samples if self._thinning is None else self._thinning.due(samples)
         if self._fields:
-            lines = [chosen_line(each, self._fields, **{"class": "SAMPLE"}) for each in due]
+            lines = [chosen_line(sample, self._fields, **{"class": "SAMPLE"}) for sample in due]
         else:
-            lines = [json_line(each, SAMPLE) for each in due]
+            lines = [json_line(sample, SAMPLE) for sample in due]
         if lines:
             self.client.send("".join(lines).encode(), len(lines))
 
     def line(self, text: bytes) -> None:
-        """Take a WATCH; anything else is answered with what was expected."""
+        """Take a WATCH; any other line is answered with an ERROR."""
         if not text.strip():
             return
         try:
@@ -59,24 +59,24 @@ class JsonSession:
             self.client.send(_line({"class": "ERROR", "message": f"{_shown(text)}: {error}"}))
 
     def dropped(self, messages: int) -> bytes:
-        """How many lines this client was too slow for."""
+        """Line with the number of dropped lines."""
         return _line({"class": "DROPPED", "lines": messages})
 
     def refused(self, why: str) -> bytes:
-        """The last line of a connection that is closed from here."""
+        """Last line of a connection that the service closes."""
         return _line({"class": "ERROR", "message": why})
 
     def closed(self) -> None:
-        """Nothing is kept."""
+        """Do nothing."""
 
-    def _watch(self, asked: Any) -> None:
+    def _watch(self, request: Any) -> None:
         expected = 'expected {"class":"WATCH","rate_hz":10,"fields":["t_s","yaw_deg"]}'
-        if not isinstance(asked, dict) or asked.get("class") != "WATCH":
+        if not isinstance(request, dict) or request.get("class") != "WATCH":
             raise ValueError(expected)
-        unknown = [key for key in asked if key not in ASKS]
+        unknown = [key for key in request if key not in WATCH_KEYS]
         if unknown:
             raise ValueError(f"unknown key {unknown[0]!r}; {expected}")
-        rate_hz, fields = asked.get("rate_hz"), asked.get("fields", [])
+        rate_hz, fields = request.get("rate_hz"), request.get("fields", [])
         if rate_hz is not None and not (_is_number(rate_hz) and 0.0 < rate_hz <= 1e6):
             raise ValueError("rate_hz: expected a number above 0, up to 1000000, in Hz")
         if not isinstance(fields, list) or len(fields) > len(FIELDS):
@@ -92,7 +92,7 @@ def _check_field(name: object) -> None:
     if isinstance(name, str) and name in FIELDS:
         return
     meant = did_you_mean(str(name), FIELDS) or f"there are {', '.join(FIELDS)}"
-    raise ValueError(f"fields: {_shown(str(name).encode())} is none; {meant}")
+    raise ValueError(f"fields: {_shown(str(name).encode())} is no field; {meant}")
 
 
 def _is_number(value: object) -> bool:

@@ -1,6 +1,7 @@
-"""MAVLink 2: a heartbeat, and yaw with its covariance as ODOMETRY or as ATTITUDE, for autopilots and ground stations.
+"""MAVLink 2: a heartbeat, and yaw with its covariance as ODOMETRY or ATTITUDE, for autopilots and ground stations.
 
-MAVLink's axes are forward, right, down: yaw is clockwise positive there, counter-clockwise elsewhere in gyrodrift.
+The axes of MAVLink are forward, right, down, so yaw is clockwise positive. Elsewhere in gyrodrift it is
+counter-clockwise.
 Definitions: https://mavlink.io/en/messages/common.html#ODOMETRY, #ATTITUDE_QUATERNION_COV and #HEARTBEAT.
 """
 
@@ -24,36 +25,36 @@ if TYPE_CHECKING:
     from pymavlink.dialects.v20.common import MAVLink_message
 
 UNKNOWN_VARIANCE = 1e6
-"""Of position (m²), velocity (m²/s²) and rates (rad²/s²) that a gyro knows nothing of."""
+"""Variance of unknown positions (m²), velocities (m²/s²) and rates (rad²/s²)."""
 
 SILENT_S = 2.0
-"""Without a sample for longer the heartbeat says that the state is not known."""
+"""Time without a sample after which the heartbeat has an unknown state, s."""
 
 ROLL, PITCH, YAW = 15, 18, 20
-"""Where the variances of the angles, and of their rates, stand in the upper triangle of a 6×6 covariance, by rows."""
+"""Indices of the variances of angles, and of their rates, in the upper triangle of a 6×6 covariance, by rows."""
 
 POSITION = (0, 6, 11)
-"""Likewise, of position and of velocity."""
+"""Indices of the variances of position, and of velocity."""
 
 JUMPS = {
     "frd": frozenset({"yaw_zeroed", "device_reset", "link_restored"}),
     "ned": frozenset({"heading_set", "device_reset", "link_restored"}),
 }
-"""Events after which yaw of a frame is not the continuation of what was sent before."""
+"""Events that make yaw of a frame jump."""
 
 
 @dataclass(frozen=True, slots=True)
 class MavlinkOptions:
-    """Where to, what, how often, and as who."""
+    """Receiver, message, rate and ids."""
 
-    host: Annotated[Host, About("who receives: a name, an address, or a broadcast address")] = LOOPBACK
+    host: Annotated[Host, About("receiver: a name, an address, or a broadcast address")] = LOOPBACK
     port: Annotated[Port, About("UDP port of the receiver")] = 14550
     device: Annotated[
         Annotated[str, MinLen(1)] | None, About("serial line or pty to write on, in place of UDP: /dev/ttyAMA0")
     ] = None
     baud: Annotated[int, Gt(0), Le(4_000_000), About("of the serial line")] = 57600
     rate_hz: Annotated[
-        float, Ge(4.0), Le(1000.0), About("at most so many messages a second of device time; autopilots ask for 4")
+        float, Ge(4.0), Le(1000.0), About("at most this many messages a second of device time; autopilots ask for 4")
     ] = 20.0
     message: Annotated[Literal["odometry", "attitude"], About("ODOMETRY, or ATTITUDE with ATTITUDE_QUATERNION_COV")] = (
         "odometry"
@@ -70,7 +71,7 @@ class MavlinkOptions:
 
 @dataclass(frozen=True, slots=True)
 class FrdYaw:
-    """Yaw in axes forward, right, down: clockwise positive, rad and rad/s; NaN for variances that are not known."""
+    """Yaw in axes forward, right, down: clockwise positive, rad and rad/s; NaN for unknown variances."""
 
     yaw_rad: float
     rate_rad_s: float
@@ -79,12 +80,12 @@ class FrdYaw:
 
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
-        """From body to reference: w, x, y, z; level."""
+        """Rotation from body to reference, level: w, x, y, z."""
         return cos(self.yaw_rad / 2.0), 0.0, 0.0, sin(self.yaw_rad / 2.0)
 
 
 def frd_yaw(sample: Corrected, frame: Literal["frd", "ned"]) -> FrdYaw:
-    """Yaw as MAVLink has it, in -π to π; NaN in `ned` before there is a reference."""
+    """Yaw in -π to π; NaN in `ned` before a heading was set."""
     yaw_deg = sample.heading_deg if frame == "ned" else -sample.yaw_deg
     return FrdYaw(
         remainder(radians(yaw_deg), 2.0 * pi),
@@ -95,7 +96,7 @@ def frd_yaw(sample: Corrected, frame: Literal["frd", "ned"]) -> FrdYaw:
 
 
 class MavlinkOutput(Output[MavlinkOptions]):
-    """A message a sample that is due, and a heartbeat with each second's state."""
+    """Sends a message for each sample that is due, and a heartbeat once a second."""
 
     options_type = MavlinkOptions
 
@@ -103,15 +104,15 @@ class MavlinkOutput(Output[MavlinkOptions]):
         super().__init__(options, host)
         self._to: DatagramSender | SerialLine = DatagramSender()
         self._thinning = Thinning(options.rate_hz)
-        self._has_told_of_north = False
+        self._has_warned = False
         self._resets = 0
 
     async def open(self) -> None:
-        """Look the receiver up, or open the line."""
+        """Resolve the receiver, or open the serial line."""
         from pymavlink.dialects.v20 import common
 
         self._common = common
-        self._resets = int(time.time()) % 256  # another one than before a restart, after which yaw begins anew
+        self._resets = int(time.time()) % 256  # it differs after a restart, when yaw begins at 0
         self._link = common.MAVLink(None, self.options.system, self.options.component)
         if self.options.device is None:
             self._to = sender = DatagramSender()
@@ -122,24 +123,24 @@ class MavlinkOutput(Output[MavlinkOptions]):
             self.address = self.options.device
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send those that are due."""
-        for each in self._thinning.due(samples):
-            yaw = frd_yaw(each, self.options.frame)
+        """Send the samples that are due."""
+        for sample in self._thinning.due(samples):
+            yaw = frd_yaw(sample, self.options.frame)
             if isnan(yaw.yaw_rad):
-                self._tell_of_north()
+                self._warn_of_missing_heading()
             elif self.options.message == "odometry":
-                self._send(self._odometry(each, yaw))
+                self._send(self._odometry(sample, yaw))
             else:
-                self._send(self._attitude(each, yaw))
-                self._send(self._attitude_covariance(each, yaw))
+                self._send(self._attitude(sample, yaw))
+                self._send(self._attitude_covariance(sample, yaw))
 
-    def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - the name says all
-        """Count what makes yaw jump."""
+    def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - no field is needed
+        """Count the jumps of yaw."""
         if event in JUMPS[self.options.frame]:
             self._resets = (self._resets + 1) % 256
 
     def note(self, status: ServiceStatus) -> None:
-        """Send the heartbeat, which is due once a second."""
+        """Send the heartbeat."""
         common = self._common
         is_alive = status.link.is_open and status.link.silent_s < SILENT_S
         state = common.MAV_STATE_ACTIVE if is_alive else common.MAV_STATE_UNINIT
@@ -147,11 +148,11 @@ class MavlinkOutput(Output[MavlinkOptions]):
         self._send(common.MAVLink_heartbeat_message(kind, autopilot, 0, 0, state, 3))
 
     def counts(self) -> tuple[int, int]:
-        """Messages."""
+        """Messages sent and dropped."""
         return self._to.sent, self._to.dropped
 
     async def close(self) -> None:
-        """Let go of the socket or the line."""
+        """Close the socket or the line."""
         self._to.close()
 
     def _send(self, message: "MAVLink_message") -> None:
@@ -194,15 +195,17 @@ class MavlinkOutput(Output[MavlinkOptions]):
     def _tilt_variance_rad2(self) -> float:
         return radians(self.options.tilt_sigma_deg) ** 2
 
-    def _tell_of_north(self) -> None:
-        if not self._has_told_of_north:
-            self._has_told_of_north = True
-            self.host.log.warning("mavlink_waits_for_heading", advice="give one: gyrodrift ctl PATH heading DEG")
+    def _warn_of_missing_heading(self) -> None:
+        if not self._has_warned:
+            self._has_warned = True
+            self.host.log.warning("mavlink_waits_for_heading", advice="set one with gyrodrift ctl PATH heading DEG")
 
 
 def _triangle(tilt_variance: float, yaw_variance: float) -> tuple[float, ...]:
-    """The upper triangle of a 6×6 covariance, by rows; all NaN, which means unknown, where that of yaw is."""
+    """Upper triangle of a 6×6 covariance, by rows; all NaN (unknown) if the variance of yaw is."""
     if isnan(yaw_variance):
         return (nan,) * 21
-    known = {ROLL: tilt_variance, PITCH: tilt_variance, YAW: yaw_variance} | dict.fromkeys(POSITION, UNKNOWN_VARIANCE)
-    return tuple(known.get(place, 0.0) for place in range(21))
+    variances = {ROLL: tilt_variance, PITCH: tilt_variance, YAW: yaw_variance} | dict.fromkeys(
+        POSITION, UNKNOWN_VARIANCE
+    )
+    return tuple(variances.get(index, 0.0) for index in range(21))

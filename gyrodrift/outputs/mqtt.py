@@ -18,7 +18,7 @@ from gyrodrift import __version__
 from gyrodrift.files import UnreadableError, check_ordinary, read_ordinary
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
-from gyrodrift.outputs.json_line import FIELDS, known
+from gyrodrift.outputs.json_line import FIELDS, present_fields
 from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
@@ -35,41 +35,41 @@ if TYPE_CHECKING:
 
 PLAIN_PORT, TLS_PORT = 1883, 8883
 ANSWER_S = 10.0
-"""A broker that takes longer for a connection or a message is away."""
+"""Longest time of a broker for a connection or a message, s."""
 FAREWELL_S = 1.0
 LINK_EVERY_S = 10.0
 AT_LEAST_ONCE = 1
 LONGEST_PASSWORD_BYTES = (64 << 10) - 1
-"""MQTT 3.1.1, 3.1.3.5: its length has 16 bits."""
+"""Longest password in bytes: its length field has 16 bits (MQTT 3.1.1, 3.1.3.5)."""
 
 Text = Annotated[str, MaxLen(1024)]
 
 
 @dataclass(frozen=True, slots=True)
 class MqttOptions:
-    """Which broker, as whom, and what is published where."""
+    """Broker, credentials and topics."""
 
-    host: Annotated[Host, About("the broker: a name or an address")] = LOOPBACK
-    port: Annotated[Port | None, About(f"port of the broker; {PLAIN_PORT}, or {TLS_PORT} with tls, where empty")] = None
-    rate_hz: Annotated[Rate, About("at most so many states a second of device time")] = 1.0
+    host: Annotated[Host, About("name or address of the broker")] = LOOPBACK
+    port: Annotated[Port | None, About(f"port of the broker; {PLAIN_PORT}, or {TLS_PORT} with tls, if empty")] = None
+    rate_hz: Annotated[Rate, About("at most this many states a second of device time")] = 1.0
     id: Annotated[
-        str, MaxLen(64), About("name of this service in topics, by letters, digits, _ and -; of this host where empty")
+        str, MaxLen(64), About("name of this service in topics: letters, digits, _ and -; name of this host if empty")
     ] = ""
-    topic: Annotated[str, MinLen(1), MaxLen(256), About("what topics begin with")] = "gyrodrift"
+    topic: Annotated[str, MinLen(1), MaxLen(256), About("beginning of the topics")] = "gyrodrift"
     discovery: Annotated[
-        str, MaxLen(256), About("what Home Assistant's discovery topics begin with; nothing is announced where empty")
+        str, MaxLen(256), About("beginning of the discovery topics of Home Assistant; no discovery if empty")
     ] = "homeassistant"
     user: Annotated[Text, About("user name at the broker")] = ""
     password: Annotated[SecretText, About("password of the user; better in password_file")] = NO_SECRET
-    password_file: Annotated[Text, About("file with the password alone")] = ""
-    tls: Annotated[bool, About("speak TLS, and check the broker's certificate")] = False
-    ca: Annotated[Text, About("file of certificates to trust; those of the system where empty")] = ""
+    password_file: Annotated[Text, About("file that holds only the password")] = ""
+    tls: Annotated[bool, About("use TLS, and check the certificate of the broker")] = False
+    ca: Annotated[Text, About("file of certificates to trust; the system certificates if empty")] = ""
     certificate: Annotated[Text, About("file of a client certificate")] = ""
-    key: Annotated[Text, About("file of its key, where that is another")] = ""
+    key: Annotated[Text, About("file of its key, if it is a separate file")] = ""
 
 
 class MqttOutput(Output[MqttOptions]):
-    """One connection to a broker; one that breaks is opened anew by the loop of the outputs."""
+    """One connection to a broker; the hub of the outputs reconnects it."""
 
     options_type = MqttOptions
 
@@ -92,12 +92,12 @@ class MqttOutput(Output[MqttOptions]):
         self._link_due_s = 0.0
 
     @classmethod
-    def claims(cls, options: MqttOptions) -> frozenset[str]:
-        """Its name at the broker, which lets in one of a name; the port is the broker's."""
+    def exclusive_resources(cls, options: MqttOptions) -> frozenset[str]:
+        """Client name at the broker, which accepts one client per name."""
         return frozenset([f"mqtt {options.host} {options.id}"])
 
     async def open(self) -> None:
-        """Connect, and say what there is."""
+        """Connect, and announce the entities."""
         import aiomqtt
 
         self._check_names()
@@ -121,7 +121,7 @@ class MqttOutput(Output[MqttOptions]):
             if self.options.discovery:
                 await self._client.subscribe(self._birth_topic)
         except aiomqtt.MqttError as error:
-            why = self._guard.problem or f"the broker at {where} does not take us: {error}"
+            why = self._guard.problem or f"the broker at {where} refuses the connection: {error}"
             raise OutputError(why) from error
         self.address = f"{where}/{self._topics.state}"
         self._tasks = [
@@ -131,14 +131,14 @@ class MqttOutput(Output[MqttOptions]):
         self.note(self.host.status)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Publish what is due."""
+        """Publish the states that are due."""
         self._check_connection()
-        for each in self._thinning.due(samples):
-            self._states.append(state(each))
+        for sample in self._thinning.due(samples):
+            self._states.append(state(sample))
             self._has_news.set()
 
     def note(self, status: ServiceStatus) -> None:
-        """Publish how the link is every so often and when it changes, and a device that was not known before."""
+        """Publish the link periodically and when it changes, and a new device."""
         self._check_connection()
         now_s = asyncio.get_running_loop().time()
         if self._was_open != status.link.is_open or now_s >= self._link_due_s:
@@ -183,7 +183,7 @@ class MqttOutput(Output[MqttOptions]):
                     self._sent += count
 
     async def _listen(self, client: "aiomqtt.Client") -> None:
-        """Until the broker is gone; a Home Assistant that has started is told again."""
+        """Listen until the broker is gone; announce the entities when Home Assistant starts."""
         async for message in client.messages:
             if message.payload == BIRTH.encode():
                 self._announce(self.host.status.device)
@@ -191,8 +191,8 @@ class MqttOutput(Output[MqttOptions]):
     def _check_connection(self) -> None:
         for task in self._tasks:
             if task.done() and not task.cancelled():
-                told = self._guard.problem if self._guard is not None else ""
-                raise OutputError(told or f"the broker went away: {_reason(task.exception())}")
+                problem = self._guard.problem if self._guard is not None else ""
+                raise OutputError(problem or f"the connection to the broker is lost: {_reason(task.exception())}")
 
     def _announce(self, device: DeviceStatus) -> None:
         self._announced = device
@@ -209,7 +209,7 @@ class MqttOutput(Output[MqttOptions]):
 
     def _check_names(self) -> None:
         if not re.fullmatch(r"[a-zA-Z0-9_-]+", self._name):
-            raise OutputError(f"id={self._name!r} may have letters, digits, _ and - alone")
+            raise OutputError(f"id={self._name!r} may have only letters, digits, _ and -")
         for option, text in (("topic", self.options.topic), ("discovery", self.options.discovery)):
             if re.search(r"[+#\x00]", text):
                 raise OutputError(f"{option}={text!r} may have no +, # or zero byte")
@@ -229,7 +229,7 @@ class MqttOutput(Output[MqttOptions]):
             return None
         try:
             for path in filter(None, (self.options.ca, self.options.certificate, self.options.key)):
-                check_ordinary(Path(path))  # the loop of all outputs would wait for who writes to a pipe
+                check_ordinary(Path(path))  # a pipe would block the loop of all outputs
             context = ssl.create_default_context(cafile=self.options.ca or None)
             if self.options.certificate:
                 context.load_cert_chain(self.options.certificate, self.options.key or None)
@@ -239,17 +239,17 @@ class MqttOutput(Output[MqttOptions]):
 
 
 def state(sample: Corrected) -> bytes:
-    """A sample as JSON with all fields, null for what is not known."""
-    return json.dumps(dict.fromkeys(FIELDS) | known(sample)).encode()
+    """A sample as JSON with all fields, null for unknown values."""
+    return json.dumps(dict.fromkeys(FIELDS) | present_fields(sample)).encode()
 
 
 def _reason(error: BaseException | None) -> str:
-    """The text of an error, with what it came from where that says more."""
+    """Text of an error, with its cause."""
     return f"{error} ({error.__cause__})" if error and error.__cause__ else str(error)
 
 
 def _silent() -> logging.Logger:
-    """For the library: what goes wrong is raised, and told once by the loop of the outputs."""
+    """Silent logger for the library; errors are raised and logged by the hub."""
     logger = logging.getLogger("gyrodrift.outputs.mqtt")
     logger.setLevel(logging.CRITICAL)
     return logger

@@ -1,4 +1,4 @@
-"""NetworkTables 4.1 for FRC: yaw, rate and sigma with the time of measurement, and whether the gyro is there."""
+"""NetworkTables 4.1 for FRC: yaw, rate and sigma with the time of measurement, and the state of the connection."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,28 +21,30 @@ TOPICS = {**dict.fromkeys((*VALUES, "time_s"), "double"), "connected": "boolean"
 """Type of each topic of the table."""
 
 SILENT_S = 1.0
-"""A gyro that has said nothing for longer is not connected."""
+"""Time without a sample after which the gyro counts as not connected, s."""
 US_PER_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)
 class NetworkTablesOptions:
-    """Where the tables are, and how often."""
+    """Server, table and rate."""
 
     robot: Annotated[
-        str, MaxLen(253), About("server to publish to: the robot's address or team number; where empty, we are one")
+        str,
+        MaxLen(253),
+        About("server to publish to: address or team number of the robot; if empty, be a server"),
     ] = ""
-    host: Annotated[Host, About("address to listen on, where we are the server")] = LOOPBACK
-    port: Annotated[Port, About("port of the server; 0 takes a free one, where it is ours")] = 5810
-    table: Annotated[str, MinLen(1), MaxLen(64), About("table that the topics are in")] = "gyrodrift"
-    rate_hz: Annotated[Rate, About("at most so many values a second of device time")] = 100.0
+    host: Annotated[Host, About("address to listen on, as a server")] = LOOPBACK
+    port: Annotated[Port, About("port of the server; 0 takes a free one")] = 5810
+    table: Annotated[str, MinLen(1), MaxLen(64), About("table of the topics")] = "gyrodrift"
+    rate_hz: Annotated[Rate, About("at most this many values a second of device time")] = 100.0
 
 
 class Tables(Protocol):
-    """Where topics are published: on a server of ours, or on the robot's."""
+    """Topics on a server of this process, or on the server of the robot."""
 
     async def open(self) -> str:
-        """Begin; gives the address for a person. OutputError where that does not go."""
+        """Begin; returns the address as text. OutputError where that does not go."""
         ...
 
     def now_s(self) -> float:
@@ -50,32 +52,32 @@ class Tables(Protocol):
         ...
 
     def server_offset_s(self) -> float:
-        """The server's clock less `now_s`."""
+        """Clock of the server minus `now_s`."""
         ...
 
     def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
-        """Publish values by the name of their topic, measured at a time of `now_s`, or now."""
+        """Publish values by topic, measured at a time of `now_s`, or now."""
         ...
 
     def check(self) -> str:
-        """What is wrong with the topics, for a person, empty where nothing is; called once a second."""
+        """Problem of the topics as text, or empty; called once a second."""
         ...
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         ...
 
     def dropped(self) -> int:
-        """Messages that clients were too slow for."""
+        """Messages dropped for slow clients."""
         ...
 
     async def close(self) -> None:
-        """Let go of everything; also after an `open` that failed."""
+        """Close everything, also after an `open` that failed."""
         ...
 
 
 class NetworkTablesOutput(Output[NetworkTablesOptions]):
-    """A client of the robot's server, which reconnects by itself, or a server that takes no value from clients."""
+    """A client of the robot, which reconnects by itself, or a server that takes no values from clients."""
 
     options_type = NetworkTablesOptions
 
@@ -93,41 +95,41 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
         )
 
     async def open(self) -> None:
-        """Listen, or begin to look for the robot."""
+        """Listen, or begin to connect to the robot."""
         self.address = await self._tables.open()
         self.note(self.host.status)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Publish what is due, stamped with when it was measured."""
+        """Publish values that are due, with the time of measurement."""
         now_s = self._tables.now_s()
-        for each in samples:
-            self._clock.note(each.sample.t_device_s, now_s)
-        for each in self._thinning.due(samples):
-            self._publish(each)
+        for sample in samples:
+            self._clock.note(sample.sample.t_device_s, now_s)
+        for sample in self._thinning.due(samples):
+            self._publish(sample)
         if samples:
             self._say_connected(is_connected=True)
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - the name says all
-        """A link that is lost is told at once."""
+        """Report a lost link at once."""
         if event == "link_lost":
             self._say_connected(is_connected=False)
 
     def note(self, status: ServiceStatus) -> None:
-        """Tell whether the gyro is there and speaks."""
+        """Report whether the gyro is connected."""
         link = status.link
         self._say_connected(is_connected=link.is_open and link.samples > 0 and link.silent_s < SILENT_S)
         self.warning = self._tables.check()
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected; the robot, where it is the server."""
+        """Connected clients, or the robot if it is the server."""
         return self._tables.clients()
 
     def counts(self) -> tuple[int, int]:
-        """Samples published, and messages that clients were too slow for."""
+        """Samples published, and messages dropped for slow clients."""
         return self._sent, self._tables.dropped()
 
     async def close(self) -> None:
-        """Let go of the tables."""
+        """Close the tables."""
         await self._tables.close()
 
     def _publish(self, sample: Corrected) -> None:

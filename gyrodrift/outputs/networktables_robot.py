@@ -1,7 +1,7 @@
-"""Topics on the server of the robot, through ntcore: a client that looks for the robot and reconnects by itself.
+"""Topics on the server of the robot, through ntcore, which reconnects by itself.
 
-The server of ntcore lets any of its clients publish to any topic. That cannot be kept out from here; other publishers
-of our topics are found and told. ntcore sends from threads of its own.
+The server of ntcore lets any client publish to any topic. A client cannot prevent that, but it finds and reports other
+publishers of its topics. ntcore sends from threads of its own.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ US_PER_S = 1e6
 
 
 class RobotTables:
-    """Topics that are published to the robot.
+    """Topics on the robot.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ class RobotTables:
         self._instance: ntcore.NetworkTableInstance | None = None
         self._publishers: dict[str, Any] = {}
         self._watchers: dict[str, ntcore.RawSubscriber] = {}
-        self._strangers: dict[str, list[str]] = {}
+        self._foreign: dict[str, list[str]] = {}
 
     async def open(self) -> str:
-        """Begin to look for the robot."""
+        """Begin to connect to the robot."""
         import ntcore
 
         instance = self._instance = ntcore.NetworkTableInstance.create()
@@ -62,70 +62,70 @@ class RobotTables:
         """The clock of ntcore, s."""
         import ntcore
 
-        return float(ntcore._now()) / US_PER_S  # noqa: SLF001 - the clock of NetworkTables has no other name in Python
+        return float(ntcore._now()) / US_PER_S  # noqa: SLF001 - no public name
 
     def server_offset_s(self) -> float:
-        """As ntcore measures it; 0 before."""
+        """Offset measured by ntcore; 0 before."""
         offset_us = self._instance.getServerTimeOffset() if self._instance is not None else None
         return (offset_us or 0) / US_PER_S
 
     def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
-        """Publish values; a client that is slow gets the newest of each topic."""
+        """Publish values; a slow client gets the newest value of each topic."""
         for name, value in values.items():
             if name in self._publishers:
                 self._publishers[name].set(value, stamp_us or 0)  # ntcore takes 0 for now
 
     def check(self) -> str:
-        """Who else publishes to our topics; told in the log when they come and when they go."""
-        found = {name: strangers for name, watcher in self._watchers.items() if (strangers := _strangers(watcher))}
-        for name in found.keys() - self._strangers.keys():
-            self._log.warning("topic_forged", topic=name, clients=found[name], hint="readers may see their values")
-        for name in self._strangers.keys() - found.keys():
+        """Other publishers of the topics; they are logged when they come and go."""
+        foreign = {name: clients for name, watcher in self._watchers.items() if (clients := _foreign_names(watcher))}
+        for name in foreign.keys() - self._foreign.keys():
+            self._log.warning("topic_forged", topic=name, clients=foreign[name], hint="readers may see their values")
+        for name in self._foreign.keys() - foreign.keys():
             self._log.info("topic_ours_again", topic=name)
-        self._strangers = found
-        names = sorted({each for strangers in found.values() for each in strangers})
+        self._foreign = foreign
+        names = sorted({client for clients in foreign.values() for client in clients})
         return f"values are forged on the robot's server, by {', '.join(names[:5])}" if names else ""
 
     def clients(self) -> Sequence[ClientStatus]:
-        """The robot, where it is there."""
+        """The robot, if it is connected."""
         if self._instance is None:
             return ()
         try:
             return [
-                ClientStatus(f"{shown_name(each.remote_id)} {shown(each.remote_ip, each.remote_port)}")
-                for each in self._instance.getConnections()
+                ClientStatus(f"{shown_name(peer.remote_id)} {shown(peer.remote_ip, peer.remote_port)}")
+                for peer in self._instance.getConnections()
             ]
-        except UnicodeDecodeError:  # ntcore gives names as they came
+        except UnicodeDecodeError:  # ntcore does not check names
             return [ClientStatus("a robot whose name is no text")]
 
     def dropped(self) -> int:
-        """Ntcore tells nobody."""
+        """0: ntcore does not count them."""
         return 0
 
     async def close(self) -> None:
-        """Let go of the tables."""
+        """Close the tables."""
         if self._instance is None:
             return
         import ntcore
 
-        for each in (*self._publishers.values(), *self._watchers.values()):
-            each.close()
+        for handle in (*self._publishers.values(), *self._watchers.values()):
+            handle.close()
         self._publishers, self._watchers = {}, {}
         self._instance.stopClient()
         ntcore.NetworkTableInstance.destroy(self._instance)
         self._instance = None
 
 
-def _strangers(watcher: "ntcore.RawSubscriber") -> list[str]:
-    """Names of the publishers of a topic beside this service, of `$pub$TOPIC`; several services are strangers too."""
+def _foreign_names(watcher: "ntcore.RawSubscriber") -> list[str]:
+    """Names of other publishers of a topic, from `$pub$TOPIC`; another gyrodrift counts, too."""
     import msgpack
 
     try:
         publishers = msgpack.unpackb(watcher.get(), unicode_errors="backslashreplace") if watcher.get() else []
-        names = [shown_name(str(each["client"])) or "the robot itself" for each in publishers]
+        names = [shown_name(str(entry["client"])) or "the robot itself" for entry in publishers]
     except (ValueError, KeyError, TypeError, msgpack.exceptions.UnpackException):
         return []
-    ours = next((each for each in (IDENTITY, *names) if each in names and each.partition("@")[0] == IDENTITY), None)
+    ours = next((entry for entry in (IDENTITY, *names) if entry in names and entry.partition("@")[0] == IDENTITY), None)
     if ours is not None:  # a server tells two clients of one name apart by @ and a number
         names.remove(ours)
     return names

@@ -1,7 +1,7 @@
-"""A server of NetworkTables 4.1 that only reads: its topics are the service's, and no client can publish to them.
+"""A server of NetworkTables 4.1 that takes no values from clients.
 
-The server of ntcore takes values for any topic from any client, has no limit on clients, and has no access control.
-This one is on the WebSocket server of the other outputs, with its limits and its queue.
+The server of ntcore takes values for any topic from any client, without a limit on clients and without access control.
+This server uses the WebSocket server of the other outputs, with its limits and its queue.
 
 Source: "Network Tables Protocol Specification, Version 4.1", ntcore/doc/networktables4.adoc of WPILib.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
 
 SUBPROTOCOLS = ("v4.1.networktables.first.wpi.edu", "rtt.networktables.first.wpi.edu")
-"""The second one is for connections that only measure the round trip."""
+"""Subprotocols; the second is for connections that only measure the round trip."""
 
 PATH = "/nt/"
 
@@ -53,15 +53,15 @@ class ServedTables:
         return await self._server.listen(*self._where)
 
     def now_s(self) -> float:
-        """Unix time that never jumps, s."""
+        """Unix time without jumps, s."""
         return self._begun_s + time.monotonic()
 
     def server_offset_s(self) -> float:
-        """Nothing: this is the server."""
+        """0: this is the server."""
         return 0.0
 
     def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
-        """Send values to who subscribed, and keep them for who does later."""
+        """Send values to subscribers, and keep them for later subscribers."""
         stamp_us = round(self.now_s() * 1e6) if stamp_us is None else stamp_us
         messages = {self._ids[name]: value_message(self._ids[name], stamp_us, value) for name, value in values.items()}
         self._last |= messages
@@ -69,15 +69,15 @@ class ServedTables:
             session.publish(messages)
 
     def check(self) -> str:
-        """Nothing: topics cannot be forged."""
+        """Empty: no client can publish."""
         return ""
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         return self._server.statuses()
 
     def dropped(self) -> int:
-        """Messages that clients were too slow for."""
+        """Messages dropped for slow clients."""
         return self._server.counts()[1]
 
     async def close(self) -> None:
@@ -101,7 +101,7 @@ class ServedTables:
 
 
 def _answer(connection: "ServerConnection", request: "Request") -> "Response | None":
-    """None where a handshake may go on."""
+    """Refuse requests of other paths; None lets the handshake continue."""
     if request.path.startswith(PATH):
         return None
     return connection.respond(HTTPStatus.NOT_FOUND, f"NetworkTables 4.1 is at {PATH}NAME, with a WebSocket.\n")

@@ -1,4 +1,4 @@
-"""One client of the server of NetworkTables: what it subscribed to, and what it may not do."""
+"""One client of the server of NetworkTables: its subscriptions, and refusals."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -9,14 +9,14 @@ from gyrodrift.outputs.net.websocket import WebSocketClient
 
 MOST_SUBSCRIPTIONS = 200
 MOST_METHODS = 1000
-"""In a message; ntcore sends all subscriptions of a dashboard in one."""
+"""Most requests in a message; ntcore sends all subscriptions of a dashboard in one message."""
 TIME_TOPIC = -1
 TYPE_NUMBERS = {bool: 0, float: 1}
 """Data types of a value in MessagePack messages: boolean and double."""
 
 
 def value_message(topic: int, stamp_us: int, value: float | bool) -> bytes:  # noqa: FBT001 - it is a value
-    """A value of a topic, as MessagePack."""
+    """Value of a topic as MessagePack."""
     import msgpack
 
     packed: bytes = msgpack.packb([topic, max(stamp_us, 0), TYPE_NUMBERS[type(value)], value])
@@ -24,7 +24,7 @@ def value_message(topic: int, stamp_us: int, value: float | bool) -> bytes:  # n
 
 
 class TableSession:
-    """Messages in, messages out.
+    """Protocol state of one client.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class TableSession:
     last
         The last value message of each topic, by its number.
     forget
-        Called with the session when the client is gone.
+        Called with the session when the client has left.
     refuse
-        Called with the client and the topic of ours that it wanted to publish or change.
+        Called with the client and the topic that it wanted to publish or change.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class TableSession:
         self._ids = {name: index for index, name in enumerate(topics)}
         self._announced: set[str] = set()
         self._subscriptions: dict[int, frozenset[int]] = {}
-        self._wanted: frozenset[int] = frozenset()
+        self._topic_ids: frozenset[int] = frozenset()
         self._methods: dict[str, Callable[[dict[str, Any]], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
@@ -62,13 +62,13 @@ class TableSession:
         }
 
     def publish(self, messages: Mapping[int, bytes]) -> None:
-        """Send those values that the client subscribed to, in one frame."""
-        frame = b"".join(message for topic, message in messages.items() if topic in self._wanted)
+        """Send the subscribed values in one frame."""
+        frame = b"".join(message for topic, message in messages.items() if topic in self._topic_ids)
         if frame:
             self._client.send(frame)
 
     def message(self, content: str | bytes) -> None:
-        """Take requests, or values, of which those of the clock alone are answered."""
+        """Take requests, or values; of values only clock requests are answered."""
         if isinstance(content, bytes):
             self._answer_clocks(content)
             return
@@ -78,16 +78,16 @@ class TableSession:
         for request in requests:
             self._take(request)
 
-    def dropped(self, messages: int) -> str:  # noqa: ARG002 - the protocol has no word for it
-        """Nothing; `status` counts them."""
+    def dropped(self, messages: int) -> str:  # noqa: ARG002 - the protocol has no such message
+        """Empty: only `status` counts dropped messages."""
         return ""
 
     def closed(self) -> None:
-        """It is no longer published to."""
+        """End: no more messages."""
         self._forget(self)
 
     def _take(self, request: Any) -> None:
-        """As the specification has it, what is no request that is known is ignored."""
+        """Carry out a request; unknown requests are ignored, as the specification says."""
         if not isinstance(request, dict):
             return
         method, params = request.get("method"), request.get("params")
@@ -101,26 +101,28 @@ class TableSession:
             return
         if len(self._subscriptions) >= MOST_SUBSCRIPTIONS and number not in self._subscriptions:
             raise ValueError(f"more than {MOST_SUBSCRIPTIONS} subscriptions")
-        found = self._matching([each for each in names if isinstance(each, str)], is_prefix=bool(options.get("prefix")))
-        for name in found:
+        topics = self._matching(
+            [name for name in names if isinstance(name, str)], is_prefix=bool(options.get("prefix"))
+        )
+        for name in topics:
             self._announce(name)
-        values = frozenset() if options.get("topicsonly") else frozenset(self._ids[name] for name in found)
-        before = self._wanted
+        values = frozenset() if options.get("topicsonly") else frozenset(self._ids[name] for name in topics)
+        before = self._topic_ids
         self._subscriptions[number] = values
-        self._settle()
-        self.publish({topic: self._last[topic] for topic in self._wanted - before if topic in self._last})
+        self._update_wanted()
+        self.publish({topic: self._last[topic] for topic in self._topic_ids - before if topic in self._last})
 
     def _unsubscribe(self, params: dict[str, Any]) -> None:
         number = params.get("subuid")
         if isinstance(number, int):
             self._subscriptions.pop(number, None)
-            self._settle()
+            self._update_wanted()
 
-    def _settle(self) -> None:
-        self._wanted = frozenset().union(*self._subscriptions.values())
+    def _update_wanted(self) -> None:
+        self._topic_ids = frozenset().union(*self._subscriptions.values())
 
     def _publish(self, params: dict[str, Any]) -> None:
-        """Answer with what the topic is; values of clients are ignored, also those for topics of their own."""
+        """Announce the topic as it is; values of clients are always ignored."""
         name, number = params.get("name"), params.get("pubuid")
         if isinstance(name, str) and name in self._topics and isinstance(number, int):
             self._refuse(self._client, name)
@@ -137,12 +139,12 @@ class TableSession:
             return [name for name in self._topics if name.startswith(prefixes)]
         return [name for name in self._topics if name in names]
 
-    def _announce(self, name: str, **more: int) -> None:
-        if name in self._announced and not more:
+    def _announce(self, name: str, **extra: int) -> None:
+        if name in self._announced and not extra:
             return
         self._announced.add(name)
         properties = {"retained": False, "persistent": False}
-        params = {"name": name, "id": self._ids[name], "type": self._topics[name], "properties": properties, **more}
+        params = {"name": name, "id": self._ids[name], "type": self._topics[name], "properties": properties, **extra}
         self._urge(json.dumps([{"method": "announce", "params": params}]))
 
     def _answer_clocks(self, content: bytes) -> None:
@@ -153,16 +155,16 @@ class TableSession:
 
     def _urge(self, message: str | bytes) -> None:
         if not self._client.send_first(message):
-            raise ValueError("too many requests wait for an answer")
+            raise ValueError("too many pending requests")
 
 
 def clock_questions(content: bytes) -> list[int | float]:
-    """The client's times in a frame of MessagePack messages: those that ask for the server's.
+    """Client times of the clock requests in a frame of MessagePack messages.
 
     Raises
     ------
     ValueError
-        Where it is no MessagePack.
+        If it is no MessagePack.
     """
     import msgpack
 
@@ -173,7 +175,7 @@ def clock_questions(content: bytes) -> list[int | float]:
     except (ValueError, TypeError, msgpack.exceptions.UnpackException) as error:  # TypeError: a map with a list as key
         raise ValueError(f"this is no MessagePack: {type(error).__name__}") from None
     return [
-        each[3]
-        for each in messages
-        if isinstance(each, list) and len(each) == 4 and each[0] == TIME_TOPIC and isinstance(each[3], (int, float))
+        value[3]
+        for value in messages
+        if isinstance(value, list) and len(value) == 4 and value[0] == TIME_TOPIC and isinstance(value[3], (int, float))
     ]

@@ -1,6 +1,6 @@
-"""NMEA 0183 sentences: HDT once a reference was given, ROT, and XDR for temperature; over TCP, UDP or a pty.
+"""NMEA 0183 sentences over TCP, UDP or a pty: HDT once a heading was set, ROT, and XDR for temperature.
 
-ROT is in degrees per minute, minus where the bow turns to port.
+ROT is in degrees per minute, negative when the bow turns to port.
 """
 
 from collections.abc import Sequence
@@ -24,25 +24,25 @@ from gyrodrift.sample import Corrected
 NAME = "gyrodrift.nmea"
 
 TALKER = "II"
-"""Integrated instrumentation: gpsd 3.22 does not take HE or HN, which a gyro compass has."""
+"""Talker of integrated instrumentation: gpsd 3.22 does not take HE or HN, the talkers of a gyro compass."""
 
 
 @dataclass(frozen=True, slots=True)
 class NmeaOptions:
-    """Over what, where, and how often."""
+    """Transport, address and rate."""
 
     to: Annotated[
         Literal["tcp", "udp", "pty"],
         About("tcp listens on host and port, udp sends there, pty makes a serial port at path"),
     ] = "tcp"
-    host: Annotated[Host, About("address to listen on, or who receives")] = LOOPBACK
+    host: Annotated[Host, About("address to listen on, or the receiver")] = LOOPBACK
     port: Annotated[Port, About("port to listen on or to send to; 0 takes a free one to listen on")] = 10110
-    path: Annotated[str, MaxLen(4096), About(f"link to the pty; {NAME} in the runtime directory where empty")] = ""
-    rate_hz: Annotated[Rate, About("at most so many sentences of each kind a second of device time")] = 10.0
+    path: Annotated[str, MaxLen(4096), About(f"link to the pty; {NAME} in the runtime directory if empty")] = ""
+    rate_hz: Annotated[Rate, About("at most this many sentences of each kind a second of device time")] = 10.0
 
 
 class NmeaOutput(Output[NmeaOptions]):
-    """Up to three sentences a sample."""
+    """Sends up to three sentences per sample."""
 
     options_type = NmeaOptions
 
@@ -54,7 +54,7 @@ class NmeaOutput(Output[NmeaOptions]):
         self._pty = PtyWriter()
 
     async def open(self) -> None:
-        """Begin to listen, look the receiver up, or make the pty."""
+        """Listen, resolve the receiver, or make the pty."""
         options = self.options
         if options.to == "tcp":
             self.address = await self._server.listen_tcp(options.host, options.port)
@@ -64,61 +64,61 @@ class NmeaOutput(Output[NmeaOptions]):
             self.address = self._pty.open(Path(options.path) if options.path else runtime_folder() / NAME)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send the sentences of what is due."""
-        for each in self._thinning.due(samples):
-            said = sentences(each)
-            for sentence in said:
+        """Send the sentences of samples that are due."""
+        for sample in self._thinning.due(samples):
+            lines = sentences(sample)
+            for sentence in lines:
                 self._datagrams.send(sentence)
-            self._pty.send(b"".join(said), len(said))
+            self._pty.send(b"".join(lines), len(lines))
             for client in self._server.clients:
-                client.send(b"".join(said), len(said))
+                client.send(b"".join(lines), len(lines))
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected over TCP."""
+        """Clients connected over TCP."""
         return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Sentences."""
+        """Sentences sent and dropped."""
         sent, dropped = self._server.counts()
-        others = (self._datagrams, self._pty)
-        return sent + sum(each.sent for each in others), dropped + sum(each.dropped for each in others)
+        writers = (self._datagrams, self._pty)
+        return sent + sum(writer.sent for writer in writers), dropped + sum(writer.dropped for writer in writers)
 
     async def close(self) -> None:
-        """Let go of what was opened."""
+        """Close the server, the socket and the pty."""
         await self._server.close()
         self._datagrams.close()
         self._pty.close()
 
 
 class NmeaSession:
-    """One client; NMEA 0183 has no words for anything but sentences."""
+    """One client, which only listens."""
 
     def __init__(self, client: LineClient) -> None:
         pass
 
     def line(self, text: bytes) -> None:
-        """Nothing is asked for over NMEA 0183; what a chart plotter sends to all is passed by."""
+        """Ignore lines of clients, such as broadcasts of a chart plotter."""
 
     def dropped(self, messages: int) -> bytes:
-        """A text sentence, for a client that was too slow."""
+        """Text sentence for a client that was too slow."""
         return _sentence("TXT", "01", "01", "02", f"{messages} sentences dropped")
 
     def refused(self, why: str) -> bytes:
-        """A text sentence, for a client whose connection is closed from here."""
+        """Text sentence for a client whose connection is closed."""
         return _sentence("TXT", "01", "01", "02", why)
 
     def closed(self) -> None:
-        """Nothing is kept."""
+        """Do nothing."""
 
 
 def sentences(sample: Corrected) -> list[bytes]:
-    """HDT, ROT and XDR of a sample; what is not known is left out."""
-    said = [_sentence("ROT", f"{-60.0 * sample.corrected_dps:.1f}", "A")]
+    """HDT, ROT and XDR of a sample, without unknown values."""
+    lines = [_sentence("ROT", f"{-60.0 * sample.corrected_dps:.1f}", "A")]
     if not isnan(sample.heading_deg):
-        said.insert(0, _sentence("HDT", f"{round(sample.heading_deg, 2) % 360.0:.2f}", "T"))
+        lines.insert(0, _sentence("HDT", f"{round(sample.heading_deg, 2) % 360.0:.2f}", "T"))
     if not isnan(sample.sample.temp_c):
-        said.append(_sentence("XDR", "C", f"{sample.sample.temp_c:.2f}", "C", "GYRO"))
-    return said
+        lines.append(_sentence("XDR", "C", f"{sample.sample.temp_c:.2f}", "C", "GYRO"))
+    return lines
 
 
 def _sentence(kind: str, *fields: str) -> bytes:

@@ -1,14 +1,13 @@
-"""How the options of an output are declared: a frozen dataclass of annotated fields, each with a default.
+"""Declaration of the options of an output: a frozen dataclass of annotated fields with defaults.
 
     @dataclass(frozen=True, slots=True)
     class TcpOptions:
         host: Annotated[Host, About("address to listen on")] = LOOPBACK
         port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 7117
-        rate_hz: Annotated[Rate, About("at most so many lines a second of device time")] = None
+        rate_hz: Annotated[Rate, About("at most this many lines a second of device time")] = None
 
-Fields are text, secrets (`SecretText`), whole numbers, numbers, truth values, a `Literal` of words, or one of these or
-None. `config.outputs`
-checks what a person gives against them.
+Fields are text, secrets (`SecretText`), whole numbers, numbers, truth values, or a `Literal` of words; all of them can
+be optional. `config.outputs` checks values against these declarations.
 """
 
 from collections.abc import Mapping
@@ -24,17 +23,17 @@ LOOPBACK = "127.0.0.1"
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What an option means to a person, in one line."""
+    """Description of an option in one line."""
 
     text: str
 
 
 NOT_IN_A_HOST = "@/"
-"""Characters of addresses such as `mqtt://user:password@host`, which would show a password wherever a host is shown."""
+"""Characters that a host may not have: they occur in `mqtt://user:password@host`, which would show a password."""
 
 
 def is_host(text: str) -> bool:
-    """Whether a text may be a host: a name or an address alone."""
+    """Whether a text can be a host, a name or an address without user and path."""
     return not set(NOT_IN_A_HOST) & set(text)
 
 
@@ -42,7 +41,7 @@ Host = Annotated[str, MinLen(1), MaxLen(253), Predicate(is_host)]
 """A name or address."""
 
 Port = Annotated[int, Ge(0), Le(65535)]
-"""Of TCP or UDP; 0 takes a free one, where it is listened on."""
+"""Port of TCP or UDP; 0 takes a free one to listen on."""
 
 Rate = Annotated[float, Gt(0.0), Le(1e6)] | None
 """Hz; None for every sample."""
@@ -52,45 +51,45 @@ Seconds = Annotated[float, Gt(0.0), Le(86400.0)]
 
 @dataclass(frozen=True, slots=True)
 class OutputSpec:
-    """An output that was asked for: its name, and its options with everything filled in."""
+    """A wanted output: its name, and its options with all defaults."""
 
     name: str
     options: Any
 
     def __str__(self) -> str:
-        """As `--output` would have it, without what is as it is anyway."""
-        given = [
-            f"{each.name}={without_secrets(str(getattr(self.options, each.name)))}"
-            for each in fields(self.options)
-            if getattr(self.options, each.name) != each.default
+        """Argument of `--output`, without defaults and secrets."""
+        changed = [
+            f"{field.name}={without_secrets(str(getattr(self.options, field.name)))}"
+            for field in fields(self.options)
+            if getattr(self.options, field.name) != field.default
         ]
-        return f"{self.name}:{','.join(given)}" if given else self.name
+        return f"{self.name}:{','.join(changed)}" if changed else self.name
 
 
 def about(options: type[Any]) -> dict[str, str]:
-    """What each option means, by its name."""
+    """Descriptions of the options, by name."""
     hints = get_type_hints(options, include_extras=True)
     return {
-        each.name: next(
-            (note.text for note in getattr(hints[each.name], "__metadata__", ()) if isinstance(note, About)), ""
+        field.name: next(
+            (note.text for note in getattr(hints[field.name], "__metadata__", ()) if isinstance(note, About)), ""
         )
-        for each in fields(options)
+        for field in fields(options)
     }
 
 
 def secrets(options: type[Any]) -> frozenset[str]:
-    """The options that are shown to nobody."""
+    """Names of the secret options."""
     hints = get_type_hints(options)
-    return frozenset(each.name for each in fields(options) if hints[each.name] is SecretText)
+    return frozenset(field.name for field in fields(options) if hints[field.name] is SecretText)
 
 
 def revealed(options: Any) -> dict[str, Any]:
-    """The options with their secrets, for the process of the outputs alone."""
-    values = {each.name: getattr(options, each.name) for each in fields(options)}
+    """Options with their secrets, for the process of the outputs."""
+    values = {field.name: getattr(options, field.name) for field in fields(options)}
     return {name: value.reveal() if isinstance(value, SecretText) else value for name, value in values.items()}
 
 
-def options_from(options: type[Any], given: Mapping[str, Any]) -> Any:
-    """The options that `revealed` gave."""
+def options_from(options: type[Any], values: Mapping[str, Any]) -> Any:
+    """Options from the values of `revealed`."""
     hidden = secrets(options)
-    return options(**{name: SecretText(value) if name in hidden else value for name, value in given.items()})
+    return options(**{name: SecretText(value) if name in hidden else value for name, value in values.items()})

@@ -1,8 +1,7 @@
-"""What every output is: one shape, of which an output fills in what it has a use for.
+"""Base class of the outputs.
 
-All outputs run in one process beside the service, on one asyncio loop. Nothing here may wait but `open` and `close`:
-a client who does not read gets a queue of its own that is bounded (`net` has the servers), and a library that waits
-gets a thread of its own.
+All outputs run in one process beside the service, on one asyncio loop. Only `open` and `close` may wait. A client that
+does not read has a bounded queue (see the servers in `net`). A library that waits needs a thread.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +16,7 @@ O = TypeVar("O")  # noqa: E741 - the options of an output
 
 
 class OutputError(Exception):
-    """An output cannot be opened, or cannot go on; it is tried again after a while. The text says why, to a person."""
+    """An output cannot be opened, or has failed; it is retried later. The text says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +50,9 @@ class Output(Generic[O]):
     options_type
         The frozen dataclass of its options.
     address
-        Where it listens or sends to, for a person; set by `open`.
+        Address that it listens on or sends to, as text; set by `open`.
     warning
-        What is wrong although it is open, for a person; empty where nothing is.
+        Problem of an open output, as text; empty without one.
     """
 
     options_type: ClassVar[type[Any]]
@@ -65,8 +64,8 @@ class Output(Generic[O]):
         self.warning = ""
 
     @classmethod
-    def claims(cls, options: O) -> frozenset[str]:
-        """What it takes for itself alone, such as its port: an output that goes must let go of it first."""
+    def exclusive_resources(cls, options: O) -> frozenset[str]:
+        """Exclusive resources, such as a port: a closing output must free them first."""
         port, path = getattr(options, "port", 0), getattr(options, "path", "")
         return frozenset([*([f"port {port}"] if port else []), *([f"path {path}"] if path else [])])
 
@@ -76,31 +75,31 @@ class Output(Generic[O]):
         Raises
         ------
         OutputError
-            Where that does not go; it is tried again after a while.
+            If that fails; it is retried later.
         """
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Take samples, in order: those that reached this process together, one to some hundred.
+        """Take samples that reached this process together, in order: one to some hundred.
 
         Raises
         ------
         OutputError
-            Where it cannot go on; it is closed, and opened again after a while.
+            If it has failed; it is closed, and opened again later.
         """
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Take an event of the service's log: a gap, a lost link, a config that was applied."""
+        """Take an event of the log of the service: a gap, a lost link, a new config."""
 
     def note(self, status: ServiceStatus) -> None:
-        """Take the service's state, once a second."""
+        """Take the state of the service, once a second."""
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who listens now."""
+        """Present clients."""
         return ()
 
     def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped since it was opened, to clients that are gone too."""
+        """Messages sent and dropped since it was opened, with those of former clients."""
         return 0, 0
 
     async def close(self) -> None:
-        """Let go of everything; also called after an `open` that failed half way."""
+        """Close everything; also called after an `open` that failed."""

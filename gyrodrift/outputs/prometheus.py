@@ -23,7 +23,7 @@ PATH = "/metrics"
 
 @dataclass(frozen=True, slots=True)
 class PrometheusOptions:
-    """Where."""
+    """Address."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 9817
@@ -49,17 +49,17 @@ class PrometheusOutput(Output[PrometheusOptions]):
         self.address = await self._server.listen(self.options.host, self.options.port)
 
     def counts(self) -> tuple[int, int]:
-        """Scrapes."""
+        """Number of scrapes."""
         return self._scrapes, 0
 
     async def close(self) -> None:
-        """Stop to listen."""
+        """Stop listening."""
         await self._server.close()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response":
         if request.path.partition("?")[0] != PATH:
             return connection.respond(HTTPStatus.NOT_FOUND, f"metrics are at {PATH}\n")
-        assert self._registry is not None  # noqa: S101 - made before the server listens
+        assert self._registry is not None  # noqa: S101 - set before the server listens
         encode, content_type = _encoder_for(", ".join(request.headers.get_all("Accept")))
         response = connection.respond(HTTPStatus.OK, encode(self._registry).decode())
         del response.headers["Content-Type"]
@@ -69,27 +69,27 @@ class PrometheusOutput(Output[PrometheusOptions]):
 
 
 def _encoder_for(accept: str) -> "tuple[Callable[[CollectorRegistry], bytes], str]":
-    """How to write the page, and its content type; plain text where the library cannot read the header."""
+    """Encoder and content type for an Accept header; plain text if the library cannot read it."""
     from prometheus_client.exposition import choose_encoder
 
     try:
-        return choose_encoder(accept.replace('"', ""))  # it takes a quoted parameter for a part of the version
+        return choose_encoder(accept.replace('"', ""))  # the library would read quotes as part of the version
     except (TypeError, ValueError):
         return choose_encoder("")
 
 
 class _StatusCollector:
-    """What a registry of prometheus-client asks at each scrape."""
+    """Collector for a registry of prometheus-client."""
 
     def __init__(self, host: OutputHost) -> None:
         self._host = host
 
     def describe(self) -> "list[Metric]":
-        """Nothing before the first scrape."""
+        """No metrics before the first scrape."""
         return []
 
     def collect(self) -> "Iterator[Metric]":
-        """All metrics of the last second; what is not known is left out."""
+        """Metrics of the last second, without unknown values."""
         status = self._host.status
         for name, about, count in _counters(status):
             yield _counter(name, about, count)
@@ -104,65 +104,65 @@ def _counters(status: ServiceStatus) -> Iterator[tuple[str, str, float]]:
     link = status.link
     yield "link_samples", "Samples that arrived.", link.samples
     yield "link_bytes", "Bytes that arrived.", link.bytes
-    yield "link_damaged", "Frames that arrived damaged.", link.damaged
-    yield "link_before_hello", "Frames that came before the device had said what it is.", link.before_hello
-    yield "link_clipped", "Samples that left the range of the sensor.", link.clipped
+    yield "link_damaged", "Damaged frames.", link.damaged
+    yield "link_before_hello", "Frames before the first HELLO of the device.", link.before_hello
+    yield "link_clipped", "Samples out of the range of the sensor.", link.clipped
     yield "link_gaps", "Gaps in the samples.", link.gaps
-    yield "link_missing", "Samples that were lost in gaps.", link.missing
-    yield "link_device_resets", "How often the device began anew.", link.device_resets
-    yield "link_reconnects", "How often the port came back.", link.reconnects
-    yield "link_gone_seconds", "For how long the port was gone.", link.gone_s
-    yield "filter_rejected", "Samples that the filter passed by.", status.filter.rejected
-    yield "config_applied", "How often the config file was taken.", status.config.applied
-    yield "config_refused", "How often the config file had mistakes.", status.config.refused
-    yield "outputs_samples_dropped", "Samples that the process of the outputs was too slow for.", status.dropped
+    yield "link_missing", "Lost samples.", link.missing
+    yield "link_device_resets", "Restarts of the device.", link.device_resets
+    yield "link_reconnects", "Reconnects of the port.", link.reconnects
+    yield "link_gone_seconds", "Time without the port.", link.gone_s
+    yield "filter_rejected", "Samples rejected by the filter.", status.filter.rejected
+    yield "config_applied", "Configs applied.", status.config.applied
+    yield "config_refused", "Configs refused.", status.config.refused
+    yield "outputs_samples_dropped", "Samples dropped because the process of the outputs was too slow.", status.dropped
 
 
 def _gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
     link, state = status.link, status.filter
-    yield "link_open", "1 while the port is there.", link.is_open
+    yield "link_open", "1 while the port is open.", link.is_open
     yield "link_rate_hertz", "Samples per second over the last second.", link.rate_hz
     yield "link_jitter_seconds", "Peak-to-peak variation of the delay over the last second.", link.jitter_ms / 1e3
-    yield "link_silent_seconds", "How long no sample has come.", link.silent_s
-    yield "link_clock_ppm", "Rate of the device clock against the host's, parts per million.", link.clock_ppm
-    yield "link_busy_ratio", "Share of the line's capacity that is used.", link.busy
+    yield "link_silent_seconds", "Time since the last sample.", link.silent_s
+    yield "link_clock_ppm", "Rate of the device clock against the host clock, parts per million.", link.clock_ppm
+    yield "link_busy_ratio", "Used share of the capacity of the line.", link.busy
     yield "yaw_degrees", "Unwrapped yaw, counter-clockwise.", state.yaw_deg
     yield "yaw_sigma_degrees", "Standard deviation of yaw.", state.yaw_sigma_deg
     yield "heading_degrees", "Compass heading, clockwise, 0 to 360.", state.heading_deg
-    yield "drift_degrees_per_second", "The drift estimate.", state.bias_dps
-    yield "drift_sigma_degrees_per_second", "Standard deviation of the drift estimate.", state.bias_sigma_dps
-    yield "rest_probability_ratio", "How probable it is that the device is at rest.", state.rest_probability
-    yield "confidence_ratio", "How probable what the filter believes is.", state.confidence
+    yield "drift_degrees_per_second", "Bias estimate.", state.bias_dps
+    yield "drift_sigma_degrees_per_second", "Standard deviation of the bias estimate.", state.bias_sigma_dps
+    yield "rest_probability_ratio", "Probability of rest.", state.rest_probability
+    yield "confidence_ratio", "Probability of the most probable hypothesis of the filter.", state.confidence
     yield "temperature_celsius", "Temperature of the sensor.", state.temp_c
     yield "memory_bytes", "Resident memory of the service and of the process of its outputs.", status.memory_bytes
     yield "start_time_seconds", "Unix time of the start of the service.", status.started_s
 
 
 def _of_outputs(status: ServiceStatus) -> "Iterator[Metric]":
-    outputs = {well_formed(each.output): each for each in status.outputs}
+    outputs = {well_formed(output.output): output for output in status.outputs}
     up = _gauge("output_open", "1 while the output is open.", labels=("output",))
-    clients = _gauge("output_clients", "Who listens to the output.", labels=("output",))
+    clients = _gauge("output_clients", "Clients of the output.", labels=("output",))
     sent = _counter("output_sent", "Messages sent.", labels=("output",))
-    dropped = _counter("output_dropped", "Messages that clients were too slow for.", labels=("output",))
-    for name, each in outputs.items():
-        up.add_metric([name], not each.problem)
-        clients.add_metric([name], each.client_count)
-        sent.add_metric([name], each.sent)
-        dropped.add_metric([name], each.dropped)
+    dropped = _counter("output_dropped", "Messages dropped for slow clients.", labels=("output",))
+    for name, output in outputs.items():
+        up.add_metric([name], not output.problem)
+        clients.add_metric([name], output.client_count)
+        sent.add_metric([name], output.sent)
+        dropped.add_metric([name], output.dropped)
     yield from (up, clients, sent, dropped)
 
 
 def _identity(status: ServiceStatus) -> "Metric":
     from prometheus_client.core import InfoMetricFamily
 
-    said = {
+    values = {
         "version": status.version,
         "port": status.link.port,
         "protocol": status.link.protocol,
         "device": status.device.device_id or "",
         "filter": status.filter.name,
     }
-    labels = {name: well_formed(value) for name, value in said.items()}
+    labels = {name: well_formed(value) for name, value in values.items()}
     return InfoMetricFamily("gyrodrift", "Program, device and filter.", labels)
 
 
@@ -179,4 +179,4 @@ def _counter(name: str, about: str, value: float | None = None, labels: tuple[st
 
 
 def _no_session(_client: WebSocketClient) -> WebSocketSession:
-    raise RuntimeError("a page of metrics has no session: every request is answered before")
+    raise RuntimeError("a page of metrics has no session")

@@ -1,4 +1,4 @@
-"""The outputs there are, by name; a line below is all that one needs beside its own file."""
+"""Registry of the outputs by name. A new output needs its own file and a line here."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -13,51 +13,51 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class OutputKind:
-    """One of them.
+    """An output that exists.
 
     name
-        What a person calls it.
+        Name in --output and in the config.
     help
-        What it does, in a few words.
-    place
-        `module:CLASS` of its `gyrodrift.outputs.output.Output`, imported when the output is asked for. The module
-        imports without `packages`: what runs imports them, not what declares.
+        Description in a few words.
+    target
+        `module:CLASS` of its `gyrodrift.outputs.output.Output`, imported when the output is wanted. The module can be
+        imported without `packages`.
     packages
-        Modules of other people that it needs, and `extra` the extra of this package that brings them.
+        Packages that it needs; `extra` is the extra of gyrodrift that installs them.
     """
 
     name: str
     help: str
-    place: str
+    target: str
     packages: tuple[str, ...] = ()
     extra: str = ""
 
     @property
     def output(self) -> "type[Output[Any]]":
-        """Its class."""
-        module, _, name = self.place.partition(":")
-        found: type[Output[Any]] = getattr(import_module(module), name)
-        return found
+        """Class of the output."""
+        module, _, name = self.target.partition(":")
+        output_class: type[Output[Any]] = getattr(import_module(module), name)
+        return output_class
 
     def check_packages(self) -> None:
-        """See that its packages are there.
+        """Check that its packages are installed.
 
         Raises
         ------
         UsageError
-            With the command that installs what is missing.
+            With the command that installs a missing package.
         """
         from gyrodrift.installation import extra_command
 
         for package in self.packages:
-            if not _is_there(package):
+            if not _is_installed(package):
                 raise UsageError(f"output {self.name} needs the package {package}: {extra_command(self.extra)}")
 
 
-def _is_there(package: str) -> bool:
+def _is_installed(package: str) -> bool:
     try:
         return find_spec(package) is not None
-    except ModuleNotFoundError:  # of the package that it stands in
+    except ModuleNotFoundError:  # the parent package is missing
         return False
 
 
@@ -65,12 +65,12 @@ OUTPUTS: dict[str, OutputKind] = {}
 
 
 def register(kind: OutputKind) -> None:
-    """Let the service send corrected samples to one place more.
+    """Add an output.
 
     Raises
     ------
     ValueError
-        Where the name is taken.
+        If the name is taken.
     """
     if kind.name in OUTPUTS:
         raise ValueError(f"there is an output {kind.name!r} already")
@@ -78,22 +78,22 @@ def register(kind: OutputKind) -> None:
 
 
 def unregister(name: str) -> None:
-    """Take an output away again."""
+    """Remove an output."""
     del OUTPUTS[name]
 
 
 SHIPPED = (
-    OutputKind("tcp", "newline JSON to whoever connects", "gyrodrift.outputs.tcp:TcpOutput"),
-    OutputKind("unix", "newline JSON on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
-    OutputKind("udp", "JSON datagrams, as PlotJuggler takes them", "gyrodrift.outputs.udp:UdpOutput"),
+    OutputKind("tcp", "JSON lines on a TCP port", "gyrodrift.outputs.tcp:TcpOutput"),
+    OutputKind("unix", "JSON lines on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
+    OutputKind("udp", "JSON datagrams for PlotJuggler", "gyrodrift.outputs.udp:UdpOutput"),
     OutputKind(
         "web",
-        "a page for the browser",
+        "live page for the browser",
         "gyrodrift.outputs.web.output:WebOutput",
         packages=("websockets",),
         extra="websocket",
     ),
-    OutputKind("gpsd", "gpsd's JSON, for its clients", "gyrodrift.outputs.gpsd:GpsdOutput"),
+    OutputKind("gpsd", "JSON of gpsd, for clients of gpsd", "gyrodrift.outputs.gpsd:GpsdOutput"),
     OutputKind(
         "nmea",
         "NMEA 0183: HDT, ROT and XDR",
@@ -103,7 +103,7 @@ SHIPPED = (
     ),
     OutputKind(
         "rosbridge",
-        "sensor_msgs/Imu over WebSocket, as rosbridge has it",
+        "sensor_msgs/Imu over WebSocket, as in rosbridge",
         "gyrodrift.outputs.rosbridge:RosbridgeOutput",
         packages=("websockets",),
         extra="websocket",
@@ -145,5 +145,5 @@ SHIPPED = (
     ),
 )
 
-for _each in SHIPPED:
-    register(_each)
+for _kind in SHIPPED:
+    register(_kind)

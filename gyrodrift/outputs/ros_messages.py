@@ -1,7 +1,7 @@
 """A corrected sample as `sensor_msgs/Imu` in JSON, with the axes of REP-103: x forward, y left, z up, yaw about z.
 
-Source: sensor_msgs/msg/Imu.msg. Element 0 of a covariance is -1 where there is no estimate, and a matrix of zeros
-stands for a covariance that is not known.
+Source: sensor_msgs/msg/Imu.msg. Element 0 of a covariance is -1 without an estimate; a matrix of zeros is an unknown
+covariance.
 """
 
 from math import cos, isnan, modf, radians, sin
@@ -12,25 +12,25 @@ from gyrodrift.sample import Corrected
 RosVersion = Literal["ros2", "ros1"]
 
 IMU_TYPES: dict[RosVersion, str] = {"ros2": "sensor_msgs/msg/Imu", "ros1": "sensor_msgs/Imu"}
-"""What the type is called; clients use either name."""
+"""Names of the type; clients use both."""
 
 UNMEASURED_VARIANCE = 1e6
-"""Of roll, pitch and their rates, rad² and (rad/s)²: so large that an estimator gives them no weight. -1 there would
-tell it to disregard yaw with them."""
+"""Variance of roll, pitch and their rates, rad² and (rad/s)²: so large that an estimator gives them no weight. A value
+of -1 would make it disregard yaw, too."""
 
 NOT_KNOWN = "[-1.0,0.0,0.0,0.0,-1.0,0.0,0.0,0.0,-1.0]"
 NO_COVARIANCE = "[0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0]"
 
 
 class ImuMessage:
-    """Writes them.
+    """Encodes `sensor_msgs/Imu` messages.
 
     Parameters
     ----------
     frame_id
-        As a JSON string, in its quotes.
+        Frame as a JSON string with its quotes.
     rate_sigma_dps
-        Standard deviation of one measured rate, deg/s; None where nobody says.
+        Standard deviation of one measured rate, deg/s; None if unknown.
     """
 
     def __init__(self, frame_id: str, ros: RosVersion, rate_sigma_dps: float | None) -> None:
@@ -39,7 +39,7 @@ class ImuMessage:
         self._rate_sigma_dps = rate_sigma_dps
 
     def json(self, corrected: Corrected) -> str:
-        """The message for one sample."""
+        """Message for one sample."""
         half_rad = radians(corrected.yaw_deg) / 2.0
         return (
             f'{{"header":{self._header(corrected)},'

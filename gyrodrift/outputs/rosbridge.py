@@ -1,4 +1,4 @@
-"""rosbridge v2: `sensor_msgs/Imu` as JSON over WebSocket, for roslibjs, roslibpy and whatever else speaks to ROS so."""
+"""rosbridge v2: `sensor_msgs/Imu` as JSON over WebSocket, for roslibjs, roslibpy and other clients."""
 
 import json
 from collections.abc import Sequence
@@ -20,22 +20,22 @@ from gyrodrift.sample import Corrected
 
 @dataclass(frozen=True, slots=True)
 class RosbridgeOptions:
-    """Where, how often, and by what names."""
+    """Address, rate and names."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 9090
-    rate_hz: Annotated[Rate, About("at most so many messages a second of device time")] = None
+    rate_hz: Annotated[Rate, About("at most this many messages a second of device time")] = None
     topic: Annotated[str, MinLen(1), MaxLen(200), About("topic of the Imu messages")] = "/imu/data"
     frame_id: Annotated[str, MaxLen(200), About("frame that the sensor is fixed to")] = "imu_link"
-    ros: Annotated[RosVersion, About("whose header and type name are sent")] = "ros2"
+    ros: Annotated[RosVersion, About("version of ROS for header and type name")] = "ros2"
     rate_sigma_dps: Annotated[
         Annotated[float, Gt(0.0), Le(1000.0)] | None,
-        About("standard deviation of one measured rate, deg/s; without it the rate's covariance is sent as not known"),
+        About("standard deviation of one measured rate, deg/s; without it the covariance of the rate is unknown"),
     ] = None
 
 
 class RosbridgeOutput(Output[RosbridgeOptions]):
-    """One topic, and what a client asks before it subscribes."""
+    """One topic, and the services that clients call before they subscribe."""
 
     options_type = RosbridgeOptions
 
@@ -52,8 +52,8 @@ class RosbridgeOutput(Output[RosbridgeOptions]):
         self.address = await self._server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Publish to those who have subscribed; each message is written once for all of them."""
-        subscribed = [each for each in self._sessions if each.has_subscribed]
+        """Publish to subscribers; each message is encoded once."""
+        subscribed = [session for session in self._sessions if session.has_subscribed]
         if not subscribed:
             return
         for corrected in self._thinning.due(samples):
@@ -62,11 +62,11 @@ class RosbridgeOutput(Output[RosbridgeOptions]):
                 session.publish(corrected.sample.t_device_s, message)
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Who is connected."""
+        """Connected clients."""
         return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Messages."""
+        """Messages sent and dropped."""
         return self._server.counts()
 
     async def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The services of `rosapi` that rosbridge clients call to find their way: one node with one topic."""
+"""Services of `rosapi` about one node with one topic, which rosbridge clients call."""
 
 import json
 import time
@@ -12,14 +12,14 @@ Args = dict[str, Any]
 
 
 class RosServices:
-    """What there is, and the answers about it.
+    """Answers of the services.
 
     Parameters
     ----------
     topic
-        With its leading slash.
+        Topic with its leading slash.
     kind
-        Its type.
+        Type of the topic.
     """
 
     def __init__(self, topic: str, kind: str, ros: RosVersion) -> None:
@@ -44,7 +44,7 @@ class RosServices:
             "/rosapi/service_type": ("ServiceType", lambda args: {"type": self._type(with_slash(args.get("service")))}),
             "/rosapi/services_for_type": (
                 "ServicesForType",
-                lambda args: {"services": [each for each in self._answers if self._type(each) == args.get("type")]},
+                lambda args: {"services": [name for name in self._answers if self._type(name) == args.get("type")]},
             ),
             "/rosapi/action_servers": ("GetActionServers", lambda _: {"action_servers": []}),
             "/rosapi/get_param_names": ("GetParamNames", lambda _: {"names": []}),
@@ -52,16 +52,16 @@ class RosServices:
         }
 
     def is_ours(self, topic: object) -> bool:
-        """It is the topic, with its leading slash or without."""
+        """Whether a name, with or without leading slash, is the topic."""
         return with_slash(topic) == self.topic
 
     def call(self, service: str, args: Args) -> Any:
-        """The values of the response.
+        """Values of the response.
 
         Raises
         ------
         LookupError
-            Where there is no such service, with those that there are.
+            If there is no such service, with the existing services.
         """
         name = with_slash(service)
         if name not in self._answers:
@@ -82,10 +82,10 @@ class RosServices:
 
 
 def with_slash(name: object) -> str:
-    """A name of ROS from the root, as `/imu/data`."""
+    """A name of ROS with its leading slash, such as `/imu/data`."""
     return f"/{name.strip('/')}" if isinstance(name, str) else ""
 
 
-def same_type(one: object, other: str) -> bool:
-    """`sensor_msgs/Imu` and `sensor_msgs/msg/Imu` are the same."""
-    return isinstance(one, str) and one.replace("/msg/", "/") == other.replace("/msg/", "/")
+def same_type(first: object, second: str) -> bool:
+    """Whether two types are equal; `sensor_msgs/Imu` equals `sensor_msgs/msg/Imu`."""
+    return isinstance(first, str) and first.replace("/msg/", "/") == second.replace("/msg/", "/")

@@ -1,6 +1,6 @@
-"""One client of rosbridge: its subscriptions, the services that it calls, and a status where it asks for too much.
+"""One client of rosbridge: its subscriptions, service calls, and status messages.
 
-Source: ROSBRIDGE_PROTOCOL.md of RobotWebTools/rosbridge_suite, and rosbridge's own habits where it is silent.
+Source: ROSBRIDGE_PROTOCOL.md of RobotWebTools/rosbridge_suite, and the behavior of rosbridge.
 """
 
 import json
@@ -13,21 +13,21 @@ from gyrodrift.outputs.rosbridge_services import RosServices, same_type, with_sl
 from gyrodrift.outputs.thinning import SAME_TIME_S
 
 MOST_NAMES = 100
-"""Subscriptions and topics that a client may have open."""
+"""Most subscriptions, and most topics, of a client."""
 
 LEVELS = ("none", "error", "warning", "info")
-"""Of a status, each with those before it; a client that does not say gets errors."""
+"""Levels of a status; each includes those before it. The default is error."""
 
 LONGEST_THROTTLE_MS = 3_600_000
 
 
 class RosbridgeSession:
-    """Messages in, messages out.
+    """Protocol state of one client.
 
     Parameters
     ----------
     forget
-        Called with the session when the client is gone.
+        Called with the session when the client has left.
     """
 
     def __init__(
@@ -53,18 +53,18 @@ class RosbridgeSession:
 
     @property
     def has_subscribed(self) -> bool:
-        """It is sent messages."""
+        """Whether the client has subscribed."""
         return bool(self._throttles_s)
 
     def publish(self, t_s: float, message: str) -> None:
-        """Send a message of device time `t_s` unless the last one was too short a time ago; a clock may begin again."""
+        """Send a message of device time `t_s` if it is due; a clock may restart."""
         if 0.0 <= t_s - self._published_s < self._every_s - SAME_TIME_S:
             return
         self._published_s = t_s
         self._client.send(f"{self._opening}{message}}}")
 
     def message(self, content: str | bytes) -> None:
-        """Take an operation; what cannot be done is answered with a status, and the connection stays."""
+        """Carry out an operation. A mistake is answered with a status; the connection stays."""
         operation: Any = None
         try:
             operation = parse_json(content)
@@ -73,109 +73,109 @@ class RosbridgeSession:
             self._say("error", str(error), operation)
 
     def dropped(self, messages: int) -> str:
-        """How many messages this client was too slow for."""
+        """Status with the number of dropped messages."""
         return _status("error", f"{messages} messages dropped: this client reads too slowly")
 
     def closed(self) -> None:
-        """It is no longer published to."""
+        """End: no more messages."""
         self._forget(self)
 
     def _take(self, operation: Any) -> None:
         if not isinstance(operation, dict) or not isinstance(operation.get("op"), str):
-            raise ValueError('expected an object with "op"')  # noqa: TRY004 - the client's mistake, told to it
+            raise ValueError('expected an object with "op"')  # noqa: TRY004 - a mistake of the client
         name = operation["op"]
         if name not in self._operations:
-            raise ValueError(f"{name[:40]} is not done here: nothing that a client sends reaches the gyro")
+            raise ValueError(f"{name[:40]} is not supported: clients can only read")
         self._operations[name](operation)
 
-    def _subscribe(self, asked: dict[str, Any]) -> None:
-        topic = _text(asked, "topic")
+    def _subscribe(self, request: dict[str, Any]) -> None:
+        topic = _text(request, "topic")
         if not self._services.is_ours(topic):
             raise ValueError(f"no topic {topic[:100]}; there is {self._services.topic}")
-        kind = asked.get("type")
+        kind = request.get("type")
         if kind and not same_type(kind, self._services.kind):
             raise ValueError(f"{topic} is of type {self._services.kind}, not {str(kind)[:100]}")
-        throttle_s = _throttle_ms(asked) / 1000.0
+        throttle_s = _throttle_ms(request) / 1000.0
         if len(self._throttles_s) >= MOST_NAMES:
             raise ValueError(f"more than {MOST_NAMES} subscriptions")
-        self._throttles_s[_id(asked)] = throttle_s
+        self._throttles_s[_id(request)] = throttle_s
         self._opening = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":'
-        self._settle()
-        if asked.get("compression") not in {None, "none"}:
-            self._say("warning", "there is no compression; messages are plain JSON", asked)
+        self._update_interval()
+        if request.get("compression") not in {None, "none"}:
+            self._say("warning", "there is no compression; messages are plain JSON", request)
 
-    def _unsubscribe(self, asked: dict[str, Any]) -> None:
-        if not self._services.is_ours(_text(asked, "topic")):
-            raise ValueError(f"there is no subscription to {asked['topic'][:100]}")
-        if _id(asked) is None:
+    def _unsubscribe(self, request: dict[str, Any]) -> None:
+        if not self._services.is_ours(_text(request, "topic")):
+            raise ValueError(f"there is no subscription to {request['topic'][:100]}")
+        if _id(request) is None:
             self._throttles_s.clear()
-        elif self._throttles_s.pop(_id(asked), None) is None:
-            self._say("warning", "there is no subscription with this id", asked)
-        self._settle()
+        elif self._throttles_s.pop(_id(request), None) is None:
+            self._say("warning", "there is no subscription with this id", request)
+        self._update_interval()
 
-    def _settle(self) -> None:
+    def _update_interval(self) -> None:
         self._every_s = min(self._throttles_s.values(), default=0.0)
 
-    def _call_service(self, asked: dict[str, Any]) -> None:
-        service = _text(asked, "service")
-        args = asked.get("args")
+    def _call_service(self, request: dict[str, Any]) -> None:
+        service = _text(request, "service")
+        args = request.get("args")
         response: dict[str, Any] = {"op": "service_response", "service": service}
         try:
             values = self._services.call(service, args if isinstance(args, dict) else {})
             response |= {"values": values, "result": True}
         except LookupError as error:
             response |= {"values": str(error.args[0]), "result": False}
-        if "id" in asked:
-            response["id"] = asked["id"]
+        if "id" in request:
+            response["id"] = request["id"]
         self._client.send(json.dumps(response))
 
-    def _advertise(self, asked: dict[str, Any]) -> None:
-        topic, kind = with_slash(_text(asked, "topic")), _text(asked, "type")
+    def _advertise(self, request: dict[str, Any]) -> None:
+        topic, kind = with_slash(_text(request, "topic")), _text(request, "type")
         if self._services.is_ours(topic):
-            raise ValueError(f"{topic} ({self._services.kind}) is published by gyrodrift alone, not as {kind[:100]}")
+            raise ValueError(f"{topic} ({self._services.kind}) is published by gyrodrift, not as {kind[:100]}")
         if len(self._advertised) >= MOST_NAMES:
             raise ValueError(f"more than {MOST_NAMES} topics")
         self._advertised.add(topic)
-        self._say("warning", f"nobody takes what is published on {topic[:100]}", asked)
+        self._say("warning", f"there is no subscriber to {topic[:100]}", request)
 
-    def _unadvertise(self, asked: dict[str, Any]) -> None:
-        topic = with_slash(_text(asked, "topic"))
+    def _unadvertise(self, request: dict[str, Any]) -> None:
+        topic = with_slash(_text(request, "topic"))
         if topic not in self._advertised:
-            self._say("warning", f"{topic[:100]} was not advertised", asked)
+            self._say("warning", f"{topic[:100]} was not advertised", request)
         self._advertised.discard(topic)
 
-    def _set_level(self, asked: dict[str, Any]) -> None:
-        level = asked.get("level")
+    def _set_level(self, request: dict[str, Any]) -> None:
+        level = request.get("level")
         if level not in LEVELS:
             raise ValueError(f"level: expected one of {', '.join(LEVELS)}")
         self._level = level
 
-    def _say(self, level: str, text: str, asked: object = None) -> None:
+    def _say(self, level: str, text: str, request: object = None) -> None:
         if LEVELS.index(level) <= LEVELS.index(self._level):
-            self._client.send(_status(level, text, asked))
+            self._client.send(_status(level, text, request))
 
 
-def _status(level: str, text: str, asked: object = None) -> str:
+def _status(level: str, text: str, request: object = None) -> str:
     status: dict[str, Any] = {"op": "status", "level": level, "msg": text}
-    if isinstance(asked, dict) and isinstance(asked.get("id"), (str, int)):
-        status["id"] = asked["id"]
+    if isinstance(request, dict) and isinstance(request.get("id"), (str, int)):
+        status["id"] = request["id"]
     return json.dumps(status)
 
 
-def _text(asked: dict[str, Any], name: str) -> str:
-    value = asked.get(name)
+def _text(request: dict[str, Any], name: str) -> str:
+    value = request.get(name)
     if not isinstance(value, str) or not value:
-        raise ValueError(f"{asked['op']}: expected {name!r}, a text")
+        raise ValueError(f"{request['op']}: expected a text {name!r}")
     return value
 
 
-def _id(asked: dict[str, Any]) -> str | None:
-    value = asked.get("id")
+def _id(request: dict[str, Any]) -> str | None:
+    value = request.get("id")
     return None if value is None else str(value)
 
 
-def _throttle_ms(asked: dict[str, Any]) -> float:
-    value = asked.get("throttle_rate", 0)
+def _throttle_ms(request: dict[str, Any]) -> float:
+    value = request.get("throttle_rate", 0)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= LONGEST_THROTTLE_MS:
-        raise ValueError(f"throttle_rate: expected the least time between messages, 0 to {LONGEST_THROTTLE_MS} ms")
+        raise ValueError(f"throttle_rate: expected the minimum time between messages, 0 to {LONGEST_THROTTLE_MS} ms")
     return float(value)

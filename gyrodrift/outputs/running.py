@@ -1,7 +1,7 @@
-"""One output that was asked for: it is opened, tried again where that fails, and closed when nobody wants it any more.
+"""A wanted output: it is opened, retried after a failure, and closed when it is not wanted any more.
 
-Opening and closing are never broken off half way, since what they had begun would stay behind. So an output that is not
-wanted any more may take a while to go; who needs its port waits for it.
+Opening and closing are never canceled, so that no resource leaks. A closing output may take a while; an output that
+needs its port waits.
 """
 
 import asyncio
@@ -18,25 +18,25 @@ from gyrodrift.outputs.status import MOST_CLIENTS, OutputStatus, ServiceStatus
 RETRY_FIRST_S = 1.0
 RETRY_LONGEST_S = 30.0
 STEADY_S = 30.0
-"""An output that was open for so long begins again with the first pause."""
+"""Time after which an open output is steady and its next pause is the first again, s."""
 
 OPEN_S = 30.0
 CLOSE_S = 5.0
-"""The last resort: outputs bound both themselves."""
+"""Upper limits for opening and closing, s; outputs have limits of their own."""
 
 
 class RunningOutput:
     """An output, from when it is first wanted until it is closed.
 
     is_wanted
-        Whether it is to be open; `poke` lets it act on a change.
-    claims
-        What it takes for itself, as `Output.claims` has it.
+        Whether it should be open; call `poke` after a change.
+    exclusive_resources
+        Exclusive resources, as `Output.exclusive_resources`.
 
     Parameters
     ----------
     is_blocked
-        Whether another output, which is about to go, still has what this one claims.
+        Whether a closing output still has a resource that this output needs.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class RunningOutput:
     ) -> None:
         self.spec = spec
         self.is_wanted = True
-        self.claims = OUTPUTS[spec.name].output.claims(spec.options)
+        self.exclusive_resources = OUTPUTS[spec.name].output.exclusive_resources(spec.options)
         self.problem = "is being opened"
         self._log = log.bind(output=spec.name)
         self._host = OutputHost(self._log, status, access)
@@ -60,32 +60,32 @@ class RunningOutput:
         self.task = asyncio.create_task(self._run())
 
     def poke(self) -> None:
-        """Something has changed: what is wanted, or what others have."""
+        """Notify of a change in the wanted or in the other outputs."""
         self._news.set()
 
     def call(self, what: Callable[[Output[Any]], None]) -> None:
-        """Do something with the output where it is open; what it raises closes it until it is tried again."""
+        """Call a function with the open output; an error closes it until the next try."""
         if self._open is None:
             return
         try:
             what(self._open)
         except OutputError as error:
             self._fail(str(error))
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with one output is not for the others
+        except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
             self._fail(f"{type(error).__name__}: {error}")
 
     def note(self, status: ServiceStatus) -> None:
-        """The service's state, kept for an output that opens later."""
+        """Take the state of the service, and keep it for a later opening."""
         self._host.status = status
         self.call(lambda output: output.note(status))
 
     def status(self) -> OutputStatus:
-        """How it is."""
+        """Status of the output."""
         if self._open is None:
             return OutputStatus(str(self.spec), problem=self.problem)
         try:
             clients, counts = self._open.clients(), self._open.counts()
-        except Exception as error:  # noqa: BLE001 - likewise
+        except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
             self._fail(f"{type(error).__name__}: {error}")
             return OutputStatus(str(self.spec), problem=self.problem)
         return OutputStatus(
@@ -103,7 +103,7 @@ class RunningOutput:
         self.poke()
 
     async def _run(self) -> None:
-        """Until it is not wanted any more, and closed."""
+        """Run until it is not wanted any more, and closed."""
         pause_s, is_told = RETRY_FIRST_S, False
         while self.is_wanted:
             await self._until(lambda: not (self.is_wanted and self._is_blocked(self)))
@@ -117,11 +117,11 @@ class RunningOutput:
                 pause_s = min(2.0 * pause_s, RETRY_LONGEST_S)
 
     async def _open_for_s(self) -> float:
-        """Open it, and close it when it fails or is not wanted any more; how long it was open, 0 for never."""
+        """Open it, and close it when it fails or is not wanted; the time it was open, s, or 0."""
         self._has_failed, open_s, loop = False, 0.0, asyncio.get_running_loop()
         try:
             output = OUTPUTS[self.spec.name].output(self.spec.options, self._host)
-        except Exception as error:  # noqa: BLE001 - likewise
+        except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
             self._fail(f"{type(error).__name__}: {error}")
             return open_s
         problem = await _opened(output)
@@ -136,7 +136,7 @@ class RunningOutput:
         return open_s
 
     async def _until(self, is_so: Callable[[], bool], most_s: float | None = None) -> None:
-        """Wait until something is so, and `most_s` at most."""
+        """Wait for a condition, at most `most_s`."""
         with suppress(TimeoutError):
             async with asyncio.timeout(most_s):
                 while not is_so():
@@ -145,7 +145,7 @@ class RunningOutput:
 
 
 async def _opened(output: Output[Any]) -> str:
-    """Open it; why that did not go, empty where it did."""
+    """Open it; the problem, or an empty text."""
     try:
         async with asyncio.timeout(OPEN_S):
             await output.open()
@@ -153,7 +153,7 @@ async def _opened(output: Output[Any]) -> str:
         return f"took longer than {OPEN_S:g} s to open"
     except OutputError as error:
         return str(error)
-    except Exception as error:  # noqa: BLE001 - likewise
+    except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
         return f"{type(error).__name__}: {error}"
     return ""
 
@@ -162,5 +162,5 @@ async def _closed(output: Output[Any], log: FilteringBoundLogger) -> None:
     try:
         async with asyncio.timeout(CLOSE_S):
             await output.close()
-    except Exception as error:  # noqa: BLE001 - likewise
+    except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
         log.warning("output_close_failed", reason=f"{type(error).__name__}: {error}")

@@ -1,4 +1,4 @@
-"""The state of the service as outputs, `ctl status` and `top` are told it, once a second: one record, as JSON."""
+"""State of the service as one record, for outputs (once a second), `ctl status` and `top`."""
 
 import json
 from dataclasses import asdict, dataclass, field
@@ -7,26 +7,26 @@ from typing import Any, Self
 
 @dataclass(frozen=True, slots=True)
 class LinkStatus:
-    """The serial link since the start; the names are those of `link_stats`.
+    """The serial link since the start; names as in `link_stats`.
 
     port, baud, protocol
-        As opened; `protocol` is `unknown` until bytes have shown it.
+        As opened; `protocol` is `unknown` until it was found.
     is_open
-        The port is there.
+        Whether the port is open.
     silent_s
-        How long no sample has come, s.
+        Time since the last sample, s.
     rate_hz
         Samples per second over the last second.
     jitter_ms
-        Peak-to-peak variation over the last second of how long samples took from the device's clock to here, ms.
+        Peak-to-peak variation of the delay of samples over the last second, ms.
     samples, bytes, damaged, before_hello, clipped, gaps, missing, device_resets, reconnects
         Counters.
     gone_s
-        For how long the port was gone, s.
+        Total time without the port, s.
     clock_ppm
-        Rate of the device clock against the host's; None until known.
+        Rate of the device clock against the host clock, ppm; None until it is known.
     busy
-        Share of the line's capacity that is used, 0 to 1; 0 for a pty.
+        Used share of the capacity of the line, 0 to 1; 0 for a pty.
     """
 
     port: str = ""
@@ -52,7 +52,7 @@ class LinkStatus:
 
 @dataclass(frozen=True, slots=True)
 class DeviceStatus:
-    """What the device says of itself; None where it does not."""
+    """Description by the device itself; None for missing values."""
 
     device_id: str | None = None
     sample_rate_hz: float | None = None
@@ -62,16 +62,16 @@ class DeviceStatus:
 
 @dataclass(frozen=True, slots=True)
 class FilterStatus:
-    """The filter after the last sample; None for what it does not say.
+    """The filter after the last sample; None for unknown values.
 
     scale_sigma_deg
         Share of `yaw_sigma_deg` from the scale factor.
     heading_deg
-        Compass heading, clockwise from north, 0 to 360; None until a reference was given.
+        Compass heading, clockwise from north, 0 to 360; None until a heading was set.
     rejected
-        Samples that it passed by.
+        Number of rejected samples.
     still, is_witness_believed
-        What was said last of rest beside the rate, 1 stands still and 0 moves, and whether that is believed.
+        Last statement of a witness of rest, 1 for rest and 0 for motion, and whether it is believed.
     temp_curve
         Bias against temperature: `is_accepted`, `slope_dps_c`, `fit_dps`, `points`, `least_c`, `most_c`, `refused`.
     """
@@ -97,13 +97,13 @@ class ConfigStatus:
     """The config in force.
 
     file
-        None where the service runs without one.
+        None without a config.
     filter, params
         The filter and its parameters.
     applied, refused
-        How often the file was taken since the start, and how often it had mistakes.
+        Number of configs applied and refused since the start.
     applied_s
-        Unix time of the last time it was taken, s; None before.
+        Unix time of the last applied config, s; None before.
     """
 
     file: str | None = None
@@ -116,12 +116,12 @@ class ConfigStatus:
 
 @dataclass(frozen=True, slots=True)
 class ClientStatus:
-    """One who listens to an output.
+    """A client of an output.
 
     peer
         Address, or process id for a unix socket.
     sent, dropped
-        Messages that it was sent, and those it was too slow for.
+        Messages sent, and dropped because it was too slow.
     """
 
     peer: str
@@ -134,17 +134,17 @@ class OutputStatus:
     """One output.
 
     output
-        As `--output` has it.
+        Argument of `--output`.
     address
-        Where it listens or sends to; empty while it is not open.
+        Address that it listens on or sends to; empty while it is closed.
     problem
-        Why it is not open; empty where it is.
+        Reason why it is closed; empty while it is open.
     clients
-        Who listens, the first MOST_CLIENTS of them; `client_count` is all of them.
+        The first MOST_CLIENTS clients; `client_count` is the number of all.
     sent, dropped
-        Messages to all clients since the start of the output, those that are gone too.
+        Messages to all clients since the output was opened, with former clients.
     warning
-        What is wrong although it is open; empty where nothing is.
+        Problem of an open output; empty without one.
     """
 
     output: str
@@ -162,16 +162,16 @@ MOST_CLIENTS = 32
 
 @dataclass(frozen=True, slots=True)
 class ServiceStatus:
-    """All of it.
+    """The whole service.
 
     started_s
         Unix time, s.
     memory_bytes
-        Resident memory of the service and of the outputs' process.
+        Resident memory of the service and of the process of the outputs.
     dropped
-        Samples that the outputs' process was too slow for.
+        Samples dropped because the process of the outputs was too slow.
     memory
-        Of what the filter remembers: `file`, `state` (none, new, used or refused), `reason`, `device`; None without.
+        Memory of the filter: `file`, `state` (none, new, used or refused), `reason`, `device`; None without.
     recording
         File that is being written; None while nothing is recorded.
     """
@@ -191,27 +191,27 @@ class ServiceStatus:
     recording: str | None = None
 
     def to_json(self) -> str:
-        """One line."""
+        """Encode as one line of JSON."""
         return json.dumps(asdict(self), separators=(",", ":"), allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Self:
-        """What `to_json` wrote."""
+        """Decode the text of `to_json`."""
         return cls.from_dict(json.loads(text))
 
     @classmethod
-    def from_dict(cls, given: dict[str, Any]) -> Self:
-        """Of plain values."""
+    def from_dict(cls, values: dict[str, Any]) -> Self:
+        """Build from plain values."""
         records = {
-            "link": LinkStatus(**given["link"]),
-            "device": DeviceStatus(**given["device"]),
-            "filter": FilterStatus(**given["filter"]),
-            "config": ConfigStatus(**given["config"]),
-            "outputs": tuple(output_status(each) for each in given["outputs"]),
+            "link": LinkStatus(**values["link"]),
+            "device": DeviceStatus(**values["device"]),
+            "filter": FilterStatus(**values["filter"]),
+            "config": ConfigStatus(**values["config"]),
+            "outputs": tuple(output_status(output) for output in values["outputs"]),
         }
-        return cls(**(given | records))
+        return cls(**(values | records))
 
 
-def output_status(given: dict[str, Any]) -> OutputStatus:
-    """Of plain values."""
-    return OutputStatus(**(given | {"clients": tuple(ClientStatus(**each) for each in given["clients"])}))
+def output_status(values: dict[str, Any]) -> OutputStatus:
+    """Build from plain values."""
+    return OutputStatus(**(values | {"clients": tuple(ClientStatus(**client) for client in values["clients"])}))

@@ -1,4 +1,4 @@
-"""Newline JSON on a TCP port."""
+"""JSON lines on a TCP port."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -10,15 +10,15 @@ from gyrodrift.outputs.output import OutputHost
 
 @dataclass(frozen=True, slots=True)
 class TcpOptions:
-    """Where, and how often."""
+    """Address and rate."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 7117
-    rate_hz: Annotated[Rate, About("at most so many lines a second for who asks for no rate")] = None
+    rate_hz: Annotated[Rate, About("at most this many lines a second for clients that request no rate")] = None
 
 
 class TcpOutput(LineOutput[TcpOptions]):
-    """Each client that connects gets a HELLO line and then samples."""
+    """Sends a HELLO line and then samples to each client."""
 
     options_type = TcpOptions
 

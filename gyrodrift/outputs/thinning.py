@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from gyrodrift.sample import Corrected
 
 SAME_TIME_S = 1e-6
-"""Device clocks count microseconds; closer than this is the same time."""
+"""Times closer than this are equal, s; device clocks count microseconds."""
 
 
 class Thinning:
-    """Keeps samples that are due, and does not make up for those that were not there; a clock may begin again.
+    """Keeps the samples that are due; gaps are not made up for, and a clock may restart.
 
     Parameters
     ----------
@@ -22,8 +22,8 @@ class Thinning:
         self._due_s = float("-inf")
 
     def due(self, samples: Sequence[Corrected]) -> Sequence[Corrected]:
-        """Those of the samples that are due."""
-        return [each for each in samples if self._is_due(each[0][1])] if self._every_s else samples
+        """Samples that are due."""
+        return [corrected for corrected in samples if self._is_due(corrected[0][1])] if self._every_s else samples
 
     def _is_due(self, t_s: float) -> bool:
         since_s = t_s - self._due_s

@@ -1,4 +1,4 @@
-"""JSON datagrams as PlotJuggler's UDP server takes them: one flat object each, with a top-level `timestamp`.
+"""JSON datagrams for the UDP server of PlotJuggler: flat objects with a `timestamp`.
 
 In PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as timestamp if available": timestamp.
 """
@@ -18,18 +18,18 @@ from gyrodrift.sample import Corrected
 
 @dataclass(frozen=True, slots=True)
 class UdpOptions:
-    """Where to, how often, and on which clock."""
+    """Receiver, rate and clock."""
 
-    host: Annotated[Host, About("who receives: a name, an address, or a broadcast address")] = LOOPBACK
+    host: Annotated[Host, About("receiver: a name, an address, or a broadcast address")] = LOOPBACK
     port: Annotated[Port, About("port of the receiver")] = 9870
-    rate_hz: Annotated[Rate, About("at most so many datagrams a second of device time")] = None
+    rate_hz: Annotated[Rate, About("at most this many datagrams a second of device time")] = None
     timestamp: Annotated[
         Literal["host", "device"], About("clock of `timestamp`: host (Unix time) or device (s since its start)")
     ] = "host"
 
 
 class UdpOutput(Output[UdpOptions]):
-    """A datagram a sample; what the network does not take is gone."""
+    """Sends a datagram per sample; datagrams that the network does not take are lost."""
 
     options_type = UdpOptions
 
@@ -40,24 +40,24 @@ class UdpOutput(Output[UdpOptions]):
         self._clock = FIELDS["t_host_s" if options.timestamp == "host" else "t_s"]
 
     async def open(self) -> None:
-        """Look the receiver up."""
+        """Resolve the receiver."""
         self.address = await self._sender.open(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send one for each sample that is due."""
-        for each in self._thinning.due(samples):
-            self._sender.send(self.datagram(each))
+        """Send a datagram for each sample that is due."""
+        for sample in self._thinning.due(samples):
+            self._sender.send(self.datagram(sample))
 
     def datagram(self, sample: Corrected) -> bytes:
-        """A sample as PlotJuggler takes it; absent values are left out."""
+        """A sample for PlotJuggler, without unknown values."""
         values = {name: value(sample) for name, value in FIELDS.items()}
-        said = {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
-        return json.dumps({"timestamp": self._clock(sample), **said}).encode()
+        present = {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
+        return json.dumps({"timestamp": self._clock(sample), **present}).encode()
 
     def counts(self) -> tuple[int, int]:
-        """Datagrams."""
+        """Datagrams sent and dropped."""
         return self._sender.sent, self._sender.dropped
 
     async def close(self) -> None:
-        """Let go of the socket."""
+        """Close the socket."""
         self._sender.close()

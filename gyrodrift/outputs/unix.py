@@ -1,4 +1,4 @@
-"""Newline JSON on a unix socket."""
+"""JSON lines on a unix socket."""
 
 import os
 from dataclasses import dataclass
@@ -12,23 +12,23 @@ from gyrodrift.outputs.options import About, Rate
 from gyrodrift.outputs.output import OutputHost
 
 LONGEST_PATH = 107
-"""Bytes, of sun_path in unix(7)."""
+"""Longest path in bytes: sun_path of unix(7)."""
 
 NAME = "gyrodrift.sock"
 
 
 @dataclass(frozen=True, slots=True)
 class UnixOptions:
-    """Where, and how often."""
+    """Address and rate."""
 
     path: Annotated[
-        str, MaxLen(LONGEST_PATH), About(f"path of the socket; {NAME} in the runtime directory where empty")
+        str, MaxLen(LONGEST_PATH), About(f"path of the socket; {NAME} in the runtime directory if empty")
     ] = ""
-    rate_hz: Annotated[Rate, About("at most so many lines a second for who asks for no rate")] = None
+    rate_hz: Annotated[Rate, About("at most this many lines a second for clients that request no rate")] = None
 
 
 class UnixOutput(LineOutput[UnixOptions]):
-    """As `tcp`, for this user alone."""
+    """Like `tcp`, but only for this user."""
 
     options_type = UnixOptions
 
@@ -41,9 +41,9 @@ class UnixOutput(LineOutput[UnixOptions]):
 
 
 def runtime_folder() -> Path:
-    """Of the service under systemd, of the user's session, or /tmp with neither."""
+    """Runtime folder of the service under systemd or of the session of the user; otherwise /tmp."""
     for name in ("RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"):
         folder = os.environ.get(name, "").partition(":")[0]
         if folder and Path(folder).is_dir():
             return Path(folder)
-    return Path("/tmp")  # noqa: S108 - the socket is for this user alone, and one that is another's is refused
+    return Path("/tmp")  # noqa: S108 - the socket is only for this user, and a foreign socket is refused

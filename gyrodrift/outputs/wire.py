@@ -1,6 +1,6 @@
-"""What goes between the service and the outputs' process: datagrams of a kind and a content, on a socket pair.
+"""Messages between the service and the process of the outputs: datagrams with a kind, on a socket pair.
 
-Samples are packed and not written as text: handing one over costs the loop that reads the port a microsecond.
+Samples are packed, not text: it takes the loop that reads the port only a microsecond per sample.
 """
 
 import json
@@ -19,38 +19,38 @@ ACCESS = b"A"
 
 RECORD = Struct("<q16d")
 MOST_RECORDS = 256
-"""In a datagram."""
+"""Most samples in a datagram."""
 
 LONGEST_BYTES = 128 << 10
-"""Of a datagram; the kernel's default takes 208 KiB."""
+"""Longest datagram; the default of the kernel is 208 KiB."""
 
 _pack = RECORD.pack
 
 
 def pack_samples(samples: Sequence[Corrected]) -> bytes:
-    """No more than MOST_RECORDS of them."""
-    return SAMPLES + b"".join([_pack(*each[0], *each[1:]) for each in samples])
+    """Pack at most MOST_RECORDS samples."""
+    return SAMPLES + b"".join([_pack(*corrected[0], *corrected[1:]) for corrected in samples])
 
 
 def unpack_samples(message: bytes) -> list[Corrected]:
-    """What `pack_samples` packed."""
+    """Unpack the samples of `pack_samples`."""
     return [Corrected(Sample(*record[:7]), *record[7:]) for record in RECORD.iter_unpack(memoryview(message)[1:])]
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:
-    """Anything else."""
+    """Pack a JSON value."""
     return kind + json.dumps(value, separators=(",", ":"), default=str).encode()
 
 
 def unpack_json(message: bytes) -> Any:
-    """What `pack_json` packed."""
+    """Unpack the value of `pack_json`."""
     return json.loads(message[1:])
 
 
 def batches(samples: Sequence[Corrected]) -> Iterator[Sequence[Corrected]]:
-    """Samples in handfuls that fit a datagram."""
+    """Samples in batches that fit into a datagram."""
     if len(samples) <= MOST_RECORDS:
         yield samples
         return
-    for at in range(0, len(samples), MOST_RECORDS):
-        yield samples[at : at + MOST_RECORDS]
+    for start in range(0, len(samples), MOST_RECORDS):
+        yield samples[start : start + MOST_RECORDS]

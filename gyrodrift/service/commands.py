@@ -1,5 +1,6 @@
 """Commands of `gyrodrift ctl`, carried out by the running service."""
 
+import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import nan
@@ -7,7 +8,7 @@ from typing import Any
 
 from gyrodrift.errors import CalibrationError, ConfigError, UsageError
 from gyrodrift.outputs.output import ControlAccess
-from gyrodrift.outputs.web.address import AddressError, page_url
+from gyrodrift.outputs.web.address import WEB, AddressError, page_url
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.guided import GuidedCalibration
@@ -18,6 +19,8 @@ from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.stdout import JsonLines
 
 FASTEST_HZ = 1e6
+OPENING_S = 3.0
+"""Longest wait of `page` for a page that is being opened, s."""
 
 NO_REST_WORD = "auto"
 """Argument of `rest` that ends `rest 0` and `rest 1`: the device's own statements count again."""
@@ -117,12 +120,19 @@ class ServiceCommands:
                     raise CommandError(str(error)) from error
         raise CommandError("expected calibrate start, mark, undo, finish, cancel or state")
 
-    def _page(self, words: list[str]) -> Mapping[str, Any]:
+    def _page(self, words: list[str]) -> Later:
         _check_empty(words, "page")
-        try:
-            return {"url": page_url(self.reporting.feed.statuses(), self.access.token)}
-        except AddressError as error:
-            raise CommandError(str(error)) from error
+        until_s = time.monotonic() + OPENING_S
+
+        def answer() -> Mapping[str, Any] | None:
+            try:
+                return {"url": page_url(self.reporting.feed.statuses(), self.access.token)}
+            except AddressError as error:
+                if time.monotonic() < until_s and any(spec.name == WEB for spec in self.reporting.feed.specs):
+                    return None
+                raise CommandError(str(error)) from error
+
+        return answer
 
     def _status(self, words: list[str]) -> Mapping[str, Any]:
         _check_empty(words, "status")

@@ -68,7 +68,7 @@ class GuidedCalibration:
         if guide is None:
             raise CalibrationError("no calibration runs; begin with calibrate start")
         if word == "cancel":
-            self._end("Cancelled; nothing is written.")
+            self._end("Canceled; nothing is written.")
         else:
             from gyrodrift.calibrate.guide import Key  # noqa: PLC0415 - loaded already
 

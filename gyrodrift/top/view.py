@@ -77,17 +77,19 @@ def _values(status: ServiceStatus) -> Table:
     half = (len(values) + 1) // 2
     table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 3, 0, 0))
     for first, second in zip(values[:half], [*values[half:], None], strict=False):
-        beside = (second.label, second.says) if second else ("", "")
-        table.add_row(first.label, Text(first.says, "bold"), *beside)
+        second_cells = (second.label, second.says) if second else ("", "")
+        table.add_row(first.label, Text(first.says, "bold"), *second_cells)
     return table
 
 
 def _chart(points: Sequence[YawPoint], columns: int, rows: int) -> list[Text]:
     """Yaw against seconds before now, between its limits of two sigma."""
     now_s = points[-1].t_s if points else 0.0
-    known = [point for point in points if isfinite(point.sigma_deg)]
+    with_sigma = [point for point in points if isfinite(point.sigma_deg)]
     bounds = [
-        ChartLine(name, [(p.t_s - now_s, p.yaw_deg + sign * 2.0 * p.sigma_deg) for p in known], "blue", is_dashed=True)
+        ChartLine(
+            name, [(p.t_s - now_s, p.yaw_deg + sign * 2.0 * p.sigma_deg) for p in with_sigma], "blue", is_dashed=True
+        )
         for name, sign in (("± 2 sigma", 1.0), ("", -1.0))
     ]
     yaw = ChartLine("yaw", [(point.t_s - now_s, point.yaw_deg) for point in points], "cyan")
@@ -95,7 +97,7 @@ def _chart(points: Sequence[YawPoint], columns: int, rows: int) -> list[Text]:
     values = [value for line in series for _, value in line.points]
     since_s = min(-10.0, points[0].t_s - now_s) if points else -10.0
     lines = chart(series, AxisRange(since_s, 0.0), padded_range(values, LEAST_DEG), columns, rows - 1)
-    return [legend([yaw, *bounds[:1]] if known else [yaw], "deg against s before now:"), *lines]
+    return [legend([yaw, *bounds[:1]] if with_sigma else [yaw], "deg against s before now:"), *lines]
 
 
 def sparkline(values: Sequence[float]) -> str:

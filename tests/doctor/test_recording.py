@@ -54,7 +54,7 @@ def test_what_a_recording_kept_of_its_link_is_told(
         assert run.end() == 0, run.log
     status, found = doctor(capsys, *out.glob("*.mcap"))
     assert status == 3
-    assert_findings(found, [("damage", "error", "frames arrived damaged"), ("protocol", "ok", "It sends native")])
+    assert_findings(found, [("damage", "error", "frames are damaged"), ("protocol", "ok", "It sends native")])
     assert found["line_budget"]["value"] == pytest.approx(0.2, abs=0.06)
     (tmp_path / "table.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 10},{i % 3}\n" for i in range(300)))
     _, found = doctor(capsys, tmp_path / "table.csv")

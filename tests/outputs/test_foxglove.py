@@ -149,7 +149,7 @@ def test_a_port_that_is_taken_is_told(port: Path) -> None:
         taken.listen()
         with serving(port, "--output", f"foxglove:port={taken.getsockname()[1]}") as (serve, _):
             serve.until(lambda it: bool(events(it, "output_failed")), "refusal")
-            assert "is taken by" in events(serve, "output_failed")[0]["reason"]
+            assert "is used by" in events(serve, "output_failed")[0]["reason"]
 
 
 def test_all_losses_so_far_are_told() -> None:

@@ -10,21 +10,21 @@ GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=
 
 def test_all_is_well() -> None:
     """One sentence, rather than none."""
-    assert health(GOOD) == [Health(HealthLevel.GOOD, "Every sample arrives whole.")]
+    assert health(GOOD) == [Health(HealthLevel.GOOD, "Link OK: no samples lost or damaged.")]
 
 
 def test_the_worst_is_told_first_and_everything_is_told() -> None:
     """Counted in words a person uses."""
     link = replace(GOOD.link, damaged=1, gaps=1, missing=3, reconnects=1, gone_s=2.5, jitter_ms=31.0)
-    outputs = (OutputStatus("tcp", problem="port 127.0.0.1:7117 is taken by nc (process 7)"),)
+    outputs = (OutputStatus("tcp", problem="port 127.0.0.1:7117 is used by nc (process 7)"),)
     said = health(replace(GOOD, link=link, outputs=outputs, device=DeviceStatus(sample_rate_hz=50.0)))
     assert [each.says for each in said] == [
-        "The output tcp is not open: port 127.0.0.1:7117 is taken by nc (process 7).",
-        "1 frame arrived damaged.",
+        "The output tcp is not open: port 127.0.0.1:7117 is used by nc (process 7).",
+        "Damaged: 1 frame.",
         "Lost: 3 samples in 1 gap.",
-        "The port came back once, after 2.5 s away in all.",
-        "Samples arrive unevenly: by up to 31 ms.",
-        "100.0 samples a second arrive; the device says 50.",
+        "The port was reconnected once, after 2.5 s in total.",
+        "Samples arrive unevenly, by up to 31 ms.",
+        "The rate is 100.0 Hz; the device states 50 Hz.",
     ]
     assert said[0].level is HealthLevel.BAD
 
@@ -33,5 +33,5 @@ def test_a_link_that_says_nothing_is_bad() -> None:
     """A port that is gone, or a device that is silent."""
     gone = health(replace(GOOD, link=replace(GOOD.link, is_open=False)))
     silent = health(replace(GOOD, link=replace(GOOD.link, silent_s=12.0)))
-    assert gone[0] == Health(HealthLevel.BAD, "The port /dev/ttyUSB0 is gone; it is waited for.")
-    assert silent[0] == Health(HealthLevel.BAD, "The device has said nothing for 12 s.")
+    assert gone[0] == Health(HealthLevel.BAD, "The port /dev/ttyUSB0 is gone; the service waits for it.")
+    assert silent[0] == Health(HealthLevel.BAD, "No sample for 12 s.")

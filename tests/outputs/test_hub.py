@@ -84,7 +84,7 @@ def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Addres
         (b"[1]", 'expected {"class":"WATCH","rate_hz":10,"fields":["t_s","yaw_deg"]}'),
         (b'{"class":"WATCH","rate_hz":-1}', "rate_hz: expected a number above 0"),
         (b'{"class":"WATCH","rate_hz":true}', "rate_hz: expected a number above 0"),
-        (b'{"class":"WATCH","fields":["yaw"]}', "fields: 'yaw' is none; did you mean yaw_deg?"),
+        (b'{"class":"WATCH","fields":["yaw"]}', "fields: 'yaw' is no field; did you mean yaw_deg?"),
         (b'{"class":"WATCH","fields":"yaw"}', "fields: expected a list of names"),
         (b'{"class":"WATCH","zero":1}', "unknown key 'zero'"),
     ],
@@ -234,12 +234,12 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
         outputs.want(f"tcp:port={port}")
         name = Path(f"/proc/{holder.pid}/comm").read_text().strip()
         assert problem(outputs) == (
-            f"port 127.0.0.1:{port} is taken by {name} (process {holder.pid}); give another with port="
+            f"port 127.0.0.1:{port} is used by {name} (process {holder.pid}); give another with port="
         )
         holder.communicate(b"\n")
     assert address(outputs) == ("127.0.0.1", port)
     outputs.want(f"tcp:port={port}", f"tcp:port={port},rate_hz=10")
-    assert "is taken by another output of this service" in problem(outputs)
+    assert "is used by another output of this service" in problem(outputs)
 
 
 def test_a_path_that_is_no_socket_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:

@@ -101,7 +101,7 @@ FLOODS = [
     (b"".join(published(b"a/b", b"x" * 50, 2, packet) for packet in range(1, 5000)), "packets"),
     (published(b"homeassistant/status", b"online") * 5000, "packets a second"),
     (published(b"homeassistant/status", b"online", 1) * 5000, "packets"),
-    (b"\xf0\x00" * 5000, "the broker went away"),
+    (b"\xf0\x00" * 5000, "the connection to the broker is lost"),
     (published(b"\xff\xfe", b"x") * 5000, "the broker"),
 ]
 

@@ -249,7 +249,7 @@ def test_a_port_that_is_taken_is_told() -> None:
     """With who has it."""
     with socket.create_server(("127.0.0.1", 0)) as taken, hub() as outputs:
         outputs.want(f"networktables:port={taken.getsockname()[1]}")
-        assert f":{taken.getsockname()[1]}" in await_problem(outputs, "is taken by")
+        assert f":{taken.getsockname()[1]}" in await_problem(outputs, "is used by")
 
 
 def test_delays_that_vary_are_not_in_the_time_of_measurement() -> None:

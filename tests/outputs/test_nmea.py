@@ -115,7 +115,7 @@ def test_a_file_at_the_path_is_left_alone(outputs: HubThread, tmp_path: Path) ->
     outputs.want(f"nmea:to=pty,path={there}")
     while not (problem := next((each.problem for each in outputs.statuses()), "")):
         pass
-    assert problem == f"{there} is there and is no link to a pty; give another with path="
+    assert problem == f"{there} exists and is no link to a pty; choose another with path="
     assert there.read_text() == "mine"
 
 
@@ -128,7 +128,7 @@ def test_a_link_that_leads_elsewhere_is_left_alone(outputs: HubThread, tmp_path:
     outputs.want(f"nmea:to=pty,path={link}")
     while not (problem := next((each.problem for each in outputs.statuses()), "")):
         pass
-    assert problem == f"{link} is there and is no link to a pty; give another with path="
+    assert problem == f"{link} exists and is no link to a pty; choose another with path="
     assert str(link.readlink()) == target
 
 

@@ -191,8 +191,9 @@ def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
 
 def test_what_an_output_claims_is_its_port_or_its_path() -> None:
     """A port that is given by the system is nobody's, and the port of a broker is the broker's."""
-    claims: dict[str, Any] = {
-        text: Output.claims(output_of(text).options) for text in ("tcp:port=5", "tcp:port=0", "unix:path=/a")
+    resources: dict[str, Any] = {
+        text: Output.exclusive_resources(output_of(text).options)
+        for text in ("tcp:port=5", "tcp:port=0", "unix:path=/a")
     }
-    assert claims == {"tcp:port=5": {"port 5"}, "tcp:port=0": set(), "unix:path=/a": {"path /a"}}
-    assert OUTPUTS["mqtt"].output.claims(output_of("mqtt:port=5").options) == {"mqtt 127.0.0.1 "}
+    assert resources == {"tcp:port=5": {"port 5"}, "tcp:port=0": set(), "unix:path=/a": {"path /a"}}
+    assert OUTPUTS["mqtt"].output.exclusive_resources(output_of("mqtt:port=5").options) == {"mqtt 127.0.0.1 "}

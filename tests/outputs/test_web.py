@@ -86,7 +86,7 @@ def test_a_name_that_is_not_of_this_machine_is_refused(web: Web) -> None:
     assert got(address, Host="gyro.example:80")[0] == got(address, Host="localhost")[0] == 200
     status, text, _ = got(address, Host="evil.example")
     assert status == 403
-    assert "give web:reached_as=NAME" in text
+    assert "add it with web:reached_as=NAME" in text
     assert got(address, Host="[")[0] == 403
 
 
@@ -143,7 +143,7 @@ def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
             assert points(second, 1)[-1]["t_s"] == corrected(2).sample.t_host_s
             assert told(second, "event")["fields"]["changes"] == ["tau_s 1 → 2"]
             health = told(second, "state")["health"]
-            assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; it is waited for."}
+            assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; the service waits for it."}
 
 
 def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:

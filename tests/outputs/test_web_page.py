@@ -171,7 +171,7 @@ def test_a_local_person_zeroes_sets_a_heading_and_records(page: Tab, port: Path,
         page.run("document.querySelector('#calibrate').click()")
         page.until("document.querySelector('#guide-says').innerText.includes('Put the device on a firm table')")
         page.run("document.querySelector('#calibrate-cancel').click()")
-        page.until("document.querySelector('#guide-says').innerText.includes('Cancelled; nothing is written.')")
+        page.until("document.querySelector('#guide-says').innerText.includes('Canceled; nothing is written.')")
         assert page.text("#control-error") == ""
     (recorded,) = folder.glob("*.mcap")
     assert len(load_session(recorded).t_device_s) == 300

@@ -60,7 +60,7 @@ def test_without_a_config_nothing_is_written_and_a_cancelled_one_ends(tmp_path: 
     ):
         Table(device, tmp_path, to_and_fro(TURNS_DEG)).play(1.0)
         serve.take_lines(50)
-        for words, sentence in (("cancel", "Cancelled; nothing is written."), ("finish", "Nothing is written: ")):
+        for words, sentence in (("cancel", "Canceled; nothing is written."), ("finish", "Nothing is written: ")):
             with Command("ctl", control, "calibrate", "start") as start:
                 assert start.end() == 0
             with Command("ctl", control, "calibrate", words) as end:

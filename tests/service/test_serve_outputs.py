@@ -123,4 +123,4 @@ def test_outputs_and_their_options_are_listed() -> None:
     """With what each means."""
     with Command("serve", "--list-outputs") as command:
         assert command.end() == 0
-    assert "tcp: newline JSON to whoever connects\n  host=127.0.0.1: address to listen on" in command.out
+    assert "tcp: JSON lines on a TCP port\n  host=127.0.0.1: address to listen on" in command.out

@@ -36,7 +36,7 @@ def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) 
         serve.take_lines(201)
         top = stack.enter_context(top_on(path))
         shows(top, r"Yaw +\+20\.00 deg")
-        for label in ("Drift estimate", "At rest", r"Temperature +25.0 °C", "Sample rate", "Jitter", r"Gaps +0"):
+        for label in ("Bias", "At rest", r"Temperature +25.0 °C", "Sample rate", "Jitter", r"Gaps +0"):
             shows(top, label)
         shows(top, r"127\.0\.0\.1:")
         top.keys("z")
@@ -89,7 +89,7 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
     shown = console.export_text()
     for said in ("+1.00 ± 0.50 deg", "-0.2500 ± 0.0100 deg/s", "97%", "1 (7 samples)", "127.0.0.1:50007", "and 2 more"):
         assert said in shown
-    assert "3 frames arrived damaged (23.1%); look at cable, ground and baud." in shown
+    assert "3 frames are damaged (23.1%); check cable, ground and baud." in shown
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])

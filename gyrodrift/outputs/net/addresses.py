@@ -1,4 +1,4 @@
-"""Addresses to listen on: whether others on the network can reach them, and who has a port already."""
+"""Addresses to listen on: whether the network can reach them, and which program has a port."""
 
 import errno
 import ipaddress
@@ -11,12 +11,12 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.output import OutputError
 
 LISTENING = "0A"
-"""A state of /proc/net/tcp; bound datagram sockets have the state 07 in /proc/net/udp."""
+"""State of a listening socket in /proc/net/tcp; bound datagram sockets have the state 07 in /proc/net/udp."""
 BOUND = "07"
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches it; a name other than localhost may be anything."""
+    """Whether only this machine reaches a host; names other than localhost do not count."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -24,7 +24,7 @@ def is_loopback(host: str) -> bool:
 
 
 def warn_of_others(log: FilteringBoundLogger, host: str) -> None:
-    """Say in the log that others on the network can read what is sent."""
+    """Warn that the network can read the output."""
     if not is_loopback(host):
         log.warning("output_open_to_network", host=host, hint="anyone who reaches this address can read; no password")
 
@@ -35,20 +35,20 @@ def shown(host: str, port: int) -> str:
 
 
 def cannot_listen(error: OSError, host: str, port: int) -> OutputError:
-    """What to tell a person of a bind that failed, with who has the port where /proc tells."""
+    """Error for a failed bind, with the program that has the port if /proc shows it."""
     where = shown(host, port)
     if error.errno == errno.EADDRINUSE:
         holder = holder_of(port)
-        return OutputError(f"port {where} is taken by {holder or 'another program'}; give another with port=")
+        return OutputError(f"port {where} is used by {holder or 'another program'}; choose another with port=")
     if error.errno == errno.EACCES:
-        return OutputError(f"port {where} may not be opened by this user; ports below 1024 are the system's")
+        return OutputError(f"port {where} may not be opened by this user; ports below 1024 belong to the system")
     if error.errno == errno.EADDRNOTAVAIL:
         return OutputError(f"{host} is no address of this machine")
     return OutputError(f"cannot listen on {where}: {error.strerror or error}")
 
 
 def holder_of(port: int) -> str | None:
-    """Name and number of the process that listens on a port; None where that cannot be seen."""
+    """Name and number of the process that listens on a port; None if unknown."""
     inodes = set(_inodes(port))
     if not inodes:
         return None
@@ -61,7 +61,7 @@ def holder_of(port: int) -> str | None:
 
 
 def _inodes(port: int) -> Iterator[str]:
-    """Of sockets that are bound to a port."""
+    """Inodes of sockets that are bound to a port."""
     for table, state in (("tcp", LISTENING), ("tcp6", LISTENING), ("udp", BOUND), ("udp6", BOUND)):
         try:
             rows = Path("/proc/net", table).read_text().splitlines()[1:]
@@ -74,18 +74,18 @@ def _inodes(port: int) -> Iterator[str]:
 
 
 def _sockets_of(folder: Path) -> Iterator[str]:
-    """Inodes of the sockets that a process has open; none where we may not look."""
+    """Inodes of the open sockets of a process; none without permission."""
     try:
         links = list((folder / "fd").iterdir())
     except OSError:
         return
     for link in links:
         try:
-            found = re.fullmatch(r"socket:\[(\d+)\]", str(link.readlink()))
+            match = re.fullmatch(r"socket:\[(\d+)\]", str(link.readlink()))
         except OSError:
             continue  # closed meanwhile
-        if found:
-            yield found[1]
+        if match:
+            yield match[1]
 
 
 def _name_of(folder: Path) -> str:

@@ -1,4 +1,4 @@
-"""What waits for one client: bounded, and the oldest goes first."""
+"""Bounded queue for one client; the oldest messages are dropped first."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ class Backlog(Generic[Message]):
     """Messages that a client has not taken yet.
 
     dropped
-        Messages dropped so far; `untold` of them have not been told to the client.
+        Messages dropped so far; `untold` of them were not reported to the client.
     """
 
     longest_bytes: int
@@ -22,11 +22,11 @@ class Backlog(Generic[Message]):
     _bytes: int = 0
 
     def __len__(self) -> int:
-        """Pieces, not messages."""
+        """Number of pieces, not of messages."""
         return len(self._waiting)
 
     def append(self, piece: Message, messages: int = 1) -> None:
-        """Let a piece wait that is so many messages; the newest one waits however long it is."""
+        """Queue a piece of some messages; the newest piece is kept whatever its length."""
         self._waiting.append((piece, messages))
         self._bytes += len(piece)
         while self._bytes > self.longest_bytes and len(self._waiting) > 1:
@@ -36,12 +36,12 @@ class Backlog(Generic[Message]):
             self.untold += count
 
     def pop(self) -> tuple[Message, int]:
-        """The oldest piece, and how many messages it is."""
+        """Remove the oldest piece; returns it with its number of messages."""
         piece, messages = self._waiting.popleft()
         self._bytes -= len(piece)
         return piece, messages
 
     def tell(self) -> int:
-        """How many were dropped since this was asked the last time."""
+        """Number of messages dropped since the last call."""
         untold, self.untold = self.untold, 0
         return untold

@@ -1,4 +1,4 @@
-"""Datagrams to one address, never waiting: what the kernel does not take is dropped and counted."""
+"""Datagrams to one address, sent without waiting; datagrams that the kernel does not take are dropped and counted."""
 
 import asyncio
 import socket
@@ -17,26 +17,26 @@ class DatagramSender:
         self._to: tuple[object, ...] = ()
 
     async def open(self, host: str, port: int) -> str:
-        """Look the address up; gives it for a person. Broadcast addresses are allowed.
+        """Resolve the address; returns it as text. Broadcast addresses are allowed.
 
         Raises
         ------
         OutputError
-            Where there is no such host.
+            If there is no such host.
         """
         loop = asyncio.get_running_loop()
         try:
-            found = await loop.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+            addresses = await loop.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except OSError as error:
             raise OutputError(f"{host}: {error.strerror or error}") from error
-        family, kind, protocol, _, self._to = found[0]
+        family, kind, protocol, _, self._to = addresses[0]
         self._socket = socket.socket(family, kind, protocol)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         return shown(host, port)
 
     def send(self, content: bytes) -> None:
-        """Send one; a network that is away, or a full buffer, costs the datagram."""
+        """Send a datagram; a missing network or a full buffer drops it."""
         if self._socket is None:
             return
         try:
@@ -47,7 +47,7 @@ class DatagramSender:
             self.sent += 1
 
     def close(self) -> None:
-        """Let go of the socket."""
+        """Close the socket."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None

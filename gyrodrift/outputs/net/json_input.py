@@ -1,18 +1,18 @@
-"""JSON that a client sends: one parser for all outputs, with a limit on depth, and one kind of error.
+"""JSON parser for the input of clients, with a limit on depth and one kind of error.
 
-The limit on bytes is that of the connection (`limits`). The standard library's parser raises RecursionError for deep
-nesting and a plain ValueError for long integers, and takes NaN and Infinity, which are no JSON.
+The connection limits the bytes (`limits`). The parser of the standard library raises RecursionError for deep nesting
+and ValueError for long integers, and it takes NaN and Infinity, which are no JSON.
 """
 
 import json
 from typing import Any, NoReturn
 
 DEEPEST = 16
-"""Arrays and objects inside each other; no protocol of an output needs more than five."""
+"""Deepest nesting; no protocol of an output needs more than five levels."""
 
 
 class NotJsonError(ValueError):
-    """The text is no JSON, or is nested too deeply; the message is meant for the client."""
+    """The text is no JSON, or is nested too deeply; the message is for the client."""
 
 
 def _refuse_constant(name: str) -> NoReturn:
@@ -23,12 +23,12 @@ _DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
 
 
 def parse_json(text: str | bytes) -> Any:
-    """The value of a JSON text.
+    """Parse a JSON text.
 
     Raises
     ------
     NotJsonError
-        At anything else.
+        If the text is no JSON.
     """
     try:
         decoded = text if isinstance(text, str) else text.decode()
@@ -42,12 +42,12 @@ def parse_json(text: str | bytes) -> Any:
 
 
 def parse_json_at(text: str, start: int) -> tuple[Any, int]:
-    """The JSON value that begins at an index, and the index behind it.
+    """Parse the JSON value at an index; returns it with the index behind it.
 
     Raises
     ------
     NotJsonError
-        At anything else.
+        If the text is no JSON.
     """
     try:
         value, end = _DECODER.raw_decode(text, start)
@@ -58,7 +58,7 @@ def parse_json_at(text: str, start: int) -> tuple[Any, int]:
 
 
 def _blanks(text: str, start: int) -> int:
-    """Index of the first character that is no blank of JSON."""
+    """Index of the first character that is no JSON blank."""
     return len(text) - len(text[start:].lstrip(" \t\r\n"))
 
 
@@ -67,7 +67,7 @@ def _check_depth(text: str, value: Any) -> None:
         return
     level = _containers([value])
     for _ in range(DEEPEST):
-        level = [inner for each in level for inner in _containers(each)]
+        level = [inner for container in level for inner in _containers(container)]
     if level:
         raise NotJsonError(f"this is nested more than {DEEPEST} deep")
 
@@ -75,4 +75,4 @@ def _check_depth(text: str, value: Any) -> None:
 def _containers(value: Any) -> list[Any]:
     """Arrays and objects directly inside a value."""
     inside = value.values() if isinstance(value, dict) else value
-    return [each for each in inside if isinstance(each, (dict, list))]
+    return [item for item in inside if isinstance(item, (dict, list))]

@@ -1,4 +1,4 @@
-"""What a client may take up before it is told to go."""
+"""Limits for the clients of a server."""
 
 import time
 from collections.abc import Callable
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Of one server.
+    """Limits of one server.
 
     clients
-        That may be connected at a time; those in the middle of a handshake count.
+        Most connected clients; those in a handshake count.
     message_bytes
-        Longest line or message that a client may send.
+        Longest line or message of a client.
     messages_per_s
-        That a client may send in the long run, with as many at once.
+        Most messages of a client a second on average, and most at once.
     handshake_s
-        For what a protocol demands before anything is sent.
+        Longest handshake, s.
     queue_bytes
-        That wait for a client who does not read; beyond it the oldest are dropped.
+        Longest queue for a slow client; then the oldest messages are dropped.
     """
 
     clients: int = 64
@@ -32,19 +32,19 @@ DEFAULT_LIMITS = Limits()
 
 
 class Allowance:
-    """Messages that a client may still send: a bucket that fills at a steady rate and holds a second of it."""
+    """Token bucket of the messages of a client: it holds the messages of one second."""
 
     def __init__(self, per_s: float, monotonic: Callable[[], float] = time.monotonic) -> None:
-        self._per_s = self._left = per_s
+        self._per_s = self._tokens = per_s
         self._monotonic = monotonic
-        self._seen_s = monotonic()
+        self._filled_s = monotonic()
 
     def take(self) -> bool:
-        """Use one up; False where none is left."""
+        """Take a token; False without one."""
         now_s = self._monotonic()
-        self._left = min(self._per_s, self._left + (now_s - self._seen_s) * self._per_s)
-        self._seen_s = now_s
-        if self._left < 1.0:
+        self._tokens = min(self._per_s, self._tokens + (now_s - self._filled_s) * self._per_s)
+        self._filled_s = now_s
+        if self._tokens < 1.0:
             return False
-        self._left -= 1.0
+        self._tokens -= 1.0
         return True

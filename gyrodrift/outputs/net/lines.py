@@ -1,7 +1,7 @@
-"""A server of lines of text, on TCP or on a unix socket.
+"""A server of text lines, on TCP or on a unix socket.
 
-What is sent to a client goes to the kernel at once; where the kernel's buffer is full it waits in a bounded backlog,
-of which the oldest is dropped and the client told how many. What a client sends is cut into lines here.
+Messages go to the kernel at once. While its buffer is full they wait in a bounded backlog. The oldest are dropped, and
+the client gets their number. Input of clients is split into lines.
 """
 
 import asyncio
@@ -20,26 +20,26 @@ from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 from gyrodrift.outputs.status import ClientStatus
 
 KERNEL_BYTES = 64 << 10
-"""That the kernel and asyncio keep for a client: what lies there cannot be dropped any more, and is late."""
+"""Buffer of the kernel and of asyncio for a client. Messages there cannot be dropped any more, and are late."""
 
 
 class LineSession(Protocol):
-    """What an output knows of one client."""
+    """State of an output for one client."""
 
     def line(self, text: bytes) -> None:
         """Take a line that the client sent, without its end. ValueError refuses it and closes the connection."""
         ...
 
     def dropped(self, messages: int) -> bytes:
-        """What to send a client who was too slow for so many messages; empty for nothing."""
+        """Message for a client that was too slow for some messages; empty for none."""
         ...
 
     def refused(self, why: str) -> bytes:
-        """What to send a client before the connection is closed, and why; empty for nothing."""
+        """Message for a client before its connection is closed; empty for none."""
         ...
 
     def closed(self) -> None:
-        """The client is gone."""
+        """End: the client has left."""
         ...
 
 
@@ -59,11 +59,11 @@ class LineClient(asyncio.Protocol):
 
     @property
     def dropped(self) -> int:
-        """Messages that this client was too slow for."""
+        """Messages dropped for this client, which was too slow."""
         return self._backlog.dropped
 
     def send(self, piece: bytes, messages: int = 1) -> None:
-        """Send bytes that are so many messages, now or when the client has taken what waits."""
+        """Send bytes of some messages, or queue them."""
         if self._transport is None or self._transport.is_closing():
             return
         if self._is_paused:
@@ -73,7 +73,7 @@ class LineClient(asyncio.Protocol):
             self.sent += messages
 
     def close(self, why: str = "") -> None:
-        """End the connection; with a reason, the client is told."""
+        """End the connection; the client gets the reason."""
         if self._transport is None:
             return
         if why:
@@ -86,17 +86,17 @@ class LineClient(asyncio.Protocol):
             self._transport.close()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the client in, unless there are too many."""
+        """Accept the client, unless there are too many."""
         self._transport = cast("asyncio.Transport", transport)
         self._transport.set_write_buffer_limits(high=KERNEL_BYTES)
         self.peer = _peer_of(self._transport)
         try:
             self._take_in()
-        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+        except Exception as error:  # noqa: BLE001 - a bug of this program ends only this connection
             self.close(own_mistake(error))
 
     def data_received(self, data: bytes) -> None:
-        """Cut what came into lines."""
+        """Split input into lines."""
         *lines, rest = data.split(b"\n")
         for line in lines:
             whole, self._begun = bytes(self._begun) + line, bytearray()
@@ -112,11 +112,11 @@ class LineClient(asyncio.Protocol):
         self.close(f"a line is longer than {self._server.limits.message_bytes} bytes")
 
     def pause_writing(self) -> None:
-        """From now on everything waits."""
+        """Queue further messages."""
         self._is_paused = True
 
     def resume_writing(self) -> None:
-        """The client has read: say what it missed, and go on with the rest."""
+        """Report dropped messages, and send the queue."""
         self._is_paused = False
         untold = self._backlog.tell()
         if untold and self.session is not None and self._transport is not None:
@@ -125,7 +125,7 @@ class LineClient(asyncio.Protocol):
             self.send(*self._backlog.pop())
 
     def connection_lost(self, _error: Exception | None) -> None:
-        """Forget the client."""
+        """Remove the client."""
         self._transport = None
         if self in self._server.clients:
             self._server.forget(self)
@@ -142,7 +142,7 @@ class LineClient(asyncio.Protocol):
         self._server.greet(self)
 
     def _hear(self, line: bytes) -> bool:
-        """Whether the client may go on."""
+        """Handle a line; whether the connection stays open."""
         if self.session is None or self._transport is None or self._transport.is_closing():
             return False
         if not self._allowance.take():
@@ -153,25 +153,25 @@ class LineClient(asyncio.Protocol):
         except ValueError as error:
             self.close(str(error))
             return False
-        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+        except Exception as error:  # noqa: BLE001 - a bug of this program ends only this connection
             self.close(own_mistake(error))
             return False
         return not self._transport.is_closing()
 
 
 Sessions = Callable[[LineClient], LineSession]
-"""Gives what an output knows of a client that has just connected."""
+"""Gives the session of a new client."""
 
 
 class LineServer:
-    """Listens, and keeps an account of its clients.
+    """Listens, and counts the messages of its clients.
 
     Parameters
     ----------
     sessions
         Called with each client that connects.
     greet
-        Called with a client that was taken in, to send it what a connection begins with.
+        Called with an accepted client, to send the first message.
     """
 
     def __init__(
@@ -193,31 +193,31 @@ class LineServer:
         self._gone_sent = self._gone_dropped = 0
 
     async def listen_tcp(self, host: str, port: int) -> str:
-        """Listen on a port; gives the address for a person.
+        """Listen on a port; returns the address as text.
 
         Raises
         ------
         OutputError
-            Where the port cannot be had, with who has it.
+            If the port is not available, with the program that uses it.
         """
         loop = asyncio.get_running_loop()
         try:
             self._server = await loop.create_server(lambda: LineClient(self), host, port, start_serving=False)
-            for each in self._server.sockets:
-                each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)  # the connections inherit it
-            await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
+            for listening in self._server.sockets:
+                listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)  # the connections inherit it
+            await self._server.start_serving()  # only now: a canceled `listen` leaves a server that can be closed
         except OSError as error:
             raise cannot_listen(error, host, port) from error
         warn_of_others(self.log, host)
         return shown(host, self._server.sockets[0].getsockname()[1])
 
     async def listen_unix(self, path: Path) -> str:
-        """Listen on a unix socket that is for this user alone; gives its path.
+        """Listen on a unix socket for this user alone; returns its path.
 
         Raises
         ------
         OutputError
-            Where the path cannot be had.
+            If the socket cannot be made.
         """
         listening = bind_unix(path)
         self._path, self._file = path, file_of(path)
@@ -226,22 +226,22 @@ class LineServer:
         return str(path)
 
     def statuses(self) -> list[ClientStatus]:
-        """Of all clients."""
-        return [ClientStatus(each.peer, each.sent, each.dropped) for each in self.clients]
+        """Status of each client."""
+        return [ClientStatus(client.peer, client.sent, client.dropped) for client in self.clients]
 
     def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped, to clients that are gone too."""
-        sent = self._gone_sent + sum(each.sent for each in self.clients)
-        return sent, self._gone_dropped + sum(each.dropped for each in self.clients)
+        """Messages sent and dropped, with those of former clients."""
+        sent = self._gone_sent + sum(client.sent for client in self.clients)
+        return sent, self._gone_dropped + sum(client.dropped for client in self.clients)
 
     def forget(self, client: LineClient) -> None:
-        """A client is gone."""
+        """Remove a client, and keep its counts."""
         del self.clients[client]
         self._gone_sent += client.sent
         self._gone_dropped += client.dropped
 
     async def close(self) -> None:
-        """Close the connections and stop to listen."""
+        """Close the connections and stop listening."""
         if self._server is None:
             return
         self.refusals.close()

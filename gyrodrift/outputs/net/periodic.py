@@ -1,13 +1,13 @@
-"""Something that is done at a steady rate: a heartbeat, a state that is sent again though nothing changed."""
+"""Periodic calls, such as a heartbeat."""
 
 import asyncio
 from collections.abc import Callable
 
 
 class Periodic:
-    """Calls a function every so often on the loop; calls that could not be made in time are left out.
+    """Calls a function at a fixed interval on the loop; late calls are skipped.
 
-    What it raises ends the calls, and is raised by `close`.
+    An exception ends the calls; `close` raises it.
     """
 
     def __init__(self, every_s: float, call: Callable[[], object]) -> None:
@@ -16,7 +16,7 @@ class Periodic:
         self._task = asyncio.get_running_loop().create_task(self._run())
 
     async def close(self) -> None:
-        """No more calls."""
+        """End the calls."""
         self._task.cancel()
         await asyncio.wait([self._task])
         if not self._task.cancelled():

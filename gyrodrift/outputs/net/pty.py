@@ -1,4 +1,4 @@
-"""A pty that another program opens as if it were a serial port, never waiting for that program."""
+"""A pty that another program opens like a serial port, written without waiting."""
 
 import asyncio
 import errno
@@ -14,10 +14,10 @@ PTYS = Path("/dev/pts")
 
 
 class PtyWriter:
-    """A pty behind a symbolic link; `sent` and `dropped` count what the kernel took and what not.
+    """A pty behind a symbolic link; `sent` and `dropped` count messages.
 
-    The kernel keeps 4 KiB for a reader. Where that is full, all of it is dropped: it is older than what comes. Nobody
-    knows how much of it was read, so it stays with what was sent.
+    The kernel buffers 4 KiB for a reader. A full buffer is dropped as a whole, since it is older than the new message.
+    It is unknown how much of it was read, so it counts as sent.
     """
 
     def __init__(self) -> None:
@@ -27,15 +27,15 @@ class PtyWriter:
         self._ours = self._theirs = -1
 
     def open(self, link: Path) -> str:
-        """Make the pty and the link to it; gives the link.
+        """Make the pty and the link to it; returns the link.
 
         Raises
         ------
         OutputError
-            Where something lies there that is no link to a pty, or the folder does not take it.
+            If the path exists and is no link to a pty, or the folder is not writable.
         """
         if (link.exists() or link.is_symlink()) and not _was_left_behind(link):
-            raise OutputError(f"{link} is there and is no link to a pty; give another with path=")
+            raise OutputError(f"{link} exists and is no link to a pty; choose another with path=")
         try:
             self._ours, self._theirs = pty.openpty()
             tty.setraw(self._theirs)
@@ -50,7 +50,7 @@ class PtyWriter:
         return str(link)
 
     def send(self, content: bytes, messages: int = 1) -> None:
-        """Write messages; where the reader is too slow, what it has not read goes first."""
+        """Write messages; for a slow reader the unread buffer is dropped."""
         if self._ours < 0:
             return
         if self._write(content):
@@ -60,26 +60,26 @@ class PtyWriter:
         self.dropped += messages
 
     def close(self) -> None:
-        """Take the link away, and the pty with it."""
+        """Remove the link and the pty."""
         if self._link is not None:
             asyncio.get_running_loop().remove_reader(self._ours)
             if self._link.is_symlink() and self._link.readlink() == Path(os.ttyname(self._theirs)):
                 self._link.unlink()
             self._link = None
-        for each in (self._ours, self._theirs):
-            if each >= 0:
-                os.close(each)
+        for fd in (self._ours, self._theirs):
+            if fd >= 0:
+                os.close(fd)
         self._ours = self._theirs = -1
 
     def _write(self, content: bytes) -> bool:
-        """Whether all of it was taken."""
+        """Write; whether all bytes were taken."""
         try:
             return os.write(self._ours, content) == len(content)
         except BlockingIOError:
             return False
 
     def _pass_by(self) -> None:
-        """What the reader writes is for a receiver, and there is none."""
+        """Discard input from the reader."""
         try:
             os.read(self._ours, 4096)
         except OSError as error:
@@ -88,5 +88,5 @@ class PtyWriter:
 
 
 def _was_left_behind(link: Path) -> bool:
-    """It is a link as `open` makes one; links that the system or a person made stay."""
+    """Whether a link is one of `open`; other links are not replaced."""
     return link.is_symlink() and link.readlink().parent == PTYS

@@ -1,4 +1,4 @@
-"""Clients that were turned away, in the log: the first at once, and how many more it were once a second."""
+"""Log of closed clients: the first at once, then their number once a second."""
 
 import asyncio
 from collections.abc import Callable
@@ -10,14 +10,14 @@ EVERY_S = 1.0
 
 
 class BoundedEvent:
-    """An event that others can cause: at most two lines a second, however often it happens.
+    """An event that clients can cause, with at most two log lines a second.
 
     Parameters
     ----------
     write
-        A method of a logger, which is its level.
+        Method of a logger; it sets the level.
     event, sum_event
-        Name of the event, and of the line with the `count` of those that followed it.
+        Name of the event, and of the line with the `count` of later events.
     """
 
     def __init__(self, write: Callable[..., object], event: str, sum_event: str) -> None:
@@ -27,7 +27,7 @@ class BoundedEvent:
         self._timer: asyncio.TimerHandle | None = None
 
     def happened(self, **fields: Any) -> None:
-        """Log it now, or count it for the next sum."""
+        """Log the event, or count it for the next line."""
         if self._timer is None:
             self._write(self._event, **fields)
             self._timer = asyncio.get_running_loop().call_later(EVERY_S, self._sum_up)
@@ -35,7 +35,7 @@ class BoundedEvent:
             self._untold += 1
 
     def close(self) -> None:
-        """Say what is left to be said."""
+        """Log the remaining count."""
         if self._timer is not None:
             self._timer.cancel()
             self._sum_up()
@@ -48,20 +48,20 @@ class BoundedEvent:
 
 
 class Refusals:
-    """Of one server; a crowd fills no disk with log."""
+    """Refused clients of one server, with a bounded log."""
 
     def __init__(self, log: FilteringBoundLogger) -> None:
         self._closed = BoundedEvent(log.warning, "client_closed", "clients_closed")
 
     def say(self, client: str, reason: str) -> None:
-        """Log that a client was closed, now or in the next sum."""
+        """Log that a client was closed, or count it for the next line."""
         self._closed.happened(client=client, reason=reason)
 
     def close(self) -> None:
-        """Say what is left to be said."""
+        """Log the remaining count."""
         self._closed.close()
 
 
 def own_mistake(error: Exception) -> str:
-    """What to say where a client found a mistake of this program: its connection ends, no other."""
-    return f"gyrodrift cannot take this, please report it: {type(error).__name__}: {error}"[:200]
+    """Message for a client that triggered a bug of this program."""
+    return f"this is a bug of gyrodrift, please report it: {type(error).__name__}: {error}"[:200]

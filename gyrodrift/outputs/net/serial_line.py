@@ -1,4 +1,4 @@
-"""A serial line or pty to write on, never waiting: what the line has no room for is dropped whole, and counted."""
+"""A serial line or pty, written without waiting; messages that do not fit are dropped whole, and counted."""
 
 import fcntl
 import os
@@ -9,7 +9,7 @@ from gyrodrift.outputs.output import OutputError
 
 
 class SerialLine:
-    """Writes messages; `sent` and `dropped` count them. What comes back stays unread."""
+    """Writes messages; `sent` and `dropped` count them. It reads nothing."""
 
     def __init__(self) -> None:
         self.sent = 0
@@ -23,11 +23,11 @@ class SerialLine:
         Raises
         ------
         OutputError
-            Where there is no such line, another program has it, or it does not do that rate.
+            If there is no such line, another program has it, or it does not support the rate.
         """
         speed = getattr(termios, f"B{baud}", None)
         if speed is None:
-            raise OutputError(f"{path}: no serial line has {baud} baud; usual are 57600, 115200 and 921600")
+            raise OutputError(f"{path}: {baud} baud is no standard rate; usual rates are 57600, 115200 and 921600")
         try:
             self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -44,12 +44,12 @@ class SerialLine:
             raise OutputError(f"{path}: {error.strerror or error}") from error
 
     def send(self, content: bytes) -> None:
-        """Write one message, or none of it.
+        """Write one message, or nothing.
 
         Raises
         ------
         OutputError
-            Where the line is gone.
+            If the line is gone.
         """
         self._rest = self._rest[self._write(self._rest) :]
         written = 0 if self._rest else self._write(content)
@@ -60,7 +60,7 @@ class SerialLine:
         self.sent += 1
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         if self._fd is not None:
             os.close(self._fd)
             self._fd = None

@@ -1,4 +1,4 @@
-"""A unix socket to listen on, for one user alone: file permissions are who may connect."""
+"""A listening unix socket for one user; the permissions of its file decide who can connect."""
 
 import os
 import socket
@@ -9,12 +9,12 @@ from gyrodrift.outputs.output import OutputError
 
 
 def bind_unix(path: Path) -> socket.socket:
-    """A unix socket at a path, readable by this user alone; one that nobody listens on any more is replaced.
+    """Bind a unix socket for this user alone; a stale socket is replaced.
 
     Raises
     ------
     OutputError
-        Where another process listens there, something else lies there, or the folder does not take it.
+        If another process listens there, the path is no socket, or the folder is not writable.
     """
     listening = socket.socket(socket.AF_UNIX)
     listening.setblocking(False)
@@ -36,24 +36,24 @@ def bind_unix(path: Path) -> socket.socket:
 
 
 def unlink_unix(path: Path, listening: tuple[int, int]) -> None:
-    """Take away the socket that was bound at a path, and nothing that has its place since; `file_of` says which."""
+    """Remove the socket that was bound at a path, unless its file was replaced; `file_of` identifies it."""
     with suppress(OSError):
         if file_of(path) == listening:
             path.unlink()
 
 
 def file_of(path: Path) -> tuple[int, int]:
-    """What tells a file from others: device and inode. OSError where there is none."""
-    found = path.lstat()
-    return found.st_dev, found.st_ino
+    """Device and inode of a file. OSError if there is none."""
+    status = path.lstat()
+    return status.st_dev, status.st_ino
 
 
 def _clear(path: Path) -> None:
-    """Take away a socket that was left behind."""
+    """Remove a stale socket."""
     if not path.exists():
         return
     if not path.is_socket():
-        raise OutputError(f"{path} is there and is no socket; give another with path=")
+        raise OutputError(f"{path} exists and is no socket; choose another with path=")
     with socket.socket(socket.AF_UNIX) as trial:
         trial.setblocking(False)
         try:
@@ -63,4 +63,4 @@ def _clear(path: Path) -> None:
             return
         except BlockingIOError:
             pass
-    raise OutputError(f"{path} is taken: another process listens there")
+    raise OutputError(f"{path} is used: another process listens there")

@@ -1,6 +1,6 @@
 """A WebSocket server, on the package `websockets`: bounded backlogs, limits on clients, messages and handshakes.
 
-It answers plain HTTP requests of the same port where an output wants that, which is how a page is served.
+It can answer plain HTTP requests on the same port, to serve a page.
 """
 
 import asyncio
@@ -29,33 +29,33 @@ INTERNAL_ERROR = 1011
 """Close codes of RFC 6455, section 7.4.1."""
 
 END_S = 2.5
-"""For all clients to close their connections in the end."""
+"""Time for all clients to close their connections at the end, s."""
 
 MOST_URGENT = 256
-"""Messages that go before all others and wait at a time."""
+"""Most waiting messages with priority."""
 
 LONGEST_REASON = 120
-"""Bytes that a close frame may give as a reason are 123."""
+"""Longest reason in bytes; a close frame allows 123."""
 
 
 class WebSocketSession(Protocol):
-    """What an output knows of one client."""
+    """State of an output for one client."""
 
     def message(self, content: str | bytes) -> None:
         """Take a message of the client. ValueError refuses it and closes the connection."""
         ...
 
     def dropped(self, messages: int) -> str | bytes:
-        """What to send a client who was too slow for so many messages; empty for nothing."""
+        """Message for a client that was too slow for some messages; empty for none."""
         ...
 
     def closed(self) -> None:
-        """The client is gone."""
+        """End: the client has left."""
         ...
 
 
 class WebSocketClient:
-    """One connection, behind its handshake."""
+    """One connection after its handshake."""
 
     def __init__(self, connection: "ServerConnection", limits: Limits) -> None:
         self.connection = connection
@@ -67,29 +67,29 @@ class WebSocketClient:
 
     @property
     def dropped(self) -> int:
-        """Messages that this client was too slow for."""
+        """Messages dropped for this client, which was too slow."""
         return self._backlog.dropped
 
     def send(self, message: str | bytes) -> None:
-        """Send a message, now or when the client has taken what waits; text is a text frame, bytes a binary one."""
+        """Queue a message; text becomes a text frame, bytes a binary frame."""
         self._backlog.append(message)
         self._has_some.set()
 
     def send_first(self, message: str | bytes) -> bool:
-        """Send what a client cannot do without, before what waits; False where too much of that waits already."""
+        """Queue a message with priority; False if too many wait."""
         if len(self._urgent) >= MOST_URGENT:
             return False
         self._urgent.append(message)
         self._has_some.set()
         return True
 
-    async def write(self, told: Callable[[int], str | bytes]) -> None:
-        """Send what waits, for ever."""
+    async def write(self, notice_of: Callable[[int], str | bytes]) -> None:
+        """Send queued messages, for ever."""
         while True:
             await self._has_some.wait()
             while self._urgent or self._backlog:
                 untold = self._backlog.tell()
-                notice = told(untold) if untold else ""
+                notice = notice_of(untold) if untold else ""
                 if notice:
                     await self.connection.send(notice)
                 message = self._urgent.popleft() if self._urgent else self._backlog.pop()[0]
@@ -99,16 +99,16 @@ class WebSocketClient:
 
 
 class WebSocketServer:
-    """Listens, and keeps an account of its clients.
+    """Listens, and counts the messages of its clients.
 
     Parameters
     ----------
     sessions
-        Called with each client whose handshake is done.
+        Called with each client after its handshake.
     answer
-        Called with each request before its handshake; a response in place of None is sent, and the connection closed.
+        Called with each request before its handshake. A response is sent and the connection closed; None continues.
     options
-        Handed on to `websockets.asyncio.server.serve`: subprotocols, origins.
+        Options of `websockets.asyncio.server.serve`: subprotocols, origins.
     """
 
     def __init__(
@@ -131,12 +131,12 @@ class WebSocketServer:
         self._gone_sent = self._gone_dropped = 0
 
     async def listen(self, host: str, port: int) -> str:
-        """Listen on a port; gives the address for a person.
+        """Listen on a port; returns the address as text.
 
         Raises
         ------
         OutputError
-            Where the port cannot be had, with who has it.
+            If the port is not available, with the program that uses it.
         """
         from gyrodrift.outputs.net.websocket_connection import listen
 
@@ -145,9 +145,9 @@ class WebSocketServer:
             self._server = await listen(
                 self.serve, self._connections, self.limits, host, port, process_request=answer, **self._options
             )
-            for each in self._server.sockets:
-                each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
-            await self._server.start_serving()  # only now: who breaks this off finds the server, and can close it
+            for listening in self._server.sockets:
+                listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
+            await self._server.start_serving()  # only now: a canceled `listen` leaves a server that can be closed
         except OSError as error:
             raise cannot_listen(error, host, port) from error
         warn_of_others(self.log, host)
@@ -158,7 +158,7 @@ class WebSocketServer:
         client = WebSocketClient(connection, self.limits)
         try:
             session = self._sessions(client)
-        except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+        except Exception as error:  # noqa: BLE001 - a bug of this program ends only this connection
             await self._refuse(client, INTERNAL_ERROR, own_mistake(error))
             return
         self.clients[client] = None
@@ -174,16 +174,16 @@ class WebSocketServer:
             session.closed()
 
     def statuses(self) -> list[ClientStatus]:
-        """Of all clients."""
-        return [ClientStatus(each.peer, each.sent, each.dropped) for each in self.clients]
+        """Status of each client."""
+        return [ClientStatus(client.peer, client.sent, client.dropped) for client in self.clients]
 
     def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped, to clients that are gone too."""
-        sent = self._gone_sent + sum(each.sent for each in self.clients)
-        return sent, self._gone_dropped + sum(each.dropped for each in self.clients)
+        """Messages sent and dropped, with those of former clients."""
+        sent = self._gone_sent + sum(client.sent for client in self.clients)
+        return sent, self._gone_dropped + sum(client.dropped for client in self.clients)
 
     async def close(self) -> None:
-        """Stop to listen and close the connections; one that does not answer in END_S is cut off."""
+        """Stop listening and close the connections; a client that does not answer in END_S is cut off."""
         server, self._server = self._server, None
         if server is None:
             return
@@ -212,20 +212,20 @@ class WebSocketServer:
                 except ValueError as error:
                     await self._refuse(client, POLICY_VIOLATION, str(error))
                     return
-                except Exception as error:  # noqa: BLE001 - a mistake of this program ends this connection alone
+                except Exception as error:  # noqa: BLE001 - a bug of this program ends only this connection
                     await self._refuse(client, INTERNAL_ERROR, own_mistake(error))
                     return
 
     async def _refuse(self, client: WebSocketClient, code: int, why: str) -> None:
-        """Log why a client is closed, and close it; a reason is bytes, and may hold what the client said."""
+        """Log the reason and close a client; the reason may quote the client, so it is escaped."""
         self._refusals.say(client.peer, why)
         await client.connection.close(code, why.encode("ascii", "backslashreplace")[:LONGEST_REASON].decode())
 
     def _checked_answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
-        """The answer of the output; a mistake of this program, which headers may lead to, costs this request alone."""
-        assert self._answer is not None  # noqa: S101 - else the server has no use for this
+        """Answer of the output; an exception ends only this request."""
+        assert self._answer is not None  # noqa: S101 - only called with it
         try:
             return self._answer(connection, request)
-        except Exception as error:  # noqa: BLE001 - likewise
+        except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
             self._refusals.say(shown(*connection.remote_address[:2]), own_mistake(error))
             return connection.respond(HTTPStatus.BAD_REQUEST, "This request cannot be answered.\n")

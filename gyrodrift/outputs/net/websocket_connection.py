@@ -1,4 +1,4 @@
-"""The part of the WebSocket server that needs the package `websockets`, and so is imported when one listens."""
+"""Part of the WebSocket server that needs the package `websockets`; imported when a server listens."""
 
 import asyncio
 import logging
@@ -11,31 +11,31 @@ from gyrodrift.outputs.net.limits import Limits
 
 SILENT = logging.getLogger("gyrodrift.websockets")
 SILENT.setLevel(logging.CRITICAL + 1)
-"""The package logs each client's mistake with a traceback; ours says what matters."""
+"""Silent logger: the package logs each mistake of a client with a traceback."""
 
 PING_S = 20.0
 CLOSE_S = 2.0
 
 
 class CountedConnection(ServerConnection):
-    """A connection that is cut off at once where there are too many, before it has cost a handshake.
+    """A connection that is cut off before its handshake if there are too many.
 
     most, there
-        Of connections to one server, which has a class of its own; those in the middle of a handshake count.
+        Most and present connections of one server, with those in a handshake. Each server has its own subclass.
     """
 
     most: ClassVar[int]
     there: "ClassVar[set[ServerConnection]]"
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Count it."""
+        """Count the connection."""
         super().connection_made(transport)
         self.there.add(self)
         if len(self.there) > self.most:
             self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it."""
+        """Remove the connection."""
         super().connection_lost(exc)
         self.there.discard(self)
 
@@ -48,9 +48,9 @@ async def listen(
     port: int,
     **options: Any,
 ) -> Server:
-    """A server that has its port and does not serve yet; OSError where the port cannot be had.
+    """A server that has its port and does not serve yet; OSError if the port is not available.
 
-    `there` has its connections from then on, as long as they last; `options` are those of `websockets`.
+    `there` is kept up to date with its connections; `options` are those of `websockets`.
     """
     return await serve(
         handler,

@@ -1,5 +1,5 @@
-"""A page that shows how the gyro is, and the WebSocket that it listens to, on one port.
+"""The live page and its WebSocket, on one port.
 
-`points` thins samples, `assets` answers requests for the page, `output` sends to those who look. What runs in the
-browser stands in `page/`: plain modules without a build step, and uPlot for the charts.
+`points` thins samples, `assets` answers requests for the page, `output` sends the stream, `buttons` carries out
+commands. The code of the browser is in `page/`: plain modules without a build step, and uPlot for the charts.
 """

@@ -1,7 +1,7 @@
-"""Answers to requests of a browser: the files of the page, and who may ask for them and for the stream.
+"""Answers to requests of a browser: the files of the page, and checks of the host and origin.
 
-The page can load nothing from anywhere else, which its content security policy makes the browser see to. Requests by a
-name that is not this machine's are refused: a foreign page whose name is pointed here would read what it likes.
+A content security policy keeps the page from loading anything else. Requests with a foreign host name are refused.
+Otherwise a foreign page whose name resolves to this machine could read the stream (DNS rebinding).
 """
 
 import ipaddress
@@ -39,12 +39,12 @@ HEADERS = {
 
 
 class Assets:
-    """The files of the page, read once.
+    """Files of the page, read once.
 
     Parameters
     ----------
     names
-        Under which a browser may ask, beside addresses, localhost and the name of this machine.
+        Accepted host names besides addresses, localhost and the name of this machine.
     """
 
     def __init__(self, *names: str) -> None:
@@ -58,21 +58,21 @@ class Assets:
         self._names = {"localhost", machine, f"{machine}.local", *(name.lower() for name in names if name)}
 
     def answer(self, _connection: "ServerConnection", request: "Request") -> "Response | None":
-        """A file, or a refusal; None where a handshake may go on."""
-        host = _one(request.headers, "Host")
+        """A file or a refusal; None continues with the handshake."""
+        host = _single(request.headers, "Host")
         name = _name_in(host)
         if not self._is_ours(name):
-            return _told(
-                HTTPStatus.FORBIDDEN, f"Not known by the name {name!r}; to change that, give web:reached_as=NAME."
+            return _text_response(
+                HTTPStatus.FORBIDDEN, f"The host name {name!r} is not accepted; add it with web:reached_as=NAME."
             )
         path = request.path.partition("?")[0]
         if path == STREAM:
             ours = {f"http://{host}", f"https://{host}"}
             if any(origin not in ours for origin in request.headers.get_all("Origin")):
-                return _told(HTTPStatus.FORBIDDEN, "This stream is for its own page.")
+                return _text_response(HTTPStatus.FORBIDDEN, "This stream is only for its own page.")
             return None
         if path not in self._files:
-            return _told(HTTPStatus.NOT_FOUND, "There is no such page.")
+            return _text_response(HTTPStatus.NOT_FOUND, "There is no such page.")
         return _response(HTTPStatus.OK, *self._files[path])
 
     def _is_ours(self, name: str) -> bool:
@@ -83,8 +83,8 @@ class Assets:
         return True
 
 
-def _one(headers: "Headers", name: str) -> str:
-    """The value of a header, empty where there is none, or more than one."""
+def _single(headers: "Headers", name: str) -> str:
+    """Value of a header; empty if there is none or more than one."""
     values = headers.get_all(name)
     return values[0] if len(values) == 1 else ""
 
@@ -96,7 +96,7 @@ def _name_in(host: str) -> str:
         return ""
 
 
-def _told(status: HTTPStatus, text: str) -> "Response":
+def _text_response(status: HTTPStatus, text: str) -> "Response":
     return _response(status, KINDS[""], text.encode() + b"\n")
 
 

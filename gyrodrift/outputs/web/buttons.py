@@ -83,13 +83,13 @@ class Buttons:
     async def _carry_out(self, command: str, send: Any) -> None:
         try:
             async with asyncio.timeout(PATIENCE_S):
-                answer = await asked(self._access.path, command)
+                answer = await ask_service(self._access.path, command)
         except (OSError, ValueError, TimeoutError) as error:
             answer = {"ok": False, "error": f"the service does not answer: {error}"}
         send(json.dumps({"kind": "answer", "command": command, "answer": answer}, separators=(",", ":")))
 
 
-async def asked(path: str, command: str) -> dict[str, Any]:
+async def ask_service(path: str, command: str) -> dict[str, Any]:
     """Answer of the control socket at a path."""
     reader, writer = await asyncio.open_unix_connection(path, limit=LONGEST_ANSWER)
     try:

@@ -22,20 +22,20 @@ from gyrodrift.outputs.web.points import COLUMNS, POINTS_HZ, PointHistory, in_me
 from gyrodrift.sample import Corrected
 
 KEPT_EVENTS = 50
-"""Of the config, and as many others: a link that breaks every second does not push out what the config did."""
+"""Kept events of the config, and as many others: link events do not displace config events."""
 
 
 @dataclass(frozen=True, slots=True)
 class WebOptions:
-    """Where the page is."""
+    """Address of the page."""
 
     host: Annotated[Host, About("address to listen on")] = LOOPBACK
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 8117
-    reached_as: Annotated[str, MaxLen(253), About("a further name in the address that browsers open")] = ""
+    reached_as: Annotated[str, MaxLen(253), About("additional host name under which browsers open the page")] = ""
 
 
 class WebOutput(Output[WebOptions]):
-    """Serves the page; sends whoever looks the last hour, then 30 points a second, events, and the state."""
+    """Serves the page, and sends the last hour, then 30 points a second, events, and the state."""
 
     options_type = WebOptions
 
@@ -54,36 +54,36 @@ class WebOutput(Output[WebOptions]):
         self._frames = Periodic(1.0 / POINTS_HZ, self._frame)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Keep them for the next frame."""
+        """Keep samples for the next frame."""
         self._samples += samples
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
-        """Send an event to all, and to who comes later."""
-        told = _json("event", t_s=time.time(), event=event, fields=fields)
-        self._events[event.startswith("config_")].append(told)
-        self._send(told)
+        """Send an event to all pages, and keep it for later pages."""
+        message = _json("event", t_s=time.time(), event=event, fields=fields)
+        self._events[event.startswith("config_")].append(message)
+        self._send(message)
 
     def note(self, status: ServiceStatus) -> None:
-        """Send the state to all."""
+        """Send the state to all pages."""
         if self._server.clients:
             self._send(_state(status))
 
     def clients(self) -> Sequence[ClientStatus]:
-        """Pages that are open."""
+        """Open pages."""
         return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
-        """Messages."""
+        """Messages sent and dropped."""
         return self._server.counts()
 
     async def close(self) -> None:
-        """Say goodbye to the pages; they try again."""
+        """Close the connections; the pages reconnect."""
         if self._frames is not None:
             await self._frames.close()
         await self._server.close()
 
     def _frame(self) -> None:
-        """What came since the last one, as one point."""
+        """Send the samples since the last frame as one point."""
         if not self._samples:
             return
         point = point_of(self._samples)
@@ -101,9 +101,9 @@ class WebOutput(Output[WebOptions]):
         client.send(_json("hello", **hello))
         for message in in_messages(self._history.rows()):
             client.send(message)
-        for told in self._events[0] + self._events[1]:
-            client.send(told)
-        if self.host.status.pid:  # it has been told already
+        for event in self._events[0] + self._events[1]:
+            client.send(event)
+        if self.host.status.pid:  # a state was received
             client.send(_state(self.host.status))
         return WebSession(client, None if access is None else Buttons(access))
 
@@ -127,7 +127,7 @@ class WebSession:
         self._buttons.press(content, self._client.send)
 
     def dropped(self, messages: int) -> str:
-        """For a page that was too slow."""
+        """Message for a page that was too slow."""
         return _json("dropped", messages=messages)
 
     def closed(self) -> None:
@@ -137,7 +137,7 @@ class WebSession:
 
 
 def _state(status: ServiceStatus) -> str:
-    return _json("state", status=asdict(status), health=[asdict(each) for each in health(status)])
+    return _json("state", status=asdict(status), health=[asdict(finding) for finding in health(status)])
 
 
 def _json(kind: str, **content: Any) -> str:

@@ -1,6 +1,6 @@
-"""What the page draws: 30 points a second with the least and the greatest value in each, and an hour of them.
+"""Points of the page: 30 a second with minimum and maximum, for one hour.
 
-However fast the device is, a spike of one sample stays visible: points are merged by minimum and maximum.
+Points are merged by minimum and maximum, so a spike of one sample stays visible at any sample rate.
 """
 
 from collections import deque
@@ -13,7 +13,7 @@ from typing import NamedTuple
 from gyrodrift.sample import Corrected
 
 POINTS_HZ = 30.0
-"""Points, and messages, a second."""
+"""Points, and messages, per second."""
 
 Value = Callable[[Corrected], float]
 
@@ -25,7 +25,7 @@ SPANS: dict[str, Value] = {
     "rate_dps": lambda c: c.sample.rate_dps,
     "rest_probability": lambda c: c.rest_probability,
 }
-"""Drawn from the least to the greatest; `NAME_lo` and `NAME_hi` of a point."""
+"""Values with minimum and maximum, `NAME_lo` and `NAME_hi` of a point."""
 
 LASTS: dict[str, Value] = {
     "yaw_deg": lambda c: c.yaw_deg,
@@ -40,22 +40,22 @@ LASTS: dict[str, Value] = {
     "heading_deg": lambda c: c.heading_deg,
     "temp_c": lambda c: c.sample.temp_c,
 }
-"""As of the last sample of a point."""
+"""Values of the last sample of a point."""
 
 COLUMNS = ("t_s", *LASTS, *(f"{name}_lo" for name in SPANS), *(f"{name}_hi" for name in SPANS))
-"""Of a point as it is sent; `t_s` is the Unix time at which its last sample arrived, s."""
+"""Columns of a sent point; `t_s` is the Unix time of arrival of its last sample, s."""
 
 LAYOUT = Struct(f"<d{len(COLUMNS) - 1}f")
-"""The time, then everything else in single precision, little-endian."""
+"""Time in double, other columns in single precision, little-endian."""
 
 
 class Point(NamedTuple):
-    """Some samples in a row.
+    """Consecutive samples.
 
     t_s
-        When the last one arrived, Unix time, s.
+        Unix time of arrival of the last sample, s.
     last, lo, hi
-        Values by the order of LASTS and SPANS; NaN for what is not known.
+        Values in the order of LASTS and SPANS; NaN if unknown.
     """
 
     t_s: float
@@ -64,12 +64,12 @@ class Point(NamedTuple):
     hi: tuple[float, ...]
 
     def pack(self) -> bytes:
-        """As it is sent."""
+        """Encode the point."""
         return LAYOUT.pack(self.t_s, *self.last, *self.lo, *self.hi)
 
 
 def point_of(samples: Sequence[Corrected]) -> Point:
-    """All of them, at least one, in one point."""
+    """Point of one or more samples."""
     newest = samples[-1]
     columns = [[value for value in map(of, samples) if value == value] or [nan] for of in SPANS.values()]  # noqa: PLR0124 - not NaN
     return Point(
@@ -81,27 +81,27 @@ def point_of(samples: Sequence[Corrected]) -> Point:
 
 
 def merged(points: Sequence[Point]) -> Point:
-    """One point for several in a row."""
-    columns_lo = zip(*(each.lo for each in points), strict=True)
-    columns_hi = zip(*(each.hi for each in points), strict=True)
+    """Merge consecutive points."""
+    columns_lo = zip(*(point.lo for point in points), strict=True)
+    columns_hi = zip(*(point.hi for point in points), strict=True)
     return Point(
         points[-1].t_s,
         points[-1].last,
-        tuple(min(_known(values)) for values in columns_lo),
-        tuple(max(_known(values)) for values in columns_hi),
+        tuple(min(_finite(values)) for values in columns_lo),
+        tuple(max(_finite(values)) for values in columns_hi),
     )
 
 
-def _known(values: Sequence[float]) -> Sequence[float]:
+def _finite(values: Sequence[float]) -> Sequence[float]:
     return [value for value in values if value == value] or [nan]  # noqa: PLR0124 - not NaN
 
 
 TIERS = ((0.0, 120.0), (1.0 / 3.0, 600.0), (2.0, 3600.0))
-"""For how long a point of a tier stands, s (0 for points as they come), and how long the tier reaches back, s."""
+"""Width of a point in each tier, s (0 for points as they come), and length of the tier, s."""
 
 
 class _Tier:
-    """Points of one width, the newest of them, packed."""
+    """Newest points of one width, encoded."""
 
     def __init__(self, width_s: float, kept_s: float) -> None:
         self.rows: deque[tuple[float, bytes]] = deque(maxlen=round(kept_s / (width_s or 1.0 / POINTS_HZ)))
@@ -109,15 +109,15 @@ class _Tier:
         self._open: list[Point] = []
 
     def add(self, point: Point) -> None:
-        """Take a point; those of one stretch of time become one."""
-        if self._open and not self._is_same_stretch(self._open[0].t_s, point.t_s):
+        """Add a point; points of one interval are merged."""
+        if self._open and not self._is_same_interval(self._open[0].t_s, point.t_s):
             self._close()
         self._open.append(point)
         if not self._width_s:
             self._close()
 
-    def _is_same_stretch(self, one_s: float, other_s: float) -> bool:
-        return one_s // self._width_s == other_s // self._width_s
+    def _is_same_interval(self, first_s: float, second_s: float) -> bool:
+        return first_s // self._width_s == second_s // self._width_s
 
     def _close(self) -> None:
         whole = merged(self._open) if len(self._open) > 1 else self._open[0]
@@ -126,7 +126,7 @@ class _Tier:
 
 
 class PointHistory:
-    """The last hour for a page that has just been opened: two minutes in full, the rest ever coarser; bounded."""
+    """Bounded history of one hour for new pages: two minutes in full, older points coarser."""
 
     def __init__(self) -> None:
         self._tiers = [_Tier(width_s, kept_s) for width_s, kept_s in TIERS]
@@ -137,17 +137,17 @@ class PointHistory:
             tier.add(point)
 
     def rows(self) -> list[bytes]:
-        """From the oldest to the newest, packed; where tiers overlap, a coarser point goes before finer ones."""
-        found: list[tuple[float, bytes]] = []
+        """Encoded points from oldest to newest; overlapping tiers begin with the coarser points."""
+        rows: list[tuple[float, bytes]] = []
         for tier, finer in zip(self._tiers[::-1], [*self._tiers[-2::-1], None], strict=True):
-            since_s = found[-1][0] if found else float("-inf")
+            since_s = rows[-1][0] if rows else float("-inf")
             until_s = finer.rows[0][0] if finer is not None and finer.rows else float("inf")
-            found += _up_to(((t_s, row) for t_s, row in tier.rows if t_s > since_s), until_s)
-        return [row for _, row in found]
+            rows += _up_to(((t_s, row) for t_s, row in tier.rows if t_s > since_s), until_s)
+        return [row for _, row in rows]
 
 
 def _up_to(rows: Iterator[tuple[float, bytes]], until_s: float) -> Iterator[tuple[float, bytes]]:
-    """Those before a time, and the one that reaches it."""
+    """Rows before a time, and the row that reaches it."""
     for row in rows:
         yield row
         if row[0] >= until_s:
@@ -155,6 +155,6 @@ def _up_to(rows: Iterator[tuple[float, bytes]], until_s: float) -> Iterator[tupl
 
 
 def in_messages(rows: Sequence[bytes], most: int = 500) -> Iterator[bytes]:
-    """Rows in messages of so many."""
-    for at in range(0, len(rows), most):
-        yield b"".join(chain(rows[at : at + most]))
+    """Rows in messages of at most `most` rows."""
+    for start in range(0, len(rows), most):
+        yield b"".join(chain(rows[start : start + most]))

@@ -14,7 +14,7 @@ FAULTS = (
     Fault(
         "config/mistake-told-over-and-over",
         "gyrodrift/config/watch.py",
-        "            self._seen = found\n            self._begin_reading()\n",
+        "            self._version = version\n            self._begin_reading()\n",
         "            self._begin_reading()\n",
         "A file that was changed is read at every tick.",
         ("tests/config/test_watch.py",),
@@ -22,8 +22,8 @@ FAULTS = (
     Fault(
         "config/reading-is-waited-for",
         "gyrodrift/config/reading.py",
-        "        os.set_blocking(self._said.fileno(), False)\n",
-        "        os.set_blocking(self._said.fileno(), True)\n",
+        "        os.set_blocking(self._stream.fileno(), False)\n",
+        "        os.set_blocking(self._stream.fileno(), True)\n",
         "The service waits for the process that reads its config.",
         ("tests/config/test_reading.py",),
     ),
@@ -54,8 +54,8 @@ FAULTS = (
     Fault(
         "config/block-defaults",
         "gyrodrift/config/model.py",
-        "        return default if given is None else given\n",
-        "        return default if given is not None else default\n",
+        "        return default if params is None else params\n",
+        "        return default if params is not None else default\n",
         "Parameters of the config are ignored.",
         ("tests/config/test_model.py",),
     ),

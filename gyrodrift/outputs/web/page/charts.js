@@ -1,20 +1,20 @@
-// The charts: one time axis for all of them, live at its right edge or somewhere in the last hour.
+// Charts with a common time axis, live or at a position in the last hour.
 
 import { clock, number } from "./words.js";
 
 /* global uPlot */
 
-const WIDE_PX = 56; // of the axis at the left, the same in all charts
-const RIGHT_PX = 28; // for half of the last time
+const WIDE_PX = 56; // width of the left axis
+const RIGHT_PX = 28; // space for half of the last time label
 const PAD = 0.08;
 const ZOOM = 1.2;
 const LEAST_ROWS = 200;
-const PIXEL_PARTS = 4; // charts are drawn anew when the newest point has moved by so small a part of a pixel,
+const PIXEL_PARTS = 4; // charts are redrawn when the newest point has moved by this part of a pixel,
 const SLOWEST_MS = 250; // or after this time
 
 const known = new Map();
 
-// Of the style sheet, asked for once until the scheme changes: the browser works out all styles for an answer.
+// Color of the style sheet, cached until the scheme changes: a query makes the browser compute all styles.
 function color(name) {
   if (!known.has(name)) {
     known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
@@ -27,7 +27,7 @@ const time = (_, value) => (Number.isFinite(value) ? clock(value) : "");
 const PLAIN = new Intl.NumberFormat("en", { maximumFractionDigits: 6, useGrouping: false }); // slow to make
 const ticks = (_, values) => values.map((value) => PLAIN.format(value).replace("-", "−"));
 
-// A range with room above and below, never so narrow that it shows noise alone.
+// A range with a margin, and with a minimum span so that it does not show noise alone.
 const atLeast = (span) => (_, low, high) => {
   if (low === null) return [-span / 2, span / 2];
   const room = Math.max((high - low) * PAD, (span - (high - low)) / 2);
@@ -39,7 +39,7 @@ const doubled = (view, value, sigma, sign) => {
   return view.values((row) => values[row] + 2 * sign * sigmas[row]);
 };
 
-// Each line: its name, its colour, how it is got out of a view; `band` with the line after it is filled between.
+// A line has a name, a color, and a function that gets its values from a view. A `band` is filled up to the next line.
 const CHARTS = [
   {
     title: "Yaw", unit: "deg", height: 240, hasTimes: true, digits: 2, range: atLeast(1),
@@ -60,7 +60,7 @@ const CHARTS = [
     ],
   },
   {
-    title: "Drift estimate", unit: "deg/s", height: 110, digits: 4, range: atLeast(0.01),
+    title: "Bias", unit: "deg/s", height: 110, digits: 4, range: atLeast(0.01),
     lines: [
       { name: "+2σ", color: "drift", band: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", 1) },
       { name: "−2σ", color: "drift", bound: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", -1) },
@@ -91,7 +91,7 @@ function seriesOf(line, digits) {
   };
 }
 
-// A line across the chart for each time at which the config changed.
+// Draw a vertical line at each change of the config.
 function drawMarks(plot, marks) {
   const { ctx, bbox } = plot;
   ctx.save();
@@ -110,7 +110,7 @@ function drawMarks(plot, marks) {
 }
 
 class Chart {
-  // hands(plot) listens to what a person does with it; marks are times that are marked.
+  // hands(plot) adds the listeners of mouse and touch; marks are times to mark.
   constructor(place, made, hands, marks) {
     this.made = made;
     const figure = document.createElement("figure");
@@ -167,14 +167,14 @@ class Chart {
 }
 
 export class Charts {
-  // marks: times, Unix, s, to mark in all charts. onMove() is called when a person has chosen another stretch of time.
+  // marks: Unix times to mark in all charts, s. onMove() is called when the time range has changed.
   constructor(place, history, marks, windowS, onMove) {
     this.place = place;
     this.history = history;
     this.onMove = onMove;
     this.windowS = windowS;
     this.endS = null; // live
-    this.dueMs = 0; // when it is worth drawing again
+    this.dueMs = 0; // time of the next drawing
     this.later = null;
     this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
     new ResizeObserver(() => this.fit()).observe(place);
@@ -193,13 +193,13 @@ export class Charts {
     for (const chart of this.charts) chart.plot.redraw();
   }
 
-  // A person or the window moved them: not a moment later.
+  // Redraw at once after a change of range or size.
   move() {
     this.dueMs = 0;
     this.onMove();
   }
 
-  // Whether it is time; where not, they are drawn when it is. An hour moves by a pixel in seconds.
+  // Whether a drawing is due; if not, it is scheduled. In the view of an hour a pixel takes seconds.
   isDue() {
     const nowMs = performance.now();
     if (nowMs >= this.dueMs) {
@@ -221,7 +221,7 @@ export class Charts {
     for (const chart of this.charts) chart.draw(this.history, view, fromS, toS);
   }
 
-  // Show a stretch that ends at a time; at the newest point the charts follow the stream.
+  // Show a range that ends at a time; at the newest point the charts follow the stream.
   lookAt(endS, windowS = this.windowS) {
     const { firstS, lastS } = this.history;
     this.windowS = Math.min(3600, Math.max(2, windowS));
@@ -229,7 +229,7 @@ export class Charts {
     this.move();
   }
 
-  // Drag sideways to look back; turn the wheel to see more or less.
+  // Drag sideways to look back; turn the wheel to zoom.
   hearHands(plot) {
     const over = plot.over;
     let grip = null;

@@ -1,9 +1,9 @@
-// The stream of the service: one WebSocket at a time, opened again whenever it is gone, for as long as the page lives.
+// Stream of the service: one WebSocket at a time, reconnected for as long as the page is open.
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
 const POLICY_VIOLATION = 1008; // RFC 6455, section 7.4.1
-const SILENT_MS = 6000; // the service says how it is once a second
+const SILENT_MS = 6000; // the service sends its state once a second
 
 export class Connection {
   // on.message(content) with an object or an ArrayBuffer; on.change("open" | "lost") when that changes; on.refused() when
@@ -37,7 +37,7 @@ export class Connection {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
-  // Not for ever: a network that is gone closes nothing.
+  // Limit the wait: a lost network does not close the socket.
   wait() {
     clearTimeout(this.silence);
     this.silence = setTimeout(() => this.lost(), SILENT_MS);
@@ -62,7 +62,7 @@ export class Connection {
     this.open();
   }
 
-  // Somebody looks, or the network is back: do not wait for the next try.
+  // The page is visible or the network is back: reconnect at once.
   hurry() {
     if (!this.retry) return;
     clearTimeout(this.retry);

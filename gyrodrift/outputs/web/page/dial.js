@@ -1,4 +1,4 @@
-// The heading dial: a compass where the service has a reference, else yaw with 0 at the top; needles for what is known.
+// The dial: a compass after a heading was set, otherwise yaw with 0 at the top. Unknown needles are hidden.
 
 const SVG = "http://www.w3.org/2000/svg";
 const NARROWEST_DEG = 0.6;
@@ -11,12 +11,12 @@ function drawn(parent, kind, attributes, text = "") {
   return made;
 }
 
-// Only what has changed is touched: the browser lays the dial out and paints it anew for the rest as well.
+// Change an attribute only if it differs: the browser would lay out and paint the whole dial.
 function set(element, name, value) {
   if (element.getAttribute(name) !== value) element.setAttribute(name, value);
 }
 
-// Clockwise from the top, on a circle about 0, 0.
+// Point on a circle around 0, 0; clockwise from the top.
 const at = (deg, radius) => {
   const turned = (deg * Math.PI) / 180;
   return [(radius * Math.sin(turned)).toFixed(2), (-radius * Math.cos(turned)).toFixed(2)];
@@ -47,7 +47,7 @@ export class Dial {
     drawn(this.svg, "circle", { r: 3, class: "hub" });
   }
 
-  // Angles in degrees; NaN for what is not known. Yaw is counter-clockwise, a heading clockwise.
+  // Angles in degrees; NaN if unknown. Yaw is counter-clockwise, a heading clockwise.
   show({ yaw, raw, encoder, sigma, heading }) {
     const hasNorth = Number.isFinite(heading);
     const words = hasNorth ? ["N", "E", "S", "W"] : ["0", "−90", "180", "90"];

@@ -1,7 +1,7 @@
-// The last hour of points, kept at several levels of detail, so that any stretch of time is drawn from few rows.
+// History of one hour at several levels of detail, so that any range is drawn from few rows.
 //
-// A row is what the service sends: a time, values as of the last sample (NAME), and the least and the greatest of all
-// samples (NAME_lo, NAME_hi). Rows of a coarser level are merged by the same rule, so no spike is ever lost.
+// A row has a time, values of the last sample (NAME), and minimum and maximum of all samples (NAME_lo, NAME_hi). Coarser
+// levels merge rows by the same rule, so no spike is lost.
 
 const FINEST_S = 1 / 30;
 const FACTOR = 4;
@@ -16,7 +16,7 @@ const newest = (a, b) => b;
 
 const ruleOf = (name) => (name.endsWith("_lo") ? least : name.endsWith("_hi") ? greatest : newest);
 
-// Rows in time order: one for each stretch of time of a width, or each as it comes where that is 0.
+// Rows in time order: one per interval of a width, or all rows if the width is 0.
 class Level {
   constructor(rules, widthS) {
     this.rules = rules;
@@ -47,7 +47,7 @@ class Level {
     }
   }
 
-  // Forget what is too old; grow where that is less than an eighth.
+  // Drop old rows; grow if they are less than an eighth.
   makeRoom(beforeS) {
     const old = this.atOrAfter(beforeS);
     const long = this.columns[0].length;
@@ -59,7 +59,7 @@ class Level {
     this.count -= old;
   }
 
-  // Index of the first row that is not before a time.
+  // Index of the first row at or after a time.
   atOrAfter(timeS) {
     const times = this.columns[0];
     let low = 0;
@@ -87,7 +87,7 @@ export class History {
     this.lastS = -Infinity;
   }
 
-  // Take rows out of a message; those that are known already are passed over.
+  // Read the rows of a message; known rows are skipped.
   read(buffer) {
     const view = new DataView(buffer);
     const width = 8 + 4 * (this.names.length - 1);
@@ -105,7 +105,7 @@ export class History {
     this.lastS = row[0];
   }
 
-  // The clock of the service was set back: what is kept would lie in the future.
+  // Clear the history if the clock of the service was set back: its rows would lie in the future.
   startsAt(nowS) {
     if (nowS < this.lastS - SAME_CLOCK_S) this.clear();
   }
@@ -118,12 +118,12 @@ export class History {
     return this.rows ? Math.max(this.levels[0].columns[0][0], this.lastS - KEPT_S) : NaN;
   }
 
-  // The newest value of a column; NaN where nothing has come.
+  // Newest value of a column; NaN without rows.
   last(name) {
     return this.rows ? this.levels[0].columns[this.index[name]][this.rows - 1] : NaN;
   }
 
-  // Rows from one time to another and one more on either side, of the finest level that has no more than `most`.
+  // Rows between two times, and one more on each side, of the finest level with at most `most` rows.
   view(fromS, toS, most) {
     let found = null;
     for (const level of this.levels) {
@@ -139,7 +139,7 @@ export class History {
 const GAP_S = 1.5;
 const GAP_TIMES = 3;
 
-// A stretch of one level as uPlot draws it: two places on the time axis for each row, and an empty one in each gap.
+// A range of one level for uPlot: two points on the time axis per row, and an empty point in each gap.
 class View {
   constructor(columns, index, from, to) {
     this.columns = columns;
@@ -166,7 +166,7 @@ class View {
     return this.columns[this.index[name]];
   }
 
-  // A line through the least and the greatest of each row, in the order that makes the shorter way.
+  // A line through minimum and maximum of each row, in the order with the shorter way.
   span(name) {
     const [low, high] = [this.column(`${name}_lo`), this.column(`${name}_hi`)];
     let before = NaN;
@@ -178,7 +178,7 @@ class View {
     });
   }
 
-  // A line through one value of each row, which is worked out of it.
+  // A line through one computed value of each row.
   values(of) {
     return this.places((row) => [undefined, of(row)]);
   }

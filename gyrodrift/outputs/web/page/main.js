@@ -1,4 +1,4 @@
-// Puts the page together: what comes over the stream goes into the history, and is drawn with the screen's next frame.
+// Main module: messages of the stream go into the history, which is drawn with the next frame of the screen.
 
 import { Charts } from "./charts.js";
 import { Connection } from "./connection.js";
@@ -10,12 +10,12 @@ import { clock } from "./words.js";
 
 const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["1 h", 3600]];
 
-const TEXT_MS = 100; // numbers that change faster than this cannot be read
+const TEXT_MS = 100; // faster changes of numbers cannot be read
 
 const byId = (id) => document.getElementById(id);
 const dial = new Dial(byId("dial"));
-const changes = new Set(); // times at which the config was taken over
-let windowS = 30; // shown at first
+const changes = new Set(); // times at which a config was applied
+let windowS = 30; // at the start
 let history = null;
 let charts = null;
 let isDue = false;
@@ -42,11 +42,11 @@ function draw() {
 function drawText() {
   textTimer = null;
   showNumbers(history);
-  showPlace();
+  showPosition();
 }
 
-// Where in the hour the charts are.
-function showPlace() {
+// Position of the charts in the hour.
+function showPosition() {
   const isLive = charts.endS === null;
   byId("live").hidden = isLive;
   const back = byId("back");
@@ -59,7 +59,7 @@ function showPlace() {
   }
 }
 
-// The columns are known: from now on there is something to draw into.
+// Make history and charts for the columns of the stream.
 function begin(hello) {
   if (!history || history.names.join() !== hello.columns.join()) {
     history = new History(hello.columns);
@@ -70,36 +70,36 @@ function begin(hello) {
   controls.greet(hello.has_buttons);
 }
 
-function hear(told) {
-  if (told.event === "config_applied") changes.add(told.t_s);
-  showEvent(told);
+function takeEvent(message) {
+  if (message.event === "config_applied") changes.add(message.t_s);
+  showEvent(message);
 }
 
-const TAKES = {
+const HANDLERS = {
   hello: begin,
-  event: hear,
-  state: (told) => {
-    showState(told);
-    controls.showState(told.status);
+  event: takeEvent,
+  state: (message) => {
+    showState(message);
+    controls.showState(message.status);
   },
-  answer: (told) => controls.answer(told),
+  answer: (message) => controls.answer(message),
   dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
 };
 
 function take(content) {
   if (content instanceof ArrayBuffer) history.read(content);
-  else TAKES[content.kind]?.(content);
+  else HANDLERS[content.kind]?.(content);
   drawSoon();
 }
 
-function sayConnection(state) {
-  const place = byId("connection");
+function showConnection(state) {
+  const element = byId("connection");
   if (state === "lost") lostAt ??= Date.now() / 1000;
   else lostAt = null;
-  const text = lostAt === null ? "Live" : `No connection since ${clock(lostAt)}; trying again …`;
-  if (place.textContent === text) return;
-  place.textContent = text;
-  place.dataset.state = state;
+  const text = lostAt === null ? "Live" : `No connection since ${clock(lostAt)}; reconnecting …`;
+  if (element.textContent === text) return;
+  element.textContent = text;
+  element.dataset.state = state;
   document.body.classList.toggle("stale", state === "lost");
 }
 
@@ -118,7 +118,7 @@ document.addEventListener("visibilitychange", drawSoon);
 
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/stream`, {
   message: take,
-  change: sayConnection,
+  change: showConnection,
   refused: () => controls.forget(),
 });
 const controls = new Controls((message) => connection.send(message));

@@ -1,4 +1,4 @@
-// What stands beside the charts: numbers, the link in words, config, events, clients.
+// Panels beside the charts: numbers, link, config, events, clients.
 
 import * as words from "./words.js";
 
@@ -7,13 +7,13 @@ const MOST_EVENTS = 100;
 const byId = (id) => document.getElementById(id);
 
 function made(kind, text = "", name = "") {
-  const found = document.createElement(kind);
-  found.textContent = text;
-  found.className = name;
-  return found;
+  const element = document.createElement(kind);
+  element.textContent = text;
+  element.className = name;
+  return element;
 }
 
-// Names and values as a list; rows without a value are left out. Only what has changed is touched.
+// Names and values as a list, without empty values. Only changed elements are updated.
 function showFacts(place, facts) {
   const shown = facts.filter(([, value]) => value !== "" && value !== null && value !== undefined);
   while (place.children.length > 2 * shown.length) place.lastChild.remove();
@@ -45,9 +45,9 @@ export function showNumbers(history) {
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
     ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
     ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
-    ["Drift estimate", bias, "key drift"],
+    ["Bias", bias, "key drift"],
     ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
-    ["Rate less drift", `${words.signed(last("corrected_dps"), 2)} deg/s`],
+    ["Corrected rate", `${words.signed(last("corrected_dps"), 2)} deg/s`],
     ["At rest", finite(last("rest_probability"), words.percent(last("rest_probability"))), "key rest"],
     ["Temperature", finite(last("temp_c"), `${words.number(last("temp_c"), 1)} °C`)],
   ]);
@@ -57,14 +57,14 @@ export function showState({ status, health }) {
   const { link, device, config } = status;
   scaleSigmaDeg = status.filter.scale_sigma_deg ?? NaN;
   byId("device").textContent = [device.device_id, link.port].filter(Boolean).join(" on ");
-  byId("health").replaceChildren(...health.map((each) => made("li", each.says, each.level)));
+  byId("health").replaceChildren(...health.map((finding) => made("li", finding.says, finding.level)));
   showFacts(byId("link"), [
     ["Sample rate", `${words.number(link.rate_hz, 1)} Hz`],
     ["Jitter", `${words.number(link.jitter_ms, 1)} ms`],
     ["Samples", words.count(link.samples)],
     ["Gaps", link.gaps ? `${words.count(link.gaps)} (${words.counted(link.missing, "sample")})` : "0"],
     ["Damaged frames", words.count(link.damaged)],
-    ["Clock against ours", link.clock_ppm === null ? "" : `${words.signed(link.clock_ppm, 0)} ppm`],
+    ["Device clock", link.clock_ppm === null ? "" : `${words.signed(link.clock_ppm, 0)} ppm`],
     ["Line used", link.busy ? words.percent(link.busy) : ""],
     ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
   ]);
@@ -74,7 +74,7 @@ export function showState({ status, health }) {
   showClients(status.outputs);
   showFacts(byId("service"), [
     ["Service", `gyrodrift ${status.version}, process ${status.pid}`],
-    ["Runs for", words.duration(status.uptime_s)],
+    ["Uptime", words.duration(status.uptime_s)],
     ["Memory", words.megabytes(status.memory_bytes)],
   ]);
 }
@@ -92,26 +92,26 @@ function showClients(outputs) {
 }
 
 function row([name, address], [peer, sent, dropped]) {
-  const found = made("tr");
+  const line = made("tr");
   const output = made("th", name);
   if (address) output.append(made("small", address));
   const numbers = [sent, dropped].map((value) => made("td", value === "" ? "" : words.count(value), "number"));
-  found.append(output, made("td", peer), ...numbers);
-  return found;
+  line.append(output, made("td", peer), ...numbers);
+  return line;
 }
 
-// Events that are known already, as of a connection before, are not shown again.
-const seen = new Set();
+// Events that are on the page, such as those of the connection before.
+const shownEvents = new Set();
 
 export function showEvent({ t_s: atS, event, fields }) {
   const key = `${atS} ${event}`;
-  if (seen.has(key)) return;
-  seen.add(key);
+  if (shownEvents.has(key)) return;
+  shownEvents.add(key);
   const place = byId(event.startsWith("config_") ? "config-events" : "events");
   place.querySelector(".none")?.remove();
   const item = made("li", "", event.endsWith("_rejected") || event === "link_lost" ? "bad" : "");
-  const [first, ...more] = words.event(event, fields);
-  item.append(made("time", words.clock(atS)), made("span", first), ...more.map((each) => made("code", each)));
+  const [sentence, ...details] = words.event(event, fields);
+  item.append(made("time", words.clock(atS)), made("span", sentence), ...details.map((line) => made("code", line)));
   place.prepend(item);
   while (place.children.length > MOST_EVENTS) place.lastChild.remove();
 }

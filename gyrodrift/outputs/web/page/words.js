@@ -1,4 +1,4 @@
-// Numbers and times as a person reads them, with their units.
+// Numbers and times as text, with units.
 
 const MISSING = "–";
 
@@ -10,7 +10,7 @@ export const signed = (value, digits) =>
 
 export const angle = (value) => (Number.isFinite(value) ? `${number(value, 2)}°` : MISSING);
 
-// Standard deviation behind a value, where it is known.
+// Standard deviation behind a value; empty if unknown.
 export const margin = (sigma, digits, unit = "") => (Number.isFinite(sigma) ? ` ± ${number(sigma, digits)}${unit}` : "");
 
 export const count = (value) => Math.round(value).toLocaleString("en").replaceAll(",", "\u202f");
@@ -32,7 +32,7 @@ export const percent = (share) => (Number.isFinite(share) ? `${number(100 * shar
 const valueText = (value) =>
   Array.isArray(value) ? value.map(valueText).join("; ") : typeof value === "number" ? String(+value.toPrecision(6)) : String(value);
 
-const SAID = {
+const SENTENCES = {
   config_applied: (f) => [`${f.file} was applied.`, ...list(f.changes)],
   config_rejected: (f) => ["Rejected; the old config stays.", ...list(f.reasons)],
   gap: (f) => [`${counted(f.missing, "sample")} lost; the longest gap was ${number(1000 * f.longest_s, 0)} ms.`],
@@ -58,6 +58,6 @@ const list = (value) => (Array.isArray(value) ? value : value ? [value] : []).ma
 const entries = (fields) =>
   Object.entries(fields).filter(([, value]) => value !== null && value !== "").map(([name, value]) => `${name} ${valueText(value)}`).join(", ");
 
-// An event of the log in sentences.
+// Sentences about an event of the log.
 export const event = (name, fields) =>
-  name in SAID ? SAID[name](fields) : [`${name.replaceAll("_", " ")}: ${entries(fields)}`];
+  name in SENTENCES ? SENTENCES[name](fields) : [`${name.replaceAll("_", " ")}: ${entries(fields)}`];
