@@ -154,10 +154,10 @@ def _stretches(description: SessionDescription) -> Iterator[TableLine]:
     """A line for all rests, then the longest in order of time."""
     rests = description.stretches
     if not rests:
-        yield TableLine("stretches", "none: the bias is unknown", is_odd=True)
+        yield TableLine("rests", "none: the bias is unknown", is_odd=True)
         return
     lengths_s = [rest.end_s - rest.start_s for rest in rests]
-    yield TableLine("stretches", f"{len(rests)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
+    yield TableLine("rests", f"{len(rests)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
     longest = sorted(rests, key=lambda rest: rest.start_s - rest.end_s)[:STRETCHES_SHOWN]
     yield from (_stretch(rest) for rest in sorted(longest, key=lambda rest: rest.start_s))
     if len(longest) < len(rests):

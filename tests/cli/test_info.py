@@ -71,7 +71,7 @@ def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.C
     assert " ppm, clock of the device against the host's" in line_of(lines, "drift")
     assert line_of(lines, "encoder").endswith("  12.5 deg, never moves")
     assert line_of(lines, "temperature").endswith("20.00 … 23.00 °C, 20.00 → 23.00 °C from start to end")
-    assert line_of(lines, "stretches").split()[1:3] == ["1:", "39.9"]
+    assert line_of(lines, "rests").split()[1:3] == ["1:", "39.9"]
     assert "at rest, by the encoder" in lines
     assert re.search(r"  0\.\d+ °/√h \(0\.00\d+ deg/√s\)$", line_of(lines, "angle random walk"))
     assert [line for line in lines if line.startswith("!")] == [line_of(lines, "gaps")]
@@ -148,7 +148,7 @@ def test_several_sessions_are_a_table_with_a_summary(tmp_path: Path, capsys: pyt
     assert re.fullmatch(
         r"! a.mcap +40 s +100 Hz +3: 12 missing +1: 39.9 s +0.\d+ .* +\+1\d.\d° +-?\+?0.\d+° +gaps", rows[0]
     )
-    assert re.fullmatch(r"! short.csv +0.01 s +100 Hz +none +none +– +– +– +– +stretches", rows[2])
+    assert re.fullmatch(r"! short.csv +0.01 s +100 Hz +none +none +– +– +– +– +rests", rows[2])
     assert line_of(lines, "3 sessions").endswith("  80 s, 7,978 samples")
     assert line_of(lines, "gaps").endswith("  6 in 2 sessions, 24 samples missing")
     assert "°/√h" in line_of(lines, "angle random walk")
@@ -228,7 +228,7 @@ def test_what_is_odd_is_marked(rows: str, odd: str, tmp_path: Path, capsys: pyte
     assert any(line.startswith("!") and line.endswith(odd) for line in described(capsys, tmp_path / "s.csv"))
 
 
-def test_of_many_stretches_the_longest_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_of_many_rests_the_longest_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """In order of time, and the range of all."""
     lengths_s = [4, 9, 5, 8, 6, 7, 10, 3]
     rest_and_turn = ([np.repeat(50.0 * i, 100 * s), 50.0 * i + np.arange(100) / 2.0] for i, s in enumerate(lengths_s))
