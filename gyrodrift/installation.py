@@ -22,6 +22,8 @@ from gyrodrift import __version__
 from gyrodrift.errors import UsageError
 
 NAME = "gyrodrift"
+DEVELOPMENT = frozenset({"docs", "fuzz", "test"})
+"""Extras that only a clone needs."""
 PACKAGE = Path(__file__).parent
 
 
@@ -33,6 +35,10 @@ class Installer(Enum):
     UV_PIP = "uv pip"
     UV_TOOL = "uv tool"
     UVX = "uvx"
+
+
+REPLACING = frozenset({Installer.PIPX, Installer.UV_TOOL, Installer.UVX})
+"""Installers that create a new environment, without the extras that it had."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +65,8 @@ def extra_command(extra: str) -> str:
     origin, installer = _origin(), _installer()
     if origin is None:
         return package_command(*_packages_of(extra))
-    requirement = shlex.quote(origin.with_extra(extra))
+    extras = [extra, *_present_extras(extra)] if installer in REPLACING else [extra]
+    requirement = shlex.quote(origin.with_extra(",".join(extras)))
     if installer is Installer.UVX:
         return f"uvx --from {requirement} {NAME}"
     editable = "--editable " if origin.is_editable else ""
@@ -137,6 +144,21 @@ def _origin_at(url: str, vcs: dict[str, str]) -> InstallSource | None:
 
 def _is_this_copy(installed: Distribution) -> bool:
     return Path(str(installed.locate_file(NAME))).resolve() == PACKAGE.resolve()
+
+
+def _present_extras(new_extra: str) -> list[str]:
+    """Other extras whose packages are all installed."""
+    extras = distribution(NAME).metadata.get_all("Provides-Extra") or []
+    present = [extra for extra in extras if extra != new_extra and extra not in DEVELOPMENT]
+    return [extra for extra in present if all(map(_is_installed, _packages_of(extra)))]
+
+
+def _is_installed(requirement: str) -> bool:
+    try:
+        distribution(re.split(r"[^\w.-]", requirement, maxsplit=1)[0])
+    except PackageNotFoundError:
+        return False
+    return True
 
 
 def _packages_of(extra: str) -> list[str]:

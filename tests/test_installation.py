@@ -2,6 +2,8 @@
 
 import json
 import sys
+from email.message import Message
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ from gyrodrift.installation import PACKAGE, extra_command, package_command
 
 WHEEL: dict[str, Any] = {"archive_info": {}}
 EDITABLE = {"dir_info": {"editable": True}}
+PRESENT = ("rich", "websockets")
 REQUIRES = ['cma<5,>=4.0; extra == "lab"', 'rich>=13.7; python_version > "3"', 'scipy<2,>=1.11; extra == "lab"']
 
 
@@ -19,7 +22,10 @@ class Metadata:
     """Metadata of an installed distribution."""
 
     def __init__(self, direct_url: dict[str, Any] | None, folder: Path = PACKAGE.parent) -> None:
-        self.requires = REQUIRES
+        self.requires = [*REQUIRES, 'websockets>=14; extra == "websocket"']
+        self.metadata = Message()
+        for extra in ("lab", "websocket"):
+            self.metadata["Provides-Extra"] = extra
         self._direct_url, self._folder = direct_url, folder
 
     def read_text(self, name: str) -> str | None:
@@ -35,13 +41,19 @@ def install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     """Pretend that gyrodrift is installed in some way."""
 
     def pretend(metadata: Metadata, prefix: str = "venv", *, mark: str = "", has_pip: bool = True) -> None:
+
+        def find(name: str) -> Metadata:
+            if name not in ("gyrodrift", *PRESENT):
+                raise PackageNotFoundError(name)
+            return metadata
+
         folder = tmp_path / prefix
         folder.mkdir(parents=True)
         if mark:
             (folder / mark).touch()
         monkeypatch.setattr(sys, "prefix", str(folder))
         monkeypatch.setattr(sys, "executable", "/venv/bin/python")
-        monkeypatch.setattr(installation, "distribution", lambda _: metadata)
+        monkeypatch.setattr(installation, "distribution", find)
         monkeypatch.setattr(installation, "find_spec", lambda _: "pip" if has_pip else None)
 
     return pretend
@@ -94,18 +106,19 @@ def test_an_environment_of_uv_has_no_pip(install: Any, wheel: Path) -> None:
 
 
 def test_pipx_installs_again_with_the_extra(install: Any, wheel: Path) -> None:
+    """And with the extras that are there: pipx creates a new environment."""
     install(Metadata({"url": wheel.as_uri(), **WHEEL}), "venvs/gyrodrift", mark="pipx_metadata.json", has_pip=False)
-    assert extra_command("lab") == f"pipx install --force '{wheel}[lab]'"
+    assert extra_command("lab") == f"pipx install --force '{wheel}[lab,websocket]'"
     assert package_command("vqf") == "pipx inject gyrodrift vqf"
 
 
 def test_a_tool_of_uv_is_installed_again_with_the_extra(install: Any, wheel: Path) -> None:
     install(Metadata({"url": wheel.as_uri(), **WHEEL}), mark="uv-receipt.toml", has_pip=False)
-    assert extra_command("lab") == f"uv tool install --force '{wheel}[lab]'"
+    assert extra_command("lab") == f"uv tool install --force '{wheel}[lab,websocket]'"
 
 
 def test_uvx_runs_again_with_the_extra(install: Any, wheel: Path) -> None:
     """Its environment is a cache, so nothing is installed into it."""
     install(Metadata({"url": wheel.as_uri(), **WHEEL}), "archive-v0/x", has_pip=False)
-    assert extra_command("lab") == f"uvx --from '{wheel}[lab]' gyrodrift"
+    assert extra_command("lab") == f"uvx --from '{wheel}[lab,websocket]' gyrodrift"
     assert package_command("vqf") == f"uvx --from {wheel} --with vqf gyrodrift"
