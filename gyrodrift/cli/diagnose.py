@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="sessions of the same device from another day or bench: explain the difference to them (default: none)",
     )
+    parser.add_argument("--inference", choices=["rules", "posterior"], default="rules", help=argparse.SUPPRESS)
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
     options.add_unit_options(parser)
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         need_packages("diagnose", "matplotlib", "numba", "scipy")
         from gyrodrift.diagnose.report.page import report_html
-        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
+        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest, Inference
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
@@ -91,6 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
                 progress.evaluated,
                 baseline,
                 reading=inputs.reading(arguments),
+                inference=Inference(arguments.inference),
             )
         )
         progress.evaluated(REPORT, 0, 0)

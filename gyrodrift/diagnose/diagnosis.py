@@ -25,7 +25,9 @@ from gyrodrift.diagnose.stages import (
     WHAT_NEXT,
     YAW_IMPACT,
     DiagnosisRequest,
+    Inference,
     adopted,
+    concluded_of,
     inferred_of,
     recordings_of,
     simulated_of,
@@ -57,7 +59,8 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         remarks += [*explained.remarks, *of_chance]
     else:
         simulated = simulated_of(asked, origins, recordings)
-        inferred = inferred_of(simulated, asked.jobs, asked.progress)
+        infer = concluded_of if asked.inference is Inference.POSTERIOR else inferred_of
+        inferred = infer(simulated, asked.jobs, asked.progress)
         verdict = inferred.verdict
     surrogate, subjects = inferred.surrogate, simulated.subjects
     verdict = _set_aside(verdict, subjects)

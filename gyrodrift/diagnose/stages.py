@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, verdict_of
+from gyrodrift.diagnose.posterior.infer import conclude
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.checks import together_s
 from gyrodrift.diagnose.recording.facts import Contradiction
@@ -57,6 +59,13 @@ SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEX
 """Share of each stage in the duration: measured on 3 sessions of 5 minutes with 2 processes."""
 
 
+class Inference(StrEnum):
+    """Method that finds causes."""
+
+    RULES = "rules"
+    POSTERIOR = "posterior"
+
+
 class DiagnosisRequest(NamedTuple):
     """What is to be diagnosed.
 
@@ -77,6 +86,7 @@ class DiagnosisRequest(NamedTuple):
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
     reading: ReadingOptions = AS_WRITTEN
+    inference: Inference = Inference.RULES
 
 
 class Simulated(NamedTuple):
@@ -147,6 +157,18 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
     if is_one_heating([_heating_of(one) for one in simulated.subjects]):
         alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_HEATING)
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
+
+
+def concluded_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) -> Inferred:
+    """Find the posterior over sets of effects, and judge by it."""
+    progress(SEARCHED, 0, 0)
+    with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
+
+        def simulate(causes: Sequence[Cause]) -> SimulatedSet:
+            return sets.change_of([Sized(cause.candidate, cause.size, cause.response.phases_deg) for cause in causes])
+
+        conclusion = conclude(simulated.tables, simulated.tried, simulate)
+    return Inferred(conclusion.verdict, conclusion.causes, conclusion.surrogate)
 
 
 def _heating_of(subject: Subject) -> Heating:

@@ -1,0 +1,1 @@
+"""One posterior over sets of effects, their sizes and unknown effects."""

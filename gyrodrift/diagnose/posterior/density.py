@@ -1,0 +1,196 @@
+"""The density of the observed differences: Student in each feature, with groups of features that an unknown may move.
+
+    y_f ~ Student_nu(mean_f, C_f)                                                                  (1)
+    C_f = null covariance + form error + scatter of random effects [+ unknown variance]            (2)
+
+A vector over sessions for each feature f. All variances are in the determinant. An unknown effect moves features of
+some groups; the sum over its states is exact, since groups are independent given the effects.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats, Integers, Mask
+
+DEGREES_OF_FREEDOM = 12.0
+"""Degrees of freedom of the Student density, chosen among 4, 12 and infinity by the Brier score on known cases."""
+
+FORM_ERROR = 0.1
+"""Relative standard deviation by which the form of a real effect differs from the simulated one, in each feature."""
+
+UNKNOWN_WIDTHS = (3.0, 10.0, 40.0)
+"""Standard deviations by which an unknown effect moves a feature, equally probable."""
+
+UNKNOWN_SHARES = (0.05, 0.25, 0.75)
+"""Shares of the features of a group that an unknown effect moves, equally probable."""
+
+UNKNOWN_IN_GROUP = 0.005
+"""Prior probability that an unknown effect moves features of one group."""
+
+UNKNOWN_BROAD, BROAD_IN_GROUP = 0.01, 0.3
+"""Prior probability of an unknown effect that moves many groups, and of each group then."""
+
+MOVED = 1e-3
+"""Change in standard deviations below which a template leaves a feature alone."""
+
+
+class LogDensities(NamedTuple):
+    """Log densities of N points.
+
+    without_unknown
+        (N,) without an unknown effect.
+    either
+        (N,) summed over all states of the unknown effect, none of them included, with their prior.
+    touched
+        (N, groups) posterior probability that an unknown effect moves a group.
+    """
+
+    without_unknown: Floats
+    either: Floats
+    touched: Floats
+
+
+def log_no_unknown(groups: int) -> float:
+    """Logarithm of the prior probability that no group is moved by an unknown effect."""
+    narrow = (1.0 - UNKNOWN_BROAD) * (1.0 - UNKNOWN_IN_GROUP) ** groups
+    return math.log(narrow + UNKNOWN_BROAD * (1.0 - BROAD_IN_GROUP) ** groups)
+
+
+def log_densities(
+    residual: Floats,
+    mean: Floats,
+    scatter: Floats,
+    covariance: Floats,
+    groups: "Groups",
+    form_error: float = FORM_ERROR,
+) -> LogDensities:
+    """Densities at N points of one template beside fixed others.
+
+    residual
+        (N, S, F) difference minus prediction.
+    mean, scatter
+        (N, S, F) and (N, F) of the template alone.
+    covariance
+        (F, S, S) of everything but the template.
+    """
+    by_width = _by_width(
+        residual, np.ascontiguousarray(mean), scatter, covariance, groups.is_used, form_error**2,
+        np.array((0.0, *UNKNOWN_WIDTHS)), DEGREES_OF_FREEDOM,
+    )  # fmt: skip
+    return LogDensities(*_summed(by_width, groups.of_feature, groups.number, np.array(UNKNOWN_SHARES)))
+
+
+class Groups(NamedTuple):
+    """Groups of features that an unknown effect moves together.
+
+    of_feature
+        (F,) index of the group of each feature.
+    is_used
+        (F,) whether any session compares the feature.
+    """
+
+    of_feature: Integers
+    number: int
+    is_used: Mask
+
+
+@njit(cache=True)
+def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, white: Floats) -> float:
+    """Logarithm of a multivariate Student density by a Cholesky factorization; `root` and `white` are scratch."""
+    size = len(residual)
+    log_determinant = 0.0
+    square = 0.0
+    for i in range(size):
+        for j in range(i + 1):
+            value = covariance[i, j]
+            for k in range(j):
+                value -= root[i, k] * root[j, k]
+            root[i, j] = math.sqrt(max(value, 1e-9)) if i == j else value / root[j, j]
+        log_determinant += math.log(root[i, i])
+        value = residual[i]
+        for k in range(i):
+            value -= root[i, k] * white[k]
+        white[i] = value / root[i, i]
+        square += white[i] ** 2
+    constant = math.lgamma(0.5 * (nu + size)) - math.lgamma(0.5 * nu) - 0.5 * size * math.log(nu * math.pi)
+    return constant - log_determinant - 0.5 * (nu + size) * math.log1p(square / nu)
+
+
+@njit(cache=True)
+def _by_width(
+    residual: Floats, mean: Floats, scatter: Floats, covariance: Floats, is_used: Mask, form_error2: float,
+    widths: Floats, nu: float,
+) -> Floats:  # fmt: skip
+    """(N, F, widths) log densities of each feature at each width of an unknown; 0 for features that are not used."""
+    points, sessions, features = mean.shape
+    densities = np.zeros((points, features, len(widths)))
+    alone = np.zeros((features, len(widths)))
+    is_known = np.zeros(features, np.bool_)
+    total = np.zeros((sessions, sessions))
+    root, white, session_residual = np.zeros((sessions, sessions)), np.zeros(sessions), np.zeros(sessions)
+    for n in range(points):
+        for f in range(features):
+            if not is_used[f]:
+                continue
+            moves = scatter[n, f]
+            for i in range(sessions):
+                moves = max(moves, abs(mean[n, i, f]))
+                session_residual[i] = residual[n, i, f]
+            if moves < MOVED and is_known[f]:
+                densities[n, f] = alone[f]
+                continue
+            for v in range(len(widths)):
+                unknown = 0.5 * widths[v] ** 2
+                for i in range(sessions):
+                    for j in range(i + 1):
+                        form = 0.5 * form_error2 * mean[n, i, f] * mean[n, j, f]
+                        total[i, j] = covariance[f, i, j] + form + unknown
+                    total[i, i] += 0.5 * form_error2 * mean[n, i, f] ** 2 + unknown + scatter[n, f]
+                densities[n, f, v] = _log_student(session_residual, total, nu, root, white)
+            if moves < MOVED:
+                alone[f] = densities[n, f]
+                is_known[f] = True
+    return densities
+
+
+@njit(cache=True)
+def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats) -> tuple[Floats, Floats, Floats]:
+    """Sum over the states of the unknown effect; see `LogDensities`."""
+    points, features, widths = densities.shape
+    without_unknown, either, touched = np.zeros(points), np.zeros(points), np.zeros((points, groups))
+    still = np.zeros(groups)
+    moved = np.zeros((groups, widths - 1, len(shares)))
+    odds = np.zeros(groups)
+    for n in range(points):
+        still[:] = 0.0
+        moved[:] = 0.0
+        for f in range(features):
+            if densities[n, f, 0] == 0.0:
+                continue
+            g = of_feature[f]
+            still[g] += densities[n, f, 0]
+            for v in range(1, widths):
+                ratio = math.exp(min(densities[n, f, v] - densities[n, f, 0], 600.0))
+                for k in range(len(shares)):
+                    moved[g, v - 1, k] += densities[n, f, 0] + math.log(1.0 - shares[k] + shares[k] * ratio)
+        narrow, broad = math.log(1.0 - UNKNOWN_BROAD), math.log(UNKNOWN_BROAD)
+        for g in range(groups):
+            top = max(still[g], moved[g].max())
+            mean_moved = np.exp(moved[g] - top).mean()
+            at_rest = math.exp(still[g] - top)
+            narrow += top + math.log((1.0 - UNKNOWN_IN_GROUP) * at_rest + UNKNOWN_IN_GROUP * mean_moved)
+            broad += top + math.log((1.0 - BROAD_IN_GROUP) * at_rest + BROAD_IN_GROUP * mean_moved)
+            odds[g] = mean_moved / max(at_rest, 1e-300)
+        without_unknown[n] = still.sum()
+        top = max(narrow, broad)
+        either[n] = top + math.log(math.exp(narrow - top) + math.exp(broad - top))
+        is_broad = math.exp(broad - either[n])
+        for g in range(groups):
+            few = UNKNOWN_IN_GROUP * odds[g]
+            many = BROAD_IN_GROUP * odds[g]
+            touched[n, g] = (1.0 - is_broad) * few / (1.0 - UNKNOWN_IN_GROUP + few)
+            touched[n, g] += is_broad * many / (1.0 - BROAD_IN_GROUP + many)
+    return without_unknown, either, touched

@@ -1,0 +1,120 @@
+"""Observed differences between recordings and simulation, with their covariance where there is no gap."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.vector import OF_EVENTS, OF_MOTION
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+
+PRIOR_RUNS = 2.0
+"""Weight of the prior that sessions are independent, in null runs."""
+
+SHARED_RELEVANCE = 0.5
+"""Share of the relevance variance that all sessions have in common: the same small misfit of the rig in each."""
+
+LEAST_VARIANCE = 0.05
+"""Least variance of a feature in units of its own: a few null runs do not show less."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """Differences of S sessions in F features.
+
+    difference
+        (S, F) recording minus simulation, in `unit`.
+    unit
+        (S, F) standard deviation without a gap, relevance included, in the units of the features.
+    covariance
+        (F, S, S) of `difference` without a gap.
+    is_compared
+        (S, F) whether the difference says anything.
+    """
+
+    difference: Floats
+    unit: Floats
+    covariance: Floats
+    is_compared: Mask
+
+    @property
+    def sessions(self) -> int:
+        """Number of sessions."""
+        return len(self.difference)
+
+
+def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observation:
+    """Pool the null runs of all sessions.
+
+    The covariance of a feature is its null variance in each session, part of it common to all sessions; what the
+    reconstruction of the motion leaves in all sessions alike; and the squared relevance threshold.
+    """
+    nulls = np.array([table.nulls for table in tables])
+    thresholds = np.array([table.thresholds for table in tables])
+    sessions, runs, _ = nulls.shape
+    center = np.where(OF_EVENTS, 0.0, nulls.mean(axis=(0, 1)))
+    away = nulls - center
+    pooled = np.square(away).sum(axis=(0, 1)) / max(sessions * runs - 1, 1)
+    own = np.maximum(pooled, 0.5 * (pooled + np.square(away).mean(axis=1)))
+    correlation = shared_correlation(away)
+    common = np.where(OF_MOTION, _excess(nulls.mean(axis=(0, 1)), pooled / (sessions * runs)), 0.0)
+    smoother = np.array([table.smoother for table in tables])
+    common += _excess(smoother.mean(axis=0), _variance_of_mean(smoother))
+    covariance = (
+        _mixed(own, correlation) + _mixed(np.broadcast_to(common, own.shape), np.ones(len(common)))
+        + _mixed(np.square(thresholds), np.full(own.shape[1], SHARED_RELEVANCE))
+    )  # fmt: skip
+    difference = np.array([table.difference for table in tables]) - center
+    return _in_units(difference, covariance, is_compared)
+
+
+def shared_correlation(away: Floats) -> Floats:
+    """(F,) correlation between sessions, 0 to 1, shrunk to 0 as if by PRIOR_RUNS independent runs.
+
+    away
+        (S, runs, F) null differences about their mean. Run by run their motions are drawn by the same random numbers.
+    """
+    sessions, runs, features = away.shape
+    if sessions == 1 or runs == 1:
+        return np.zeros(features)
+    variance = np.square(away).mean(axis=(0, 1))
+    variance_of_mean = np.square(away.mean(axis=0)).sum(axis=0) / (runs - 1)
+    ratio = sessions * variance_of_mean / np.where(variance > 0.0, variance, 1.0)
+    share = (PRIOR_RUNS + (runs - 1) * ratio) / (PRIOR_RUNS + runs - 1)
+    correlation: Floats = (np.clip(share, 1.0, sessions) - 1.0) / (sessions - 1)
+    return correlation
+
+
+def _mixed(variance: Floats, correlation: Floats) -> Floats:
+    """(F, S, S) covariance of variances (S, F) with one correlation between all sessions, (F,)."""
+    root = np.sqrt(variance).T
+    between = correlation[:, None, None] * root[:, :, None] * root[:, None, :]
+    diagonal = np.eye(len(variance)) * ((1.0 - correlation)[:, None] * variance.T)[:, :, None]
+    covariance: Floats = between + diagonal
+    return covariance
+
+
+def _excess(mean: Floats, variance: Floats) -> Floats:
+    """(F,) squared mean beyond its own variance."""
+    excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
+    return excess
+
+
+def _variance_of_mean(values: Floats) -> Floats:
+    """(F,) by the scatter of sessions, (S, F); 0 for a single session."""
+    if len(values) == 1:
+        return np.zeros(values.shape[1])
+    variance: Floats = values.var(axis=0, ddof=1) / len(values)
+    return variance
+
+
+def _in_units(difference: Floats, covariance: Floats, is_compared: Mask) -> Observation:
+    variance = np.diagonal(covariance, axis1=1, axis2=2).T
+    unit = np.where(is_compared & (variance > 0.0), np.sqrt(variance), 1.0)
+    scaled = covariance / (unit.T[:, :, None] * unit.T[:, None, :])
+    compared = is_compared.T
+    scaled = np.where(compared[:, :, None] & compared[:, None, :], scaled, 0.0)
+    sessions = np.arange(len(unit))
+    scaled[:, sessions, sessions] = np.maximum(np.where(compared, scaled[:, sessions, sessions], 1.0), LEAST_VARIANCE)
+    return Observation(np.where(is_compared, difference / unit, 0.0), unit, scaled, is_compared)

@@ -1,0 +1,147 @@
+"""The posterior over sets of effects and an unknown effect, and what is read off it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.posterior.sets import EffectSet, Scorer, log_prior_of
+
+POWER = 0.8
+"""Power of the likelihood, fitted on cases of known cause so that probabilities are true."""
+
+RESEMBLING = 0.3
+"""Prior probability of an unknown effect that is only like an effect, relative to that of the effect."""
+
+TIED = 0.05
+"""Share of the probability of an effect from which on another that may stand in its place is tied with it."""
+
+RARE = 0.02
+"""Probability below which an effect is not spoken of."""
+
+
+@dataclass(frozen=True, slots=True)
+class WeightedSet:
+    """Effects that act, whether something unknown acts, and the probability of both."""
+
+    names: frozenset[str]
+    is_unknown: bool
+    effect_set: EffectSet
+    probability: float
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """An effect with others that may stand in its place.
+
+    probability
+        That the first acts.
+    total
+        That one of all acts.
+    """
+
+    name: str
+    tied_with: tuple[str, ...]
+    probability: float
+    total: float
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Hypotheses whose probabilities add up to 1."""
+
+    hypotheses: tuple[WeightedSet, ...]
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(H,) probabilities."""
+        return np.array([hypothesis.probability for hypothesis in self.hypotheses])
+
+    @property
+    def no_gap(self) -> float:
+        """Probability that nothing acts."""
+        return sum(
+            hypothesis.probability
+            for hypothesis in self.hypotheses
+            if not hypothesis.names and not hypothesis.is_unknown
+        )
+
+    @property
+    def unknown(self) -> float:
+        """Probability that something acts which the catalog does not hold."""
+        return sum(hypothesis.probability for hypothesis in self.hypotheses if hypothesis.is_unknown)
+
+    @cached_property
+    def inclusion(self) -> dict[str, float]:
+        """Probability of each effect."""
+        names = sorted(set().union(*(hypothesis.names for hypothesis in self.hypotheses)))
+        return {name: float(self.weights[self.has(name)].sum()) for name in names}
+
+    def has(self, name: str) -> Mask:
+        """(H,) hypotheses with an effect."""
+        return np.array([name in hypothesis.names for hypothesis in self.hypotheses])
+
+    def touched(self) -> Floats:
+        """(groups,) probability that something unknown moves a group of features."""
+        total: Floats = sum(
+            (
+                hypothesis.probability * hypothesis.effect_set.touched
+                for hypothesis in self.hypotheses
+                if hypothesis.is_unknown
+            ),
+            np.zeros(1),
+        )
+        return total
+
+    def slots(self) -> list[Slot]:
+        """Effects of the catalog, the most probable first, each with those that exclude it and fit as well."""
+        remaining = {name: mass for name, mass in self.inclusion.items() if not name.startswith("?") and mass > RARE}
+        slots = []
+        while remaining:
+            first = max(remaining, key=lambda name: remaining[name])
+            tied = [name for name in sorted(remaining, key=lambda name: -remaining[name]) if self._is_tied(first, name)]
+            one_of = np.logical_or.reduce([self.has(name) for name in (first, *tied)])
+            slots.append(Slot(first, tuple(tied), self.inclusion[first], float(self.weights[one_of].sum())))
+            remaining = {name: mass for name, mass in remaining.items() if name not in {first, *tied}}
+        return slots
+
+    def _is_tied(self, first: str, name: str) -> bool:
+        """Whether one of two acts without the other often enough, and both together seldom."""
+        if name == first:
+            return False
+        has_first, has_name = self.has(first), self.has(name)
+        alone, instead = (self.weights[mask].sum() for mask in (has_first & ~has_name, has_name & ~has_first))
+        together = self.weights[has_first & has_name].sum()
+        return bool(instead >= TIED * max(alone, 1e-12) and together < 0.5 * self.inclusion[name])
+
+
+def posterior_of(scorer: Scorer, sets: Sequence[EffectSet], power: float = POWER) -> Posterior:
+    """Normalize over all sets: with and without an unknown effect, and with one that only resembles an effect."""
+    drafts = [draft for effect_set in sets for draft in _drafts(scorer, effect_set, power)]
+    log_weights = np.array([weight for *_, weight in drafts])
+    weights = np.exp(log_weights - np.logaddexp.reduce(log_weights))
+    return Posterior(
+        tuple(
+            WeightedSet(names, is_unknown, effect_set, float(weight))
+            for (names, is_unknown, effect_set, _), weight in zip(drafts, weights, strict=True)
+        )
+    )
+
+
+def _drafts(scorer: Scorer, effect_set: EffectSet, power: float) -> list[tuple[frozenset[str], bool, EffectSet, float]]:
+    prior = sum(log_prior_of(placed.template) for placed in effect_set.placed)
+    names = frozenset(effect_set.names)
+    has_form = any(placed.template.is_out_of_catalogue for placed in effect_set.placed)
+    drafts = [
+        (names, has_form, effect_set, prior + power * effect_set.without_unknown + scorer.log_no_unknown),
+        (names, True, effect_set, prior + power * effect_set.unknown + scorer.log_some_unknown),
+    ]
+    for name, (without_unknown, unknown) in zip(effect_set.names, effect_set.resembling, strict=False):
+        if np.isfinite(without_unknown):
+            without = names - {name}
+            like = prior + np.log(RESEMBLING)
+            drafts.append((without, True, effect_set, like + power * without_unknown + scorer.log_no_unknown))
+            drafts.append((without, True, effect_set, like + power * unknown + scorer.log_some_unknown))
+    return drafts
