@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
                 drawing.write(paths)
         for text in texts:
             with progress.aside():
-                print(visible(text))  # names of files, notes and devices may hold anything
+                print(text if arguments.json else visible(text))  # names of files and devices may hold anything
     if errors:
         raise DataError("\n".join(errors))
     return 0
@@ -208,7 +208,7 @@ def _table(paths: "Sequence[Path]", descriptions: "Descriptions") -> Iterator[st
 def _names(paths: "Sequence[Path]") -> dict[Path, str]:
     """Paths without the folder that all of them share."""
     shared = os.path.commonpath([path.absolute().parent for path in paths])
-    return {path: os.path.relpath(path.absolute(), shared) for path in paths}
+    return {path: os.path.relpath(path.absolute(), shared).replace("\n", "\\n") for path in paths}
 
 
 def _config(arguments: argparse.Namespace) -> "Config":

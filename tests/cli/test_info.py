@@ -156,6 +156,16 @@ def test_several_sessions_are_a_table_with_a_summary(tmp_path: Path, capsys: pyt
     assert max(map(len, lines)) < 130
 
 
+def test_a_strange_name_takes_one_line_and_stays_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A line break and a control character of 8 bits in the names of files."""
+    for name in ("a\nb.csv", "c\x9bd.csv"):
+        (tmp_path / name).write_text("t_device_s,rate_dps\n0,1\n0.01,2\n")
+    lines = described(capsys, tmp_path)
+    assert [line.split()[1] for line in lines[1:3]] == [r"a\nb.csv", r"c\x9bd.csv"]
+    names = [json.loads(line)["session"] for line in described(capsys, "--json", tmp_path)]
+    assert names == [str(tmp_path / "a\nb.csv"), str(tmp_path / "c\x9bd.csv")]
+
+
 def test_the_table_corrects_by_the_filter_of_a_config(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Its end errors are those of that filter."""
     config = tmp_path / "my.yaml"
