@@ -5,6 +5,7 @@ from mutate.fault import Fault
 CLOCK, CLOCK_TESTS = "gyrodrift/link/clocks/device.py", ("tests/link/clocks/test_device_clock.py",)
 STEPS = "gyrodrift/link/clocks/steps.py"
 ARRIVAL, ARRIVAL_TESTS = "gyrodrift/link/clocks/arrival.py", ("tests/link/clocks/test_arrival_clock.py",)
+THREAD_PORT, THREAD_PORT_TESTS = "gyrodrift/link/thread_port.py", ("tests/link/test_thread_port.py",)
 PROTOCOLS = "gyrodrift/link/protocols"
 TESTS = "tests/link/protocols"
 
@@ -176,5 +177,29 @@ FAULTS = (
         'return body.decode("ascii").split(",")',
         "A sentence with a wrong checksum is believed.",
         (f"{TESTS}/test_nmea.py",),
+    ),
+    Fault(
+        "link/thread-port-wakes-nobody",
+        THREAD_PORT,
+        "            self._arrived += chunk\n        self._tell()\n",
+        "            self._arrived += chunk\n",
+        "Bytes that a thread has read wait for the next tick of the loop.",
+        THREAD_PORT_TESTS,
+    ),
+    Fault(
+        "link/thread-port-keeps-old-bytes",
+        THREAD_PORT,
+        "            raise PortGoneError(self.path) from error\n        self._taken()\n",
+        "            raise PortGoneError(self.path) from error\n",
+        "Bytes of the old baud rate are decoded at the new rate.",
+        THREAD_PORT_TESTS,
+    ),
+    Fault(
+        "link/thread-port-never-gone",
+        THREAD_PORT,
+        "            self._is_gone = True\n",
+        "            self._is_gone = False\n",
+        "An unplugged port stays open for ever.",
+        THREAD_PORT_TESTS,
     ),
 )
