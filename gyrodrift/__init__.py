@@ -1,6 +1,6 @@
-"""gyrodrift: yaw from a low-cost gyro, with the drift taken out as it streams.
+"""gyrodrift: stable yaw from a low-cost gyro, in real time.
 
-What other programs use is named here and imported where it is asked for; its types stand in `__init__.pyi`.
+Public names are imported on first use; their types are in `__init__.pyi`.
 """
 
 __version__ = "0.1.0"

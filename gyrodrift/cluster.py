@@ -1,7 +1,7 @@
-"""The workers of a Dask cluster: tasks sent to them, and a wait for the results that always ends.
+"""Workers of a Dask cluster: send tasks to them, and wait for the results without hanging.
 
-Scheduler, workers and this process need the same gyrodrift. Where a worker dies, Dask repeats elsewhere what is
-missing. A task uses one thread: a worker keeps as many processors busy as it has threads.
+Scheduler, workers and this process need the same version of gyrodrift. If a worker dies, Dask repeats its tasks on
+another worker. A task uses one thread: a worker keeps as many processors busy as it has threads.
 """
 
 import asyncio
@@ -17,37 +17,37 @@ from gyrodrift.installation import extra_command
 
 CONNECT_S = 5.0
 FIRST_WORKER_S = 10.0
-"""How long the scheduler may take to answer at first, and then to have a worker."""
+"""Longest waits for the first answer of the scheduler, and for its first worker, s: chosen."""
 
 LOOK_S = 1.0
 ANSWER_S = 30.0
 NO_WORKER_S = 60.0
-"""While waiting, the cluster is looked at so often; a scheduler that does not answer for so long counts as lost, and
-so do workers, of which a nanny starts a new one within seconds."""
+"""Interval between looks at the cluster, longest wait for an answer of the scheduler, and longest time without a
+worker, s: chosen. A nanny starts a new worker within seconds."""
 
 TASKS_AT_A_TIME = 250
-"""That many tasks, with the paths of their sessions, make a message of some megabytes; Dask warns beyond ten."""
+"""Tasks in one message: with the paths of their sessions some megabytes; Dask warns above ten."""
 
 CANCELLED = (asyncio.CancelledError, futures.CancelledError)
-"""Of the two kinds Dask raises now one, now the other."""
+"""Dask raises either kind."""
 
 
 class ClusterWorkers:
-    """The workers of a Dask scheduler, and a wait for their results that always ends.
+    """The workers of a Dask scheduler; waiting for their results always ends.
 
     Parameters
     ----------
     address
-        Of the scheduler, as in `tcp://host:8786`.
+        Address of the scheduler, such as `tcp://host:8786`.
     purpose
-        What is to be done there, in a word, for who lacks the package: `tuning`.
+        Purpose in a word for the message about a missing package: `tuning`.
 
     Raises
     ------
     UsageError
-        Where the package is missing, nobody answers at the address, or the scheduler has no workers.
+        If the package is missing, no scheduler answers, or the scheduler has no workers.
 
-    `threads` counts those of the workers at the beginning.
+    `threads` counts the threads of the workers at the beginning.
     """
 
     def __init__(self, address: str, purpose: str) -> None:
@@ -62,7 +62,7 @@ class ClusterWorkers:
             raise
 
     def close(self) -> None:
-        """Leave the cluster; what it held for us is dropped."""
+        """Leave the cluster, which drops our data."""
         with suppress(TimeoutError, OSError):
             self._client.close(timeout=CONNECT_S)
 
@@ -77,13 +77,13 @@ class ClusterWorkers:
             ) from error
 
     def submit(self, work: Callable[..., object], *columns: Sequence[Any]) -> list[Any]:
-        """One task for each row of the columns, which may hold futures of earlier tasks; gives their futures."""
+        """Submit one task for each row of the columns, which may hold futures; returns their futures."""
         if self._client.status != "running" or any(_is_cancelled(value) for column in columns for value in column):
             raise self._lost()
         return list(self._client.map(work, *columns, pure=False, batch_size=TASKS_AT_A_TIME))
 
     def results(self, tasks: Sequence[Any]) -> list[Any]:
-        """What the tasks gave, in their order.
+        """Results of the tasks, in their order.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class ClusterWorkers:
                 return self._gathered(tasks)
 
     def _gathered(self, tasks: Sequence[Any]) -> list[Any]:
-        """Bring them here; a worker that dies meanwhile is waited for again."""
+        """Fetch the results; if a worker dies meanwhile, wait for its repetition."""
         gathering = asyncio.run_coroutine_threadsafe(
             self._client.gather(list(tasks), asynchronous=True), self._client.loop.asyncio_loop
         )
@@ -118,26 +118,24 @@ class ClusterWorkers:
                 raise self._lost() from None
 
     def _raise_first(self, tasks: Sequence[Any]) -> None:
-        """The error of the first failed task, once all before it are done."""
+        """Raise the error of the first failed task, after all tasks before it are done."""
         for task in tasks:
             if task.status in {"pending", "lost"}:
                 return
             if _is_cancelled(task):
                 raise self._lost()
             if task.status == "error":
-                raise self._said(task.exception())
+                raise self._error_of(task.exception())
 
-    def _said(self, error: BaseException) -> BaseException:
+    def _error_of(self, error: BaseException) -> BaseException:
         if isinstance(error, GyrodriftError):
             return error
         if isinstance(error, self._dask.KilledWorker):
-            return GyrodriftError(
-                f"{self._address}: workers died one after the other of the same work; see their memory"
-            )
+            return GyrodriftError(f"{self._address}: several workers died on the same task; check their memory")
         return GyrodriftError(f"{self._address}: a task failed: {type(error).__name__}: {error}")
 
     def _look(self) -> None:
-        """Whether there is still somebody to wait for."""
+        """Raise an error if no worker is left to wait for."""
         try:
             threads = self._running_threads()
         except (OSError, TimeoutError):
@@ -146,7 +144,7 @@ class ClusterWorkers:
             self._worked_s = time.monotonic()
         elif time.monotonic() - self._worked_s > NO_WORKER_S:
             raise GyrodriftError(
-                f"{self._address}: for {NO_WORKER_S:.0f} s no worker runs; they are gone, or paused for want of memory"
+                f"{self._address}: no worker for {NO_WORKER_S:.0f} s; all are gone, or paused for lack of memory"
             )
 
     def _first_threads(self) -> int:
@@ -166,11 +164,11 @@ class ClusterWorkers:
         return sum(running.values())
 
     def _lost(self) -> GyrodriftError:
-        return GyrodriftError(f"{self._address}: the Dask scheduler is gone, and with it what was being worked out")
+        return GyrodriftError(f"{self._address}: the Dask scheduler is gone, with all unfinished work")
 
 
 def _library(purpose: str) -> Any:
-    """The package `distributed`, told to keep quiet: what matters to us is raised."""
+    """The package `distributed`, with its log silenced: errors are raised instead."""
     try:
         import distributed  # noqa: PLC0415 - a second to import, for who has a cluster
     except ImportError as error:
@@ -181,7 +179,7 @@ def _library(purpose: str) -> Any:
 
 
 async def _greet(dask: Any, address: str) -> None:
-    """See whether a scheduler is there: a client that waits for one in vain leaves its thread behind."""
+    """Check for a scheduler first: a client that waits in vain leaves its thread behind."""
     async with dask.rpc(address) as somebody:
         kind = (await somebody.identity())["type"]
     if kind != "Scheduler":
@@ -189,5 +187,5 @@ async def _greet(dask: Any, address: str) -> None:
 
 
 def _is_cancelled(value: Any) -> bool:
-    """Whether it is a future that Dask has given up, as it does with all of them when the scheduler goes."""
+    """Whether this is a future that Dask has given up, as it does if the scheduler ends."""
     return getattr(value, "status", "") == "cancelled"

@@ -1,4 +1,4 @@
-"""Compiling numerical functions: once for all runs where there is a place to keep what was compiled."""
+"""Compile numerical functions, and keep the compiled code for later runs."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,15 +13,15 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def stamp_of(package: str) -> str:
-    """Of all sources of a package: another one wherever one of them has changed."""
-    found = blake2b()
+    """Digest of all sources of a package."""
+    digest = blake2b()
     for path in sorted(Path(import_module(package).__path__[0]).rglob("*.py")):
-        found.update(path.read_bytes())
-    return found.hexdigest()
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def compiled_once(*, nogil: bool = True, **options: Any) -> Callable[[Function], Function]:
-    """Numba's `njit` with its cache; in each run anew where neither the package nor a home can be written to.
+    """Numba's `njit` with its cache; without a writable cache folder each run compiles again.
 
     Division by zero gives what numpy gives. `options` are those of `njit`.
     """
@@ -30,7 +30,7 @@ def compiled_once(*, nogil: bool = True, **options: Any) -> Callable[[Function],
         made: Any = njit(nogil=nogil, error_model="numpy", **options)(function)
         with suppress(RuntimeError):  # numba finds no folder for its cache
             made.enable_caching()
-        found: Function = made
-        return found
+        result: Function = made
+        return result
 
     return compiled

@@ -1,17 +1,19 @@
 """Errors for people, and the exit status of a command that ends with one.
 
-    GyrodriftError
-    ├── UsageError            2   wrong arguments (a ValueError)
-    │   └── ConfigError       2   a YAML file with mistakes, all of them at once
-    ├── LinkError             3   the port, the cable, the device
-    │   ├── PortMissingError      (a FileNotFoundError)
-    │   ├── PortDeniedError       (a PermissionError)
-    │   ├── PortBusyError
-    │   ├── DeviceSilentError     nothing decodable within the time given (a TimeoutError)
-    │   └── UnitError             a device clock in another unit than microseconds
-    └── DataError             4   a session that cannot be read (a ValueError)
-        ├── DamagedError          changed or missing bytes (gyrodrift.session.damage)
-        └── CalibrationError      turns or a rest that calibrate nothing
+```
+GyrodriftError
+├── UsageError            2   wrong arguments (a ValueError)
+│   └── ConfigError       2   a YAML file with mistakes, all of them at once
+├── LinkError             3   the port, the cable, the device
+│   ├── PortMissingError      (a FileNotFoundError)
+│   ├── PortDeniedError       (a PermissionError)
+│   ├── PortBusyError
+│   ├── DeviceSilentError     nothing decodable within the time given (a TimeoutError)
+│   └── UnitError             a device clock in another unit than microseconds
+└── DataError             4   a session that cannot be read (a ValueError)
+    ├── DamagedError          changed or missing bytes (gyrodrift.session.damage)
+    └── CalibrationError      turns or a rest that calibrate nothing
+```
 
 A message says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
 """
@@ -23,10 +25,10 @@ from typing import ClassVar
 from gyrodrift.secret import without_secrets
 
 MOST_LINES, LONGEST_LINE = 40, 1000
-"""Of a message: what it quotes may come from a file or a device, and may be of any length."""
+"""Limits of a message: it may quote a file or a device, of any length."""
 
 CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-"""All but tab and line feed: a terminal may take them for orders."""
+"""All control characters but tab and line feed: a terminal may execute them."""
 
 
 class GyrodriftError(Exception):
@@ -39,22 +41,22 @@ class GyrodriftError(Exception):
 
     def __init__(self, message: str) -> None:
         lines = [shortened(visible(line), LONGEST_LINE) for line in without_secrets(message).split("\n")]
-        more = len(lines) - MOST_LINES
-        super().__init__("\n".join([*lines[:MOST_LINES], f"and {more} lines more"] if more > 0 else lines))
+        dropped = len(lines) - MOST_LINES
+        super().__init__("\n".join([*lines[:MOST_LINES], f"and {dropped} lines more"] if dropped > 0 else lines))
 
 
 def shortened(text: str, most: int) -> str:
-    """A text in no more than so many characters."""
+    """Shorten a text to at most `most` characters."""
     return text if len(text) <= most else f"{text[: most // 2]} … {text[-most // 4 :]}"
 
 
 def visible(text: str) -> str:
-    r"""A text that came from elsewhere, as a terminal may have it: control characters are written as `\x1b`."""
-    return CONTROLS.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
+    r"""Escape the control characters of a text from a file or a device, as `\x1b`."""
+    return CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", text)
 
 
 class UsageError(GyrodriftError, ValueError):
-    """The command was asked for something it cannot do."""
+    """Wrong arguments of a command or a function."""
 
     exit_status = 2
 
@@ -74,11 +76,11 @@ class LinkError(GyrodriftError):
 
 
 class PortMissingError(LinkError, FileNotFoundError):
-    """There is no such port."""
+    """The port does not exist."""
 
 
 class PortDeniedError(LinkError, PermissionError):
-    """The port may not be opened by this user."""
+    """The user may not open the port."""
 
 
 class PortBusyError(LinkError):
@@ -86,11 +88,11 @@ class PortBusyError(LinkError):
 
 
 class DeviceSilentError(LinkError, TimeoutError):
-    """The port is open, but nothing that can be decoded came in time."""
+    """The port is open, but no decodable data arrived in time."""
 
 
 class UnitError(LinkError):
-    """The stream is understood, but its clock has another unit than it is taken for."""
+    """The stream is decoded, but its clock has another unit than assumed."""
 
 
 class DataError(GyrodriftError, ValueError):
@@ -100,4 +102,4 @@ class DataError(GyrodriftError, ValueError):
 
 
 class CalibrationError(DataError):
-    """What the device sent while it was calibrated says nothing of it."""
+    """Data of a calibration that do not determine it."""

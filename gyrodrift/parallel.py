@@ -1,4 +1,4 @@
-"""Processes of this machine for work that holds the interpreter, so that threads would not do: methods, simulations."""
+"""Processes of this machine, for work that holds the interpreter lock."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,18 +10,18 @@ from typing import Any, TypeVar
 
 from gyrodrift.system import CAN_FORK, kill_with
 
-Given = TypeVar("Given")
-Found = TypeVar("Found")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class LocalWorkers:
-    """Maps in this process or in others; what they were made after is known to them too."""
+    """Maps a function in this process or in forked ones, which inherit the memory of this process."""
 
     def __init__(self, pool: ProcessPoolExecutor | None) -> None:
         self._pool = pool
 
-    def map(self, work: Callable[[Given], Found], given: Sequence[Given]) -> Iterable[Found]:
-        """The results in their order."""
+    def map(self, work: Callable[[Item], Result], given: Sequence[Item]) -> Iterable[Result]:
+        """Results in the order of the items."""
         return map(work, given) if self._pool is None else self._pool.map(work, given)
 
 
@@ -39,12 +39,12 @@ def workers(jobs: int) -> Iterator[LocalWorkers]:
 
 
 def usable_jobs(jobs: int) -> int:
-    """The number of processes that `jobs` gives here: 1 where the system cannot fork, as on Windows."""
+    """Number of processes: `jobs`, or 1 if the system cannot fork, as Windows."""
     return jobs if CAN_FORK else 1
 
 
 def fork_pool(jobs: int, begin: Callable[..., None], *given: Any) -> ProcessPoolExecutor:
-    """Forked processes that call `begin` first, and that end when this process does, however it ends."""
+    """Forked processes that call `begin` first, and that end whenever this process ends."""
     return ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), begin, given))
 
 
@@ -54,6 +54,6 @@ def _begin(parent: int, begin: Callable[..., None], given: tuple[Any, ...]) -> N
 
 
 def _leave_signals_to_the_parent() -> None:
-    """Ctrl-C reaches every process of a terminal; one that died holding the queue would hang the others."""
+    """Ignore Ctrl-C, which reaches every process of a terminal: a worker that dies with the queue hangs the rest."""
     signal(SIGINT, SIG_IGN)
     signal(SIGTERM, SIG_DFL)

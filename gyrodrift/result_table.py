@@ -47,9 +47,9 @@ class ResultTable:
             f"<tr>{''.join(f'<td>{escape(_cell(column[row]))}</td>' for column in columns.values())}</tr>"
             for row in range(min(count, HTML_ROWS))
         )
-        more = f"<p>{HTML_ROWS} of {count} rows</p>" if count > HTML_ROWS else ""
+        note = f"<p>{HTML_ROWS} of {count} rows</p>" if count > HTML_ROWS else ""
         caption = f"<caption>{escape(repr(self))}</caption>"
-        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
+        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{note}"
 
 
 def _cell(value: Any) -> str:

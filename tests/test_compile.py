@@ -11,8 +11,8 @@ import gyrodrift.diagnose.features.turn_bases, gyrodrift.diagnose.recording.kalm
 import gyrodrift.diagnose.recording.order_statistics, gyrodrift.diagnose.recording.smoothing
 import gyrodrift.evaluation.kernels.hdr, gyrodrift.evaluation.kernels.restlevel
 import gyrodrift.compare.methods.kalman
-from gyrodrift.compare.methods.sign import _walk
-print(len(_walk(np.ones(3), np.ones(3), 0.1, 1.0)))
+from gyrodrift.compare.methods.sign import _corrected
+print(len(_corrected(np.ones(3), 0.1, 1.0)))
 """
 
 

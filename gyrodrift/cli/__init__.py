@@ -1,4 +1,4 @@
-"""The command line: `gyrodrift COMMAND ...`. Each command is a file of its own, imported when it is asked for."""
+"""The command line `gyrodrift COMMAND ...`: one file for each command, imported when it runs."""
 
 import os
 import select
@@ -21,9 +21,9 @@ COMMANDS = {
     "doctor": "what is wrong with a device or a recording, what to do, and what drift to expect",
     "top": "watch a running service in the terminal",
     "record": "read a device and write what it sends into session files",
-    "tune": "find the filter's parameters from recorded sessions",
-    "diagnose": "say where simulator and recordings part, which effect it is, and how far adding it closes the gap",
-    "compare": "this filter beside Euler and the drift reducers people use instead, on the same sessions",
+    "tune": "find filter parameters from recorded sessions",
+    "diagnose": "name the effect that explains the gap between a simulator and recordings",
+    "compare": "compare these filters with plain integration, Fusion and VQF on the same sessions",
     "filter": "run the same filter over a recorded session",
     "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
@@ -32,8 +32,8 @@ COMMANDS = {
     "convert": "a session from .mcap to .csv or back, or for other programs",
     "repair": "close session files that were cut off, and mend damaged ones",
     "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
-    "completion": "what a shell needs to complete commands, options and their values",
-    "help": "what a command does and what it takes",
+    "completion": "print the script for shell completion",
+    "help": "show the help of a command",
 }
 
 INTERRUPTED = 130
@@ -47,7 +47,7 @@ ASKED_BY_A_SHELL = "_ARGCOMPLETE"
 EXAMPLES = """\
 gyrodrift demo                         a minute without hardware
 gyrodrift serve --port /dev/ttyUSB0    yaw from a gyro on a cable
-gyrodrift help tune                    what tune takes
+gyrodrift help tune                    options of tune
 """
 EPILOG = """\
 exit status: 0 done, 2 wrong usage or config, 3 the link, 4 the data, 130 interrupted.
@@ -56,7 +56,7 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run one command and give its exit status; a person's mistake is one line on stderr, never a traceback."""
+    """Run a command and return its exit status; a wrong input is one line on stderr, never a traceback."""
     open_standard_streams()
     accept_all_characters()
     if ASKED_BY_A_SHELL in os.environ:
@@ -84,7 +84,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _is_stdout_closed() -> bool:
-    """Whether the reader of stdout is gone, as `head` goes when it has enough; any other broken pipe is a failure."""
+    """Whether the reader of stdout has closed it, as `head` does; any other broken pipe is a failure."""
     if not hasattr(select, "poll"):  # Windows, which cannot ask
         return True
     poller = select.poll()
@@ -93,7 +93,7 @@ def _is_stdout_closed() -> bool:
 
 
 def _forget_stdout() -> None:
-    """Nothing is left to be flushed at exit, where it would fail again."""
+    """Discard unwritten output, which would fail again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -132,12 +132,12 @@ def _check_system(name: str) -> None:
 
 
 def command_of(name: str) -> ModuleType:
-    """The file of a command."""
+    """Module of a command."""
     return import_module(f"gyrodrift.cli.{name.replace('-', '_')}")
 
 
 def parser_of(name: str) -> Parser:
-    """The parser of a command, which knows its help too."""
+    """Parser of a command, with its help."""
     command = command_of(name)
     parser = Parser(name, description=command.__doc__, epilog=f"examples:\n{indent(command.EXAMPLES, '  ')}\n{EPILOG}")
     command.add_arguments(parser)
@@ -146,7 +146,7 @@ def parser_of(name: str) -> Parser:
 
 
 def program_parser() -> Parser:
-    """The parser of what stands outside of commands."""
+    """Parser of the options without a command."""
     from gyrodrift.installation import version_line
 
     width = max(map(len, COMMANDS))

@@ -1,9 +1,10 @@
-"""Run our filters, and the drift reducers that people use instead, over the same sessions with an encoder.
+"""Compare HDR and restlevel with other drift reducers on the same sessions with an encoder.
 
-For each method: E, the mean |yaw error| in deg; NE, E per minute; PI, the mean squared error in deg²; and the largest
-error in deg, all as means over the sessions. Each runs with its defaults, and with --train once more with its own
-parameters tuned on those sessions, all by the search and with the budget of `tune`. The table goes to stdout; files
-are written only where --out names a folder for compare.json and report.html.
+Prints means over the sessions for each method: E, the mean absolute yaw error, deg; NE, E per minute; PI, the mean
+squared error, deg²; and the largest error, deg. All methods integrate by the trapezoidal rule, HDR as published.
+
+Methods run with their defaults. With --train they also run with parameters tuned on those sessions. All have the same
+search and the same number of evaluations. --out writes compare.json and report.html.
 """
 
 import argparse
@@ -32,7 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="YAML with parameters of our filters (default: theirs)"
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="config with parameters of HDR or restlevel (default: their defaults)",
     )
     parser.add_argument(
         "--train",
@@ -40,16 +44,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH",
-        help="tune every method on these too (default: none)",
+        help="session or folder to tune every method on (repeatable; default: none)",
     )
     parser.add_argument(
-        "--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all (default: none)"
+        "--still",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="session in which the device did not move (repeatable; default: none)",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder for compare.json and report.html (default: none)"
     )
-    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="of the searches (default 0)")
-    options.add_iterations_option(parser, "evaluations for each method, with --train")
+    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="seed of the searches (default 0)")
+    options.add_iterations_option(parser, "evaluations of each search, with --train")
     options.add_jobs_option(parser)
     options.add_damage_option(parser)
     options.add_columns_option(parser)
@@ -57,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare; 0 when everything is written."""
+    """Compare; 0 if all files are written."""
     if arguments.out is not None:
         check_writable(arguments.out)
     options.hold_product_threads()
@@ -68,8 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
         need_packages("compare", "cma", "matplotlib", "numba", "scipy")
         from gyrodrift.compare.comparison import compare
 
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that no process is left behind
-        request = _asked(arguments, progress)
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the workers too
+        request = _request(arguments, progress)
         if arguments.out is not None:
             config = [arguments.config] if arguments.config else []
             written = [arguments.out / name for name in ("compare.json", "report.html")]
@@ -80,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _asked(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
+def _request(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
     from gyrodrift.compare.comparison import ComparisonRequest, config_file
     from gyrodrift.compare.methods.registry import methods
     from gyrodrift.session.files import session_paths

@@ -1,4 +1,4 @@
-"""Print what makes a shell complete commands, options and their values with the tabulator key.
+"""Print the script that lets a shell complete commands, options and values with the tab key.
 
 Once for the session: eval "$(gyrodrift completion bash)", likewise zsh (behind compinit), or
 gyrodrift completion fish | source. For good: put that line into ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish.
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the script; 0 then."""
+    """Print the script; returns 0."""
     from argcomplete.shell_integration import shellcode
 
     print(shellcode(["gyrodrift"], shell=arguments.shell))
@@ -36,12 +36,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def complete() -> None:
-    """Answer a shell that asks how a line goes on, and end the process."""
+    """Answer a completion request of a shell, and end the process."""
     from argcomplete.completers import BaseCompleter, DirectoriesCompleter, FilesCompleter
     from argcomplete.finders import CompletionFinder
 
     class Values(BaseCompleter):
-        """Words that may stand for an argument: names that we know, or else files."""
+        """Candidates for an argument: known names, or else files."""
 
         def __call__(
             self,
@@ -63,13 +63,13 @@ def complete() -> None:
 
 
 def _whole_parser(line: str) -> argparse.ArgumentParser:
-    """All commands, and the options of the one that stands in the line: the others are not asked for."""
+    """Parser of all commands, with the options of the command in the line."""
     parser = argparse.ArgumentParser(prog="gyrodrift", allow_abbrev=False)
     parser.add_argument("--version", action="store_true", help="the version")
     commands = parser.add_subparsers()
-    asked = line.split()[1:2]
+    command = line.split()[1:2]
     for name, what in COMMANDS.items():
-        parents = [parser_of(name)] if asked == [name] else []
+        parents = [parser_of(name)] if command == [name] else []
         commands.add_parser(name, help=what, parents=parents, add_help=not parents)
     return parser
 
@@ -105,4 +105,4 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "port": _ports,
     "COMMAND": partial(list, COMMANDS),
 }
-"""By what an argument stands for, the names that there are."""
+"""Known names for each kind of argument."""

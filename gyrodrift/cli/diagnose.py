@@ -1,7 +1,7 @@
-"""Explain the gap between a simulated rig and recordings of the real one.
+"""Explain the gap between a simulated rig and recordings of the real rig.
 
-Says where they part, which effect of the catalogue is missing from the rig (or that none explains it), how large it is,
-and how far adding it closes the gap. DIR gets gap.json, report.html, and rig.yaml with the effect switched on.
+Names the effect that is missing from the simulator, or says that no known effect explains the gap. Gives its size, and
+how far the effect closes the gap. DIR gets gap.json, report.html, and rig.yaml with the effect added.
 """
 
 import argparse
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
-    parser.add_argument("--rig", type=Path, metavar="RIG.yaml", help="the simulator as it stands (default: shipped)")
+    parser.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file of the simulator (default: shipped)")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--withhold",
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="EFFECT",
-        help="leave it out of the candidates (default: none)",
+        help="exclude an effect from the candidates (repeatable; default: none)",
     )
     parser.add_argument(
         "--baseline",
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH",
-        help="sessions of the same device from another day or bench: explain the difference to them (default: none)",
+        help="earlier sessions of the same device: explain the difference to them (repeatable; default: none)",
     )
     parser.add_argument("--inference", choices=["rules", "posterior"], default="rules", help=argparse.SUPPRESS)
     options.add_jobs_option(parser)
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnose; 0 when everything is written, whatever the verdict."""
+    """Diagnose; 0 if all files are written, whatever the verdict."""
     check_writable(arguments.out)
     options.hold_product_threads()
     with options.progress_of(arguments, {}) as waiting:
@@ -107,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":
-    """What the page says of where it comes from; its config is the rig."""
+    """Provenance of the page; its config is the rig."""
     from gyrodrift.evaluation.dataset import digest_of
     from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
     from gyrodrift.session.files import session_paths

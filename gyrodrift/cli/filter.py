@@ -129,7 +129,7 @@ def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterSta
         At the end, if more samples were skipped than accepted.
     """
     accepted = 0
-    columns, step, c = attrgetter(*chosen.columns), chosen.step_beside, chosen.coefficients(params)
+    columns, step, c = attrgetter(*chosen.columns), chosen.step_auxiliary, chosen.coefficients(params)
     for t_s, rate_dps, still, temp_c in zip(*_columns(session), strict=True):
         if step(c, state, t_s, rate_dps, still, temp_c):
             accepted += 1

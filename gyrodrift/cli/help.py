@@ -1,4 +1,4 @@
-"""Say what a command does and what it takes, or which commands there are."""
+"""Show the help of a command, or list the commands."""
 
 import argparse
 
@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print it; 0 then."""
+    """Print the help; returns 0."""
     from gyrodrift.cli import COMMANDS, parser_of, program_parser
     from gyrodrift.cli.parser import unknown
 

@@ -1,4 +1,4 @@
-"""Numbers on a command line: plain decimal digits, and within what the option can mean.
+"""Numbers on a command line: decimal digits, within the bounds of the option.
 
 Python takes more for a number: digits of any script, underscores, NaN and infinity, and thousands of digits.
 """
@@ -12,10 +12,10 @@ from gyrodrift.errors import UsageError, shortened
 DECIMAL = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 WHOLE = re.compile(r"[+-]?[0-9]+")
 LONGEST_DIGITS = 40
-"""More than any number needs that fits into 64 bits."""
+"""Longest number, characters: more than 64 bits need."""
 
 ABOVE_0 = 1e-9
-"""The least number that counts as above 0: its reciprocal is still one."""
+"""Smallest number that counts as above 0: its reciprocal is finite."""
 
 MOST_SECONDS = 1e9
 """Thirty years."""
@@ -29,12 +29,12 @@ TIMES_S = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
 
 def parsed(text: str) -> float | None:
-    """The number that a text is; None where it is none."""
+    """Parse a number; None if the text is no number."""
     return float(text) if len(text) <= LONGEST_DIGITS and DECIMAL.fullmatch(text) else None
 
 
 def number(most: float, expected: str = "a number above 0", least: float = ABOVE_0) -> Callable[[str], float]:
-    """A reader of numbers from `least` to `most`, for `add_argument`; `expected` is what a person is told."""
+    """Parser of numbers from `least` to `most` for `add_argument`; `expected` is for the error message."""
 
     def read(text: str) -> float:
         value = parsed(text)
@@ -48,7 +48,7 @@ def number(most: float, expected: str = "a number above 0", least: float = ABOVE
 
 
 def whole(most: int, expected: str = "a number above 0", least: int = 1) -> Callable[[str], int]:
-    """The same of whole numbers."""
+    """Parser of whole numbers."""
 
     def read(text: str) -> int:
         value = int(text) if len(text) <= LONGEST_DIGITS and WHOLE.fullmatch(text) else None
@@ -66,7 +66,7 @@ seed = whole(MOST_SEED, "a whole number from 0", least=0)
 
 
 def baud(text: str) -> int | None:
-    """A line rate; None for `auto`."""
+    """Line rate in baud; None for `auto`."""
     if text == "auto":
         return None
     if not BAUD.fullmatch(text) or int(text) == 0:
@@ -75,11 +75,11 @@ def baud(text: str) -> int | None:
 
 
 def rotation(text: str | None) -> tuple[int | None, float | None]:
-    """Bytes and seconds at which a new file begins, from `--rotate`; None for never."""
+    """Bytes and seconds of `--rotate` at which a new file begins; None for never."""
     if text is None:
         return None, None
-    found = ROTATION.fullmatch(text)
-    value, unit = (float(found[1]), found[2].lower()) if found else (0.0, "")
+    match = ROTATION.fullmatch(text)
+    value, unit = (float(match[1]), match[2].lower()) if match else (0.0, "")
     if unit in SIZES and value * SIZES[unit] >= 1.0:
         return round(value * SIZES[unit]), None
     if unit in TIMES_S and value > 0.0:

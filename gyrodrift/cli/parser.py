@@ -1,4 +1,4 @@
-"""How a command line is read: what is unknown gets the nearest that is known, before anything else is complained of."""
+"""The command line parser: an unknown word is reported first, with the nearest known one."""
 
 import argparse
 import re
@@ -9,49 +9,49 @@ from gyrodrift.errors import UsageError, shortened
 from gyrodrift.nearest import nearest, question
 
 RENAMED = {"--threads": "--jobs"}
-"""Options that users may know by another name."""
+"""Options that had another name."""
 
 NEAREST = 2
-"""So many that are known are offered for one that is not."""
+"""Most suggestions for an unknown word."""
 
 LONGEST_QUOTE = 40
-"""Characters of a value that is not understood."""
+"""Longest quote of a value that is not understood, characters."""
 
 NUMBER = re.compile(r"-\.?\d")
 UNTOLD: tuple[object, ...] = (None, False, "", [], argparse.SUPPRESS)
-"""Defaults that say nothing by themselves: the help says what happens."""
+"""Defaults that the help does not print."""
 
 
-def begun_or_near(word: str, known: Iterable[str]) -> str:
-    """The question whether one was meant that begins so, or is near; nothing where there is none."""
-    names = list(known)
+def begun_or_near(word: str, names: Iterable[str]) -> str:
+    """Question for a word that begins like a known one or is near it; empty without such a word."""
+    names = list(names)
     begun = [name for name in names if name.startswith(word)]
     return question(begun[:NEAREST] or nearest(word, names, NEAREST))
 
 
-def nearest_or_all(word: str, known: Iterable[str]) -> str:
-    """The same, and all that are known where none is near."""
-    names = list(known)
+def nearest_or_all(word: str, names: Iterable[str]) -> str:
+    """Question for a near word, or the list of all known words."""
+    names = list(names)
     return begun_or_near(word, names) or f"there are {', '.join(names)}"
 
 
-def unknown(what: str, word: str, known: Iterable[str]) -> UsageError:
-    """For a name that is none, behind its option where it has one; `what` says of what."""
-    return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word.rpartition(' ')[2], known)}")
+def unknown(what: str, word: str, names: Iterable[str]) -> UsageError:
+    """Error for an unknown name, with the kind of name in `what`."""
+    return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word.rpartition(' ')[2], names)}")
 
 
 class HelpFormatter(argparse.RawDescriptionHelpFormatter):
-    """Descriptions as they stand, and each option with its default."""
+    """Help that keeps the layout of descriptions and prints the default of each option."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         text = action.help or ""
-        if "default" in text or any(action.default is each or action.default == each for each in UNTOLD):
+        if "default" in text or any(action.default is untold or action.default == untold for untold in UNTOLD):
             return text
         return f"{text} (default %(default)s)"
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line each, and `UsageError`s."""
+    """A parser that raises `UsageError`, with one line for each mistake."""
 
     def __init__(self, name: str = "", **options: Any) -> None:
         super().__init__(
@@ -60,12 +60,12 @@ class Parser(argparse.ArgumentParser):
         self._name = name
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
-        """The options of a command line.
+        """Parse a command line.
 
         Raises
         ------
         UsageError
-            With every option that there is none of, or else the first mistake.
+            With all unknown options, or else with the first mistake.
         """
         mistakes = [self._mistake(word.partition("=")[0]) for word in _options_in(words)]
         if any(mistakes):
@@ -81,17 +81,17 @@ class Parser(argparse.ArgumentParser):
         return f"gyrodrift help {self._name}".rstrip() + " shows them all"
 
     def _mistake(self, word: str) -> str:
-        known = self._option_string_actions
-        if word in known:
+        options = self._option_string_actions
+        if word in options:
             return ""
-        if RENAMED.get(word) in known:
+        if RENAMED.get(word) in options:
             return f"{word}: is {RENAMED[word]} now"
         sought = f"-{word}" if re.fullmatch(r"-\w", word) else word
-        meant = begun_or_near(sought, [option for option in known if option.startswith("--")])
+        meant = begun_or_near(sought, [option for option in options if option.startswith("--")])
         return f"{word}: {self._name or 'gyrodrift'} has no such option; {meant or self._see}"
 
     def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
-        """What an option does not take is told like any other mistake: the option, the value, what is expected."""
+        """Report a refused value with its option and the expected value."""
         try:
             return super()._get_value(action, arg_string)
         except argparse.ArgumentError as error:
@@ -107,7 +107,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _options_in(words: Sequence[str]) -> Iterable[str]:
-    """Those that can be nothing else."""
+    """Words that can only be options."""
     for word in words:
         if word == "--":
             return

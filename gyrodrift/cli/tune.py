@@ -43,16 +43,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--report", type=Path, metavar="DIR", help="folder for report.html and tune.json (default: none)"
     )
     parser.add_argument(
-        "--test", type=Path, action="append", default=[], metavar="PATH", help="held out, by hand (default: drawn)"
+        "--test",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="session to hold out as a test (repeatable; default: drawn by the seed)",
     )
     parser.add_argument(
-        "--still", type=Path, action="append", default=[], metavar="PATH", help="did not move at all (default: none)"
+        "--still",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="session in which the device did not move (repeatable; default: none)",
     )
-    parser.add_argument("--seed", type=numbers.seed, default=0, metavar="N", help="of split and search (default 0)")
     parser.add_argument(
-        "--seeds", type=numbers.whole(1000), default=1, metavar="K", help="search K times, keep the best (default 1)"
+        "--seed", type=numbers.seed, default=0, metavar="N", help="seed of split and search (default 0)"
     )
-    options.add_iterations_option(parser, "evaluations of the cost")
+    parser.add_argument(
+        "--seeds",
+        type=numbers.whole(1000),
+        default=1,
+        metavar="K",
+        help="number of searches, each with its own seed; the best counts (default 1)",
+    )
+    options.add_iterations_option(parser, "evaluations of each search")
     parser.add_argument(
         "--method",
         choices=("race", "carla", "cma", "de", "random"),
@@ -64,32 +80,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=LOW:HIGH",
-        help="search a parameter there (default: all that is sensible)",
+        help="search range of a parameter (repeatable; default: a wide range)",
     )
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
     options.add_unit_options(parser)
     options.add_cluster_option(parser, "evaluate")
     options.add_damage_option(parser)
-    parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with this --out ended")
+    parser.add_argument("--resume", action="store_true", help="continue an interrupted run with this --out")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Tune; 0 when everything is written."""
-    _check_place(arguments.out, arguments.report)
+    """Tune; 0 if all files are written."""
+    _check_paths(arguments.out, arguments.report)
     with options.progress_of(arguments, {}) as progress:
         progress.evaluated(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 
         need_packages("tune", "cma", "numba")
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be ended like Ctrl-C, with the best so far
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, with the best so far
         tuning, was_interrupted = _tuned(arguments, progress)
     _write(arguments, tuning)
     return INTERRUPTED if was_interrupted else 0
 
 
-def _check_place(out: Path, report: Path | None) -> None:
-    """Before an hour of work, not after."""
+def _check_paths(out: Path, report: Path | None) -> None:
+    """Check the paths before an hour of work."""
     if out.suffix not in (".yaml", ".yml"):
         raise UsageError(f"--out {out}: a config ends in .yaml")
     if not out.parent.is_dir():
@@ -157,7 +173,7 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
 
 
 def _calibration_in(out: Path) -> str:
-    """The calibration of a config that is there already, which the parameters do not replace; else nothing."""
+    """Calibration block of an existing config, which tuning keeps; empty without one."""
     from gyrodrift.config.calibration import block_in
     from gyrodrift.config.model import load_config
 
@@ -165,7 +181,7 @@ def _calibration_in(out: Path) -> str:
         load_config(out)
         return block_in(out.read_text(encoding="utf-8-sig"))
     except (UsageError, OSError):
-        return ""  # what it has cannot be read, and is replaced as a whole
+        return ""  # an unreadable file is replaced
 
 
 def _keep_calibration(out: Path, block: str) -> None:

@@ -1,5 +1,5 @@
 """Drift reducers side by side on the same sessions: this one, and those that people use instead."""
 
-from gyrodrift.callable_room import make_callable
+from gyrodrift.callable_package import make_callable
 
 make_callable(__name__)

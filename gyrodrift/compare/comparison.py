@@ -1,4 +1,4 @@
-"""A comparison from its paths to its result: methods tuned where that is asked for, and run over every session."""
+"""Compare methods: tune them if requested, then run them over every session."""
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -36,11 +36,11 @@ COMPILED_SAMPLES = 100
 
 CURVE_POINTS = 300
 PLOTTED = 24
-"""Of more sessions than this, curves are kept of the first of each folder only."""
+"""Most sessions with curves; of more sessions only the first of each folder has curves: chosen."""
 
 
 class ParamsFrom(Enum):
-    """Where the parameters come from that a method runs with."""
+    """Source of the parameters of a method."""
 
     DEFAULTS = "defaults"
     CONFIG = "config"
@@ -49,10 +49,10 @@ class ParamsFrom(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ConfigFile:
-    """The config that was given: its name, the SHA-256 of its content, the filters it has parameters of.
+    """A config: its name, the SHA-256 of its content, and the filters with parameters in it.
 
     tuning
-        Where `tune` found them; None where the file does not say.
+        Provenance of the parameters; None without it.
     """
 
     name: str
@@ -62,24 +62,24 @@ class ConfigFile:
 
 
 def config_file(path: Path, filters: Iterable[str]) -> ConfigFile:
-    """What a comparison tells of a config that has parameters of these filters."""
+    """Description of a config with parameters of these filters."""
     return ConfigFile(str(path), digest_of(path), frozenset(filters), read_provenance(path))
 
 
 @dataclass(frozen=True, slots=True)
 class ComparisonRequest:
-    """What is to be compared.
+    """Request for a comparison.
 
     paths, stills
-        The sessions, and those of them, or more, that did not move.
+        Sessions, and sessions in which the device did not move.
     train
-        Sessions to tune on; without any nothing is tuned.
+        Sessions to tune on; empty for no tuning.
     iterations, seed
-        Of the search for each method.
+        Evaluations and seed of the search for each method.
     config
-        Where parameters of the methods come from that are not their defaults.
+        Config with parameters of the filters; None for the defaults.
     reading
-        What a person states of columns and units.
+        Options for columns and units.
     """
 
     paths: Sequence[Path]
@@ -96,10 +96,10 @@ class ComparisonRequest:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A row of the comparison: a method with the parameters it ran with.
+    """A row of the comparison: a method with its parameters.
 
     trained_on
-        SHA-256 of the sessions that these parameters were tuned on.
+        SHA-256 of the training sessions of the parameters.
     """
 
     method: Method
@@ -109,22 +109,24 @@ class Entry:
 
     @property
     def is_tuned(self) -> bool:
-        """In this comparison."""
+        """Whether the parameters were tuned in this comparison."""
         return self.source is ParamsFrom.TRAINING
 
     @property
     def title(self) -> str:
-        """For people."""
+        """Name with the source of the parameters."""
         source = {ParamsFrom.TRAINING: ["tuned"], ParamsFrom.CONFIG: ["by config"]}.get(self.source, [])
         return ", ".join([self.method.title, *source, *["offline"] * self.method.is_offline])
 
 
 @dataclass(frozen=True, slots=True)
 class ComparedSession:
-    """A session with a score for every entry, in their order; `curves` have a yaw for each, where it is plotted.
+    """A session with a score for every entry, in the order of the entries.
 
     uncertainties
-        Likewise; None of an entry that states none.
+        Uncertainty for every entry; None for an entry without one.
+    curves
+        Yaw for every entry; None for a session that is not plotted.
     """
 
     session: SessionSummary
@@ -139,13 +141,13 @@ class Comparison(ResultTable):
     """Result of a comparison: every method with its parameters, and its score on every session.
 
     missing
-        Methods that could not run, since their packages are not installed.
+        Methods whose packages are not installed.
     train, trained_on
-        Names of the sessions that the tuned entries were tuned on, after that of their folder; and the sessions.
+        Names of the training sessions, with their folders; and the sessions.
     config
-        The file that was given; None where none was.
+        The config; None without one.
     notes, seconds
-        What should be known before believing it, a sentence each, and how long it took.
+        Warnings, a sentence each, and the duration, s.
     """
 
     entries: tuple[Entry, ...]
@@ -175,66 +177,65 @@ class Comparison(ResultTable):
 
     @property
     def means(self) -> tuple[Score, ...]:
-        """Over all sessions, by entry."""
+        """Means over all sessions, by entry."""
         return _means(self.sessions)
 
     @property
     def folders(self) -> dict[str, tuple[Score, ...]]:
-        """Over the sessions of each folder, by entry."""
-        names = dict.fromkeys(one.folder for one in self.sessions)
-        return {name: _means([one for one in self.sessions if one.folder == name]) for name in names}
+        """Means over the sessions of each folder, by entry."""
+        names = dict.fromkeys(session.folder for session in self.sessions)
+        return {name: _means([session for session in self.sessions if session.folder == name]) for name in names}
 
     @property
     def mean_uncertainties(self) -> tuple[Uncertainty | None, ...]:
-        """Over all sessions, by entry."""
-        return tuple(map(mean_uncertainty, zip(*(one.uncertainties for one in self.sessions), strict=True)))
+        """Means over all sessions, by entry."""
+        return tuple(map(mean_uncertainty, zip(*(session.uncertainties for session in self.sessions), strict=True)))
 
     @property
     def ranked(self) -> tuple[int, ...]:
-        """Numbers of the entries, the one with the least mean E first."""
-        return tuple(sorted(range(len(self.entries)), key=lambda at: self.means[at].e_deg))
+        """Rows of the entries in order of mean E."""
+        return tuple(sorted(range(len(self.entries)), key=lambda row: self.means[row].e_deg))
 
     @property
     def streaming(self) -> tuple[int, ...]:
-        """Those of them that a device can run, the best first."""
-        return tuple(at for at in self.ranked if not self.entries[at].method.is_offline)
+        """Rows of the entries that run in real time, in order of mean E."""
+        return tuple(row for row in self.ranked if not self.entries[row].method.is_offline)
 
-    def seen_by(self, entry: Entry) -> list[ComparedSession]:
-        """The sessions that the parameters of an entry were tuned on."""
-        return [one for one in self.sessions if one.session.digest in entry.trained_on]
+    def trained_on_by(self, entry: Entry) -> list[ComparedSession]:
+        """Compared sessions among the training sessions of an entry."""
+        return [session for session in self.sessions if session.session.digest in entry.trained_on]
 
 
 def _means(sessions: Sequence[ComparedSession]) -> tuple[Score, ...]:
-    return tuple(mean_score(scores) for scores in zip(*(one.scores for one in sessions), strict=True))
+    return tuple(mean_score(scores) for scores in zip(*(session.scores for session in sessions), strict=True))
 
 
-def compare(asked: ComparisonRequest) -> Comparison:
-    """Run every method that is installed over every session.
+def compare(request: ComparisonRequest) -> Comparison:
+    """Run every installed method over every session.
 
     Raises
     ------
     DataError
-        Where a session cannot be read or has no reference.
+        If a session cannot be read or has no reference.
     """
     begun_s = time.monotonic()
-    present = [method for method in asked.methods if method.is_installed]
-    _compile(present, asked.progress)
-    train = _loaded(asked)
-    found = tuned(present, train, asked.iterations, asked.seed, asked.jobs, asked.progress) if train else {}
-    digests = frozenset(one.description.digest for one in train)
-    entries = [_given(method, asked.config) for method in present]
-    entries += [_tuned_entry(entry, found[entry.method.key], digests) for entry in entries if entry.method.key in found]
-    sessions, trained_in = _run(asked, entries), folder_names(asked.train)
+    installed = [method for method in request.methods if method.is_installed]
+    _compile(installed, request.progress)
+    train = _loaded(request)
+    entries = _entries(request, installed, train)
+    sessions = _run(request, entries)
     return Comparison(
         entries=tuple(entries),
-        missing=tuple(method for method in asked.methods if not method.is_installed),
+        missing=tuple(method for method in request.methods if not method.is_installed),
         sessions=tuple(sessions),
-        train=tuple(f"{folder}/{path.stem}" for folder, path in zip(trained_in, asked.train, strict=True)),
-        trained_on=tuple(one.description for one in train),
-        config=asked.config,
-        iterations=asked.iterations,
-        seed=asked.seed,
-        notes=tuple(_notes(asked, entries, sessions, train)),
+        train=tuple(
+            f"{folder}/{path.stem}" for folder, path in zip(folder_names(request.train), request.train, strict=True)
+        ),
+        trained_on=tuple(loaded.description for loaded in train),
+        config=request.config,
+        iterations=request.iterations,
+        seed=request.seed,
+        notes=tuple(_notes(request, entries, sessions, train)),
         seconds=time.monotonic() - begun_s,
     )
 
@@ -248,54 +249,67 @@ def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
             function(t_s, np.zeros(COMPILED_SAMPLES), method.defaults)
 
 
-def _given(method: Method, config: ConfigFile | None) -> Entry:
-    """A method as it comes: with its defaults, or with what a config says."""
+def _entries(request: ComparisonRequest, methods: Sequence[Method], train: Sequence[LoadedSession]) -> list[Entry]:
+    """Rows with the given parameters, then rows with tuned parameters."""
+    entries = [_given_entry(method, request.config) for method in methods]
+    if not train:
+        return entries
+    best = tuned(methods, train, request.iterations, request.seed, request.jobs, request.progress)
+    digests = frozenset(loaded.description.digest for loaded in train)
+    tunable = [entry for entry in entries if entry.method.key in best]
+    return entries + [_tuned_entry(entry, best[entry.method.key], digests) for entry in tunable]
+
+
+def _given_entry(method: Method, config: ConfigFile | None) -> Entry:
+    """A method with the parameters of the config, or with its defaults."""
     if config is None or method.key not in config.filters:
         return Entry(method, method.defaults)
     tuning = config.tuning
-    is_tuned = tuning is not None and tuning.filter == method.key
-    seen = frozenset(session.sha256 for session in tuning.training) if tuning is not None and is_tuned else frozenset()
-    return Entry(method, method.defaults, ParamsFrom.CONFIG, seen)
+    if tuning is None or tuning.filter != method.key:
+        return Entry(method, method.defaults, ParamsFrom.CONFIG)
+    digests = frozenset(session.sha256 for session in tuning.training)
+    return Entry(method, method.defaults, ParamsFrom.CONFIG, digests)
 
 
 def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry:
-    """Where the search ended above the parameters that were there, these know the sessions that they were tuned on."""
-    known = given.trained_on if params == given.params else frozenset()
-    return Entry(given.method, params, ParamsFrom.TRAINING, digests | known)
+    """A tuned method; parameters that the search did not improve keep the sessions they were tuned on."""
+    earlier = given.trained_on if params == given.params else frozenset()
+    return Entry(given.method, params, ParamsFrom.TRAINING, digests | earlier)
 
 
-def _source(path: Path, asked: ComparisonRequest) -> Source:
-    return Source(path, path in asked.stills, reading=asked.reading)
+def _source(path: Path, request: ComparisonRequest) -> Source:
+    return Source(path, path in request.stills, reading=request.reading)
 
 
-def _loaded(asked: ComparisonRequest) -> list[LoadedSession]:
-    found = []
-    for done, path in enumerate(asked.train):
-        asked.progress("sessions to tune on", done, len(asked.train))
-        found.append(load_with_reference(_source(path, asked)))
-    return found
+def _loaded(request: ComparisonRequest) -> list[LoadedSession]:
+    """Sessions to tune on."""
+    sessions = []
+    for done, path in enumerate(request.train):
+        request.progress("sessions to tune on", done, len(request.train))
+        sessions.append(load_with_reference(_source(path, request)))
+    return sessions
 
 
-def _run(asked: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSession]:
-    folders = folder_names(asked.paths)
+def _run(request: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedSession]:
+    folders = folder_names(request.paths)
     firsts = {folders.index(name) for name in folders}
-    is_plotted = [len(folders) <= PLOTTED or at in firsts for at in range(len(folders))]
+    is_plotted = [len(folders) <= PLOTTED or index in firsts for index in range(len(folders))]
     works = [
-        _Work(_source(path, asked), folder, [(entry.method.key, entry.params) for entry in entries], plotted)
-        for path, folder, plotted in zip(asked.paths, folders, is_plotted, strict=True)
+        _Work(_source(path, request), folder, [(entry.method.key, entry.params) for entry in entries], plotted)
+        for path, folder, plotted in zip(request.paths, folders, is_plotted, strict=True)
     ]
-    found = []
-    asked.progress("sessions", 0, len(works))
-    with workers(min(asked.jobs, len(works))) as pool:
-        for done, one in enumerate(pool.map(_compared, works), 1):
-            asked.progress("sessions", done, len(works))
-            found.append(one)
-    return found
+    compared = []
+    request.progress("sessions", 0, len(works))
+    with workers(min(request.jobs, len(works))) as pool:
+        for done, session in enumerate(pool.map(_compared, works), 1):
+            request.progress("sessions", done, len(works))
+            compared.append(session)
+    return compared
 
 
 @dataclass(frozen=True, slots=True)
 class _Work:
-    """A session's part, small enough to be sent to another process."""
+    """Work on a session, small enough to be sent to another process."""
 
     source: Source
     folder: str
@@ -304,16 +318,16 @@ class _Work:
 
 
 def _compared(work: _Work) -> ComparedSession:
-    loaded, known = load_with_reference(work.source), by_key()
+    loaded = load_with_reference(work.source)
     reference = loaded.reference
-    known = {key: one.seeing(reference.beside) if one.seeing else one for key, one in known.items()}
-    yaws_deg = [known[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
+    by_name = {key: method.seeing(reference.auxiliary) if method.seeing else method for key, method in by_key().items()}
+    yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
     return ComparedSession(
         session=loaded.description,
         folder=work.folder,
         scores=tuple(score_of(reference, yaw_deg) for yaw_deg in yaws_deg),
         uncertainties=tuple(
-            _uncertainty(known[key], params, loaded, yaw_deg)
+            _uncertainty(by_name[key], params, loaded, yaw_deg)
             for (key, params), yaw_deg in zip(work.runs, yaws_deg, strict=True)
         ),
         curves=yaw_curves(loaded, yaws_deg, CURVE_POINTS) if work.is_plotted else None,
@@ -328,24 +342,25 @@ def _uncertainty(method: Method, params: Params, loaded: LoadedSession, yaw_deg:
 
 
 def _notes(
-    asked: ComparisonRequest,
+    request: ComparisonRequest,
     entries: Sequence[Entry],
     compared: Sequence[ComparedSession],
     train: Sequence[LoadedSession],
 ) -> Iterator[str]:
-    sessions, trained_on = [one.session for one in compared], [one.description for one in train]
+    """Warnings of the sessions, and of scores on sessions that parameters were tuned on."""
+    sessions, trained_on = [row.session for row in compared], [loaded.description for loaded in train]
     yield from (warning for session in sessions for warning in session.warnings)
     digests = {session.digest for session in trained_on}
-    both = [session.name for session in sessions if session.digest in digests]
-    if both:
-        yield f"the tuned rows flatter: they were tuned on {', '.join(both)} too, which they are scored on"
+    shared = [session.name for session in sessions if session.digest in digests]
+    if shared:
+        yield f"tuned rows are too optimistic: they were tuned on {', '.join(shared)}, which they are scored on"
     for entry in entries:
-        known = [session.name for session in sessions if session.digest in entry.trained_on]
-        if known and entry.source is ParamsFrom.CONFIG and asked.config is not None:
+        shared = [session.name for session in sessions if session.digest in entry.trained_on]
+        if shared and entry.source is ParamsFrom.CONFIG and request.config is not None:
             yield (
-                f"the row {entry.title} flatters: {asked.config.name} was tuned on {', '.join(known)}, "
+                f"the row {entry.title} is too optimistic: {request.config.name} was tuned on {', '.join(shared)}, "
                 "which it is scored on"
             )
-    counting = " and of ".join(one.method.title for one in entries if one.is_tuned and one.method.counts_samples)
+    counting = [entry.method.title for entry in entries if entry.is_tuned and entry.method.counts_samples]
     if counting and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
-        yield f"sample rates differ: tuned steps of {counting} count samples of one rate"
+        yield f"sample rates differ: tuned parameters of {' and '.join(counting)} hold for one rate"

@@ -1,4 +1,4 @@
-"""Every method tuned on the same sessions, by the same search with the same budget."""
+"""Tune every method on the same sessions, with the same search and budget."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,10 +18,10 @@ from gyrodrift.tune.search.methods import run_to_budget
 from gyrodrift.tune.search.objective import Objective
 
 SEARCH = "race"
-"""What `tune` uses where nothing is said."""
+"""Search method: the default of `tune`."""
 
 _training: list[LoadedSession] = []
-"""The training sessions, where the processes that are forked find them."""
+"""Training sessions, inherited by forked processes."""
 
 
 def tuned(
@@ -32,10 +32,10 @@ def tuned(
     jobs: int,
     progress: OnProgress,
 ) -> dict[str, Params]:
-    """Parameters by method, of those that have axes: the best of `iterations` evaluations, or the defaults.
+    """Parameters by method, for methods with axes: the best of `iterations` evaluations, or the defaults.
 
-    A search may end above the defaults, with many parameters and few evaluations; then they are kept, so that no
-    method is worse off on the training sessions for having been tuned.
+    A search with many parameters and few evaluations may end worse than the defaults. The defaults are kept then, so
+    tuning makes no method worse on the training sessions.
     """
     with _shared(train), workers(jobs) as pool:
         return {method.key: _tuned(method, pool, iterations, seed, progress) for method in chosen if method.axes}
@@ -75,7 +75,7 @@ def _pi(row: tuple[str, Mapping[str, float]]) -> float:
     key, params = row
     method = by_key()[key]
     scores = []
-    for one in _training:
-        seeing = method.seeing(one.reference.beside) if method.seeing else method
-        scores.append(score_of(one.reference, seeing.run(one.t_s, one.reference.rate_dps, params)))
+    for session in _training:
+        seeing = method.seeing(session.reference.auxiliary) if method.seeing else method
+        scores.append(score_of(session.reference, seeing.run(session.t_s, session.reference.rate_dps, params)))
     return float(np.mean([score.pi_deg2 for score in scores]))

@@ -7,7 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.evaluation.integration import euler
-from gyrodrift.evaluation.reference import accepted, beside_of
+from gyrodrift.evaluation.reference import accepted, auxiliary_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
@@ -76,7 +76,7 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
     t_s, rate_dps = session.t_device_s[is_accepted], session.rate_dps[is_accepted]
     if len(t_s) < 2:
         return None
-    stated = beside_of(session).filled(len(is_accepted))
+    stated = auxiliary_of(session).filled(len(is_accepted))
     samples = (t_s, rate_dps, stated.still[is_accepted], stated.temp_c[is_accepted])
     corrected_deg, sigma_deg, bias_dps = _filtered(samples, chosen, params)
     return YawHistory(
@@ -95,7 +95,7 @@ def _filtered(samples: tuple[Floats, ...], chosen: Filter, params: Any) -> Float
 
     Samples are times in s, rates in deg/s, the still flag and the temperature in °C.
     """
-    state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step_beside
+    state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step_auxiliary
     filtered = np.empty((3, len(samples[0])))
     for index, sample in enumerate(zip(*(column.tolist() for column in samples), strict=True)):
         step(coefficients, state, *sample)

@@ -1,5 +1,5 @@
 """Where a simulated rig and real recordings part, which effect it is, and how far adding it closes the gap."""
 
-from gyrodrift.callable_room import make_callable
+from gyrodrift.callable_package import make_callable
 
 make_callable(__name__)

@@ -1,1 +1,1 @@
-"""What tune, compare and diagnose share: sessions with a reference, and how far a yaw is off it."""
+"""Shared by tune, compare and diagnose: sessions with a reference, and yaw errors against it."""

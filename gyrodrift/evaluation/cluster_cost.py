@@ -1,13 +1,13 @@
-"""What parameters cost on recorded sessions, worked out on the machines of a Dask cluster, with the same bits.
+"""Cost of parameters on recorded sessions, computed on a Dask cluster, bit for bit as on one machine.
 
-The workers read the sessions, so the paths have to hold on them: a shared file system. Scheduler, workers and this
-process need the same gyrodrift. Sessions are loaded in batches that stay where they were loaded; an evaluation sends
-parameters to the batches and brings back three figures per session and candidate. Where a worker dies, Dask loads its
-batches again elsewhere and repeats what is missing.
+The workers read the sessions, so all machines need the same paths: a shared file system. Scheduler, workers and this
+process need the same version of gyrodrift. Batches of sessions stay on the worker that loaded them. An evaluation sends
+parameters to the batches, and returns three numbers for each session and candidate. If a worker dies, Dask loads its
+batches on another worker and repeats its tasks.
 
-A worker needs 24 bytes of memory per sample of its share of all sessions, 70 more per sample of the session that each
-of its threads is loading, and 250 MB for the program. Beyond 70 % of its limit Dask moves batches to the worker's
-disk, which is slow and works. A task uses one thread: a worker keeps as many processors busy as it has threads.
+Memory of a worker: 250 MB for the program, and 24 bytes per sample of its sessions. A session that is being loaded
+takes 70 bytes more per sample. Above 70 % of its limit Dask moves batches to the disk of the worker, which is slow. A
+task uses one thread: a worker keeps as many processors busy as it has threads.
 """
 
 import copy
@@ -36,18 +36,18 @@ from gyrodrift.filters.registry import FILTERS, PUBLISHED
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 BATCHES_PER_THREAD = 2
-"""So that a thread with quick batches may take over, while the scheduler, at up to a millisecond a task, keeps up."""
+"""More batches than threads balance the load; each costs the scheduler up to a millisecond: chosen."""
 
 BATCH_BYTES = 1 << 30
 BATCH_SESSIONS = 256
-"""The largest batch, by the size of its files: what is lost with a worker, or moved to its disk, at a time."""
+"""Largest batch, by file size and by sessions: the unit that is lost with a worker or moved to its disk. Chosen."""
 
 ARRAY_COUNT = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """Some sessions in the memory of a worker: their references, what is known of them, and how many samples have one.
+    """Sessions in the memory of a worker: references, descriptions, and numbers of samples with a reference.
 
     counts
         Shape (sessions, 1).
@@ -58,7 +58,7 @@ class Batch:
     counts: Floats
 
     def __sizeof__(self) -> int:
-        """What Dask goes by when it places work and watches memory, bytes."""
+        """Size for the placement and the memory limits of Dask, bytes."""
         return ARRAY_COUNT * sum(reference.dt_s.nbytes for reference in self.references)
 
 
@@ -68,9 +68,9 @@ def load_batch(sources: Sequence[Source], version: str) -> Batch:
     Raises
     ------
     DataError
-        Where a session cannot be read.
+        If a session cannot be read.
     UsageError
-        Where the program here is of another version than the one that asks.
+        If the worker has another version of gyrodrift.
     """
     if version != __version__:
         raise UsageError(
@@ -87,23 +87,23 @@ def load_batch(sources: Sequence[Source], version: str) -> Batch:
 
 
 def descriptions_of(batch: Batch) -> tuple[SessionSummary, ...]:
-    """What is known of the sessions of a batch."""
+    """Descriptions of the sessions of a batch."""
     return batch.descriptions
 
 
 def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats, name: str) -> Floats:
     """Mean squares, mean absolutes and worst of candidates of a filter, shape (3, places, c), by one thread."""
-    kernel, found = kernel_of(FILTERS[name]), np.empty((3, len(places), len(params)))
+    kernel, scores = kernel_of(FILTERS[name]), np.empty((3, len(places), len(params)))
     for cut in groups(len(params)):
         group = params[cut]
         prepared = kernel.prepare(group)
-        for at, place in enumerate(places.tolist()):
-            reference = batch.references[place]
-            found[:, at, cut] = kernel.sums(
-                reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared, reference.beside
+        for row, index in enumerate(places.tolist()):
+            reference = batch.references[index]
+            scores[:, row, cut] = kernel.sums(
+                reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared, reference.auxiliary
             )
-    found[:2] /= batch.counts[places]
-    return found
+    scores[:2] /= batch.counts[places]
+    return scores
 
 
 class ClusterCost:
@@ -112,25 +112,25 @@ class ClusterCost:
     Parameters
     ----------
     address
-        Of the scheduler, as in `tcp://host:8786`.
+        Address of the scheduler, such as `tcp://host:8786`.
     sessions
-        Paths as the workers see them, at least one, and whether each is a still.
+        Paths on the workers, at least one, each with a flag for a still.
     chosen
         The filter.
     reading
-        What a person states of columns and units.
+        Options for columns and units.
 
     Raises
     ------
     UsageError
-        Where the package is missing, there is no cluster at the address, or its gyrodrift is another one.
+        If the package is missing, the address has no cluster, or the cluster has another version of gyrodrift.
     DataError
-        Of the first session that cannot be used.
+        For the first session that cannot be used.
     GyrodriftError
-        Where the cluster is lost, here or in any call.
+        If the cluster is lost, now or in a later call.
 
-    `threads` counts those of the workers at the beginning, `evaluations` the candidates so far; `descriptions` says
-    what is known of each session. Results are those of `Cost`, bit for bit, whichever worker holds what.
+    `threads` counts the threads of the workers at the beginning, `evaluations` the candidates so far; `descriptions`
+    has one entry for each session. Results equal those of `Cost` bit for bit.
     """
 
     def __init__(
@@ -149,11 +149,11 @@ class ClusterCost:
             sources = [Source(path, is_still, reading=reading) for path, is_still in sessions]
             cut = [sources[first:last] for first, last in pairwise(self._edges)]
             self._batches = self._workers.submit(load_batch, cut, [__version__] * len(cut))
-            found = self._workers.results(self._workers.submit(descriptions_of, self._batches))
+            scores = self._workers.results(self._workers.submit(descriptions_of, self._batches))
         except BaseException:
             self.close()
             raise
-        self.descriptions: tuple[SessionSummary, ...] = tuple(chain.from_iterable(found))
+        self.descriptions: tuple[SessionSummary, ...] = tuple(chain.from_iterable(scores))
 
     def __enter__(self) -> Self:
         return self
@@ -177,21 +177,21 @@ class ClusterCost:
         """Scores of candidates, shape (c, parameters of the filter), over some of the sessions or all."""
         on = np.arange(len(self.descriptions)) if sessions is None else np.asarray(sessions, np.int64)
         number = np.searchsorted(self._edges, on, side="right") - 1
-        asked = [(batch, np.flatnonzero(number == batch)) for batch in np.unique(number).tolist()]
-        cuts = _cuts(len(params), ceil(self.threads / max(1, len(asked))))
-        rows = [(batch, at, cut) for batch, at in asked for cut in cuts]
+        chosen_batches = [(batch, np.flatnonzero(number == batch)) for batch in np.unique(number).tolist()]
+        cuts = _cuts(len(params), ceil(self.threads / max(1, len(chosen_batches))))
+        rows = [(batch, positions, cut) for batch, positions in chosen_batches for cut in cuts]
         tasks = self._workers.submit(
             score_batch,
             [self._batches[batch] for batch, _, _ in rows],
-            [on[at] - self._edges[batch] for batch, at, _ in rows],
+            [on[positions] - self._edges[batch] for batch, positions, _ in rows],
             [params[cut] for _, _, cut in rows],
             [self._name] * len(rows),
         )
-        found = np.empty((3, len(on), len(params)))
-        for (_, at, cut), scores in zip(rows, self._workers.results(tasks), strict=True):
-            found[:, at, cut] = scores
+        scores = np.empty((3, len(on), len(params)))
+        for (_, positions, cut), part in zip(rows, self._workers.results(tasks), strict=True):
+            scores[:, positions, cut] = part
         self.evaluations += len(params)
-        return Scores(*found)
+        return Scores(*scores)
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
         """PI, deg², shape (c,): every session counts the same, however long."""
@@ -199,7 +199,7 @@ class ClusterCost:
 
 
 def _edges(paths: Sequence[Path], threads: int) -> list[int]:
-    """Where batches of about the same size begin, and at last the number of sessions."""
+    """First session of each batch, with the number of sessions at the end; batches have about the same size."""
     ends = np.cumsum([_file_bytes(path) for path in paths], dtype=np.float64)
     batches = max(BATCHES_PER_THREAD * threads, ceil(ends[-1] / BATCH_BYTES), ceil(len(paths) / BATCH_SESSIONS))
     inside = np.searchsorted(ends, ends[-1] / batches * np.arange(1, batches))
@@ -207,7 +207,7 @@ def _edges(paths: Sequence[Path], threads: int) -> list[int]:
 
 
 def _file_bytes(path: Path) -> int:
-    """1 where the file is not seen from here."""
+    """Size of a file, bytes; 1 if this machine does not have the file."""
     try:
         return max(1, path.stat().st_size)
     except OSError:
@@ -215,6 +215,6 @@ def _file_bytes(path: Path) -> int:
 
 
 def _cuts(candidates: int, parts: int) -> list[slice]:
-    """Candidates in that many parts or more, of whole groups and of at most a block."""
+    """Slices of the candidates, at least `parts`, each of whole groups and at most a block."""
     size = min(BLOCK, ceil(candidates / parts / GROUP) * GROUP)
     return [slice(first, first + size) for first in range(0, candidates, size)] if candidates else []

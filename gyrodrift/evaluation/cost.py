@@ -1,4 +1,4 @@
-"""What parameters cost on recorded sessions: the yaw error of many candidates, on all processors."""
+"""Cost of parameters on recorded sessions: yaw errors of many candidates, on all processors."""
 
 import copy
 import mmap
@@ -21,12 +21,12 @@ from gyrodrift.system import memory_bytes_of_machine, processor_count
 
 FLOAT_BYTES = 8
 BLOCK = 512
-"""Candidates at a time, so that their tables of steps stay within 64 MB."""
+"""Candidates at a time: their step tables stay within 64 MB."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """Yaw errors by session and candidate, shape (sessions, c); inf where yaw leaves the floats.
+    """Yaw errors by session and candidate, shape (sessions, c); inf if yaw overflows.
 
     mean_squares
         Mean squared error, deg².
@@ -60,13 +60,14 @@ class Scores:
 class Cost:
     """The cost of candidates over some sessions; a context manager that ends its threads.
 
-    References
+    Parameters
     ----------
-        At least one; taken one after the other, so that they may be loaded while they are taken.
+    references
+        At least one; consumed one by one, so that a generator may load them.
     threads
-        None: as many as there are processors for this process. The results do not depend on it.
+        None for one per processor. The results do not depend on it.
     memory_bytes
-        References beyond it are kept in a temporary file; None: half of the machine's memory.
+        References beyond it are kept in a temporary file; None for half of the memory of the machine.
     chosen
         The filter.
 
@@ -82,7 +83,7 @@ class Cost:
     ) -> None:
         self._kernel = kernel_of(chosen)
         self.references = tuple(
-            _held(references, memory_bytes_of_machine() // 2 if memory_bytes is None else memory_bytes)
+            _within_memory(references, memory_bytes_of_machine() // 2 if memory_bytes is None else memory_bytes)
         )
         self.evaluations = 0
         self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.references])
@@ -110,40 +111,40 @@ class Cost:
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
         """Scores of candidates, shape (c, parameters of the filter), over some of the references, or all."""
         on = range(len(self.references)) if sessions is None else sessions
-        found = np.empty((3, len(on), len(params)))
+        sums = np.empty((3, len(on), len(params)))
         for first in range(0, len(params), BLOCK):
             block = slice(first, first + BLOCK)
-            self._walk(params[block], on, found[:, :, block])
+            self._walk(params[block], on, sums[:, :, block])
         self.evaluations += len(params)
         counts = self._counts[list(on)]
-        return Scores(found[0] / counts, found[1] / counts, found[2])
+        return Scores(sums[0] / counts, sums[1] / counts, sums[2])
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
         """PI, deg², shape (c,): every session counts the same, however long."""
         return self.cost(params, sessions).pi
 
-    def _walk(self, params: Floats, on: Sequence[int], found: Floats) -> None:
-        """Fill in squares, absolutes and worst, shape (3, len(on), c); the longest first, so that all end together."""
+    def _walk(self, params: Floats, on: Sequence[int], sums: Floats) -> None:
+        """Fill in sums of squares, sums of absolutes and maxima, shape (3, len(on), c), the longest session first."""
         cuts = groups(len(params))
         tables = [self._kernel.prepare(params[cut]) for cut in cuts]
 
-        def work(at: int, group: int) -> None:
-            reference, cut = self.references[on[at]], cuts[group]
-            found[:, at, cut] = self._kernel.sums(
+        def work(index: int, group: int) -> None:
+            reference, cut = self.references[on[index]], cuts[group]
+            sums[:, index, cut] = self._kernel.sums(
                 reference.dt_s,
                 reference.rate_dps,
                 reference.reference_deg,
                 params[cut],
                 tables[group],
-                reference.beside,
+                reference.auxiliary,
             )
 
-        longest_first = sorted(range(len(on)), key=lambda at: -len(self.references[on[at]].dt_s))
-        for done in [self._pool.submit(work, at, group) for at in longest_first for group in range(len(cuts))]:
+        longest_first = sorted(range(len(on)), key=lambda index: -len(self.references[on[index]].dt_s))
+        for done in [self._pool.submit(work, index, group) for index in longest_first for group in range(len(cuts))]:
             done.result()
 
 
-def _held(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:
+def _within_memory(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:
     """The references; those beyond the limit with their arrays in a file without a name, which ends with them."""
     kept: list[Reference] = []
     places: list[int | None] = []
@@ -159,8 +160,8 @@ def _held(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:
         file.flush()
         everything = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     return [
-        reference if at is None else _read_back(reference, everything[at:])
-        for reference, at in zip(kept, places, strict=True)
+        reference if index is None else _read_back(reference, everything[index:])
+        for reference, index in zip(kept, places, strict=True)
     ]
 
 

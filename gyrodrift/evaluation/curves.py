@@ -1,4 +1,4 @@
-"""Yaw over time, thinned for a picture: what reports draw of a session."""
+"""Yaw over time, thinned for the figures of reports."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class YawCurves:
 
 
 def yaw_curves(loaded: LoadedSession, yaws_deg: Sequence[Floats], points: int) -> YawCurves:
-    """At most so many points of yaws over the samples of a session, each of shape (n,)."""
-    at = loaded.reference.thinned(points)
-    minutes = (loaded.t_s[at] - loaded.t_s[0]) / 60.0
-    return YawCurves(minutes, loaded.reference.reference_deg[at], np.array([yaw_deg[at] for yaw_deg in yaws_deg]))
+    """Yaws of a session, each of shape (n,), thinned to at most `points` points."""
+    rows = loaded.reference.thinned(points)
+    minutes = (loaded.t_s[rows] - loaded.t_s[0]) / 60.0
+    return YawCurves(minutes, loaded.reference.reference_deg[rows], np.array([yaw_deg[rows] for yaw_deg in yaws_deg]))

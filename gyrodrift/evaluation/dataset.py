@@ -19,18 +19,18 @@ from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
 
 CROSS_VALIDATED = 5
-"""Up to so many sessions none is held out: each is tested with parameters tuned on the others."""
+"""Up to this number of sessions, each is tested with parameters tuned on the others: chosen."""
 
 TEST_SHARE = 0.3
 RATE_TOLERANCE = 0.02
 MISSING_SHARE = 0.01
 
 MOVES_DPS = 3.0
-"""A device whose rate, averaged over a second, varies by more than this did move."""
+"""Range of the rate averaged over a second, deg/s, above which the device has moved: chosen."""
 
 
 class Split(Enum):
-    """What a session was used for."""
+    """Use of a session."""
 
     TRAIN = "train"
     TEST = "test"
@@ -38,12 +38,12 @@ class Split(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A session that is to be used.
+    """A session to load.
 
     split
-        None where nobody has said for what.
+        Its use; None if not chosen yet.
     reading
-        What a person states of columns and units.
+        Options for columns and units.
     """
 
     path: Path
@@ -54,7 +54,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class SessionSummary:
-    """What is known of a session without holding it.
+    """Description of a session without its samples.
 
     digest
         SHA-256 of its content.
@@ -89,9 +89,9 @@ class LoadedSession:
 
 
 def load_with_reference(source: Source) -> LoadedSession:
-    """Read a session, its rates put right by its calibration; its first sample is the first one with a reference.
+    """Load a session with calibrated rates, from its first sample with a reference on.
 
-    Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
+    The undamaged part of a damaged session is read; `session.files.damages_of` finds damage before.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def load_with_reference(source: Source) -> LoadedSession:
 
 
 def folder_names(paths: Sequence[Path]) -> list[str]:
-    """The folder that each session lies in, by as little of its path as tells it from the others."""
+    """Shortest unique name of the folder of each session."""
     parents = [path.resolve().parent for path in paths]
     different = set(parents)
     for parts in range(1, max((len(parent.parts) for parent in parents), default=1) + 1):
@@ -133,7 +133,7 @@ def folder_names(paths: Sequence[Path]) -> list[str]:
 
 
 def digest_of(path: Path) -> str:
-    """SHA-256 of a file's content."""
+    """SHA-256 of the content of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -158,12 +158,12 @@ def _has_moved(reference: Reference) -> bool:
 
 
 def rates_differ(rates_hz: Sequence[float]) -> bool:
-    """Whether sample rates differ by more than crystals do."""
+    """Whether sample rates differ by more than the tolerance of crystals."""
     return max(rates_hz) > min(rates_hz) * (1.0 + RATE_TOLERANCE)
 
 
 def check_rates(sessions: Sequence[SessionSummary], sample_counted: str) -> list[str]:
-    """A warning where sample rates differ, with the parameters that count samples: they belong to one rate."""
+    """A warning if sample rates differ, since some parameters count samples."""
     rates = [about.sample_rate_hz for about in sessions]
     if not rates_differ(rates):
         return []
@@ -174,15 +174,15 @@ def check_rates(sessions: Sequence[SessionSummary], sample_counted: str) -> list
 
 
 def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
-    """Each source with what it is used for.
+    """Sources with their use.
 
-    Where some are said to be tests, the others train. Otherwise a share drawn by the seed is held out, and of a few
-    none is.
+    Sessions that are not named as tests train. Without named tests, a share drawn by the seed is held out; of five
+    sessions or fewer, none.
 
     Raises
     ------
     DataError
-        Where none is left to train with, or one session alone.
+        If no session is left to train with, or there is only one session.
     """
     given = [source for source in sources if source.split is Split.TEST]
     free = [source for source in sources if source.split is None]

@@ -11,9 +11,9 @@ CALIBRATION_S = 3.0
 def euler(dt_s: Floats, rate_dps: Floats) -> Floats:
     """Sum of rate times step, deg, shape (n,): equation 8 of HDR with nothing learned."""
     with np.errstate(over="ignore", invalid="ignore"):
-        turned_deg = rate_dps * dt_s
-        turned_deg[0] = 0.0
-        return np.cumsum(turned_deg)
+        step_deg = rate_dps * dt_s
+        step_deg[0] = 0.0
+        return np.cumsum(step_deg)
 
 
 def trapezium(dt_s: Floats, rate_dps: Floats) -> Floats:
@@ -21,10 +21,10 @@ def trapezium(dt_s: Floats, rate_dps: Floats) -> Floats:
 
     At a rate w and a step T the sum of rate times step is off by w·T/2: 0.5 deg at 100 deg/s and 100 Hz.
     """
-    turned_deg = np.zeros(len(rate_dps))
+    step_deg = np.zeros(len(rate_dps))
     with np.errstate(over="ignore", invalid="ignore"):
-        turned_deg[1:] = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * dt_s[1:]
-        return np.cumsum(turned_deg)
+        step_deg[1:] = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * dt_s[1:]
+        return np.cumsum(step_deg)
 
 
 def start_calibrated(t_s: Floats, rate_dps: Floats, calibration_s: float = CALIBRATION_S) -> Floats:

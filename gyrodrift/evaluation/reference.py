@@ -1,4 +1,4 @@
-"""What filters are evaluated on: the samples of a session that they accept, and the angle these should give."""
+"""Data of an evaluation: the accepted samples of a session, and their reference angle."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,11 +13,11 @@ from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
 
-class Beside(NamedTuple):
-    """What is known beside the rate, sample by sample, shape (n,); NaN where nobody says, shape (0,) where never.
+class Auxiliary(NamedTuple):
+    """Auxiliary data, shape (n,); NaN for a sample without it, shape (0,) for a session without it.
 
     still
-        1 where something else says that the device stands still, 0 where it moves.
+        1 if another sensor reports rest, 0 if it reports motion.
     temp_c
         Temperature of the sensor, °C.
     """
@@ -25,12 +25,12 @@ class Beside(NamedTuple):
     still: Floats
     temp_c: Floats
 
-    def filled(self, count: int) -> "Beside":
-        """With a value for each of so many samples."""
-        return Beside(*(each if len(each) else np.full(count, np.nan) for each in self))
+    def filled(self, count: int) -> "Auxiliary":
+        """Copy with a value for each of `count` samples."""
+        return Auxiliary(*(column if len(column) else np.full(count, np.nan) for column in self))
 
 
-NOTHING_BESIDE = Beside(np.empty(0), np.empty(0))
+NO_AUXILIARY = Auxiliary(np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,15 +38,15 @@ class Reference:
     """Accepted samples from the first one with a reference on, shape (n,), n ≥ 2.
 
     dt_s
-        Step of device time before each sample, s, with the bits that `filter.step` sees; 0 before the first.
+        Step of device time before each sample, s, bit for bit as in `filter.step`; 0 before the first.
     rate_dps
         Measured rate, deg/s.
     reference_deg
-        Angle that yaw should have, unwrapped, 0 at the first sample; NaN where there is none.
+        Reference angle, unwrapped, 0 at the first sample; NaN for a sample without it.
     minutes
         True duration by device time.
     beside
-        What is known beside the rate.
+        Auxiliary data.
     """
 
     name: str
@@ -54,17 +54,17 @@ class Reference:
     rate_dps: Floats
     reference_deg: Floats
     minutes: float
-    beside: Beside = NOTHING_BESIDE
+    auxiliary: Auxiliary = NO_AUXILIARY
 
     def thinned(self, points: int) -> NDArray[np.int64]:
-        """Indices of at most so many of the samples that have a reference, evenly spread, for a figure."""
-        known = np.flatnonzero(np.isfinite(self.reference_deg))
-        chosen: NDArray[np.int64] = known[np.unique(np.linspace(0, len(known) - 1, points).astype(np.int64))]
+        """Indices of at most `points` samples with a reference, evenly spread, for a figure."""
+        known_rows = np.flatnonzero(np.isfinite(self.reference_deg))
+        chosen: NDArray[np.int64] = known_rows[np.unique(np.linspace(0, len(known_rows) - 1, points).astype(np.int64))]
         return chosen
 
     @property
     def sample_rate_hz(self) -> float:
-        """By the median step."""
+        """Sample rate from the median step, Hz."""
         return 1.0 / float(np.median(self.dt_s[1:]))
 
 
@@ -76,46 +76,46 @@ def reference_of(session: Session, *, is_still: bool = False) -> Reference:
 def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Floats, Reference]:
     """Device times in s, shape (n,), and the reference at them.
 
-    The times are no part of the reference: a tuning holds all its sessions, and needs nothing but the steps.
+    The reference does not hold the times: a tuning holds all its sessions and needs only the steps.
 
     Parameters
     ----------
     session
-        With an encoder, or still.
+        A session with an encoder, or a still.
     is_still
-        The device did not move: the reference is zero, whatever else was recorded.
+        The device did not move: the reference is 0, with or without an encoder.
 
     Raises
     ------
     DataError
-        Where there is no reference, or fewer than two samples that the filter takes.
+        If there is no reference, or fewer than two accepted samples with a reference.
     """
     kept = accepted(session.t_device_s, session.rate_dps)
     reference_deg = _reference_deg(session, kept, is_still=is_still)
-    known = np.flatnonzero(np.isfinite(reference_deg))
-    if len(known) < 2:
-        raise DataError(f"{session.name}: has {len(known)} samples with a rate and a reference; two are the least")
-    first = known[0]
+    known_rows = np.flatnonzero(np.isfinite(reference_deg))
+    if len(known_rows) < 2:
+        raise DataError(f"{session.name}: has {len(known_rows)} samples with a rate and a reference; two are the least")
+    first = known_rows[0]
     t_s, rate_dps = session.t_device_s[kept][first:], session.rate_dps[kept][first:]
     reference_deg = reference_deg[first:] - reference_deg[first]
     dt_s = np.diff(t_s, prepend=t_s[0])
     return t_s, Reference(
-        session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0, _beside(session, kept, first)
+        session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0, _auxiliary(session, kept, first)
     )
 
 
-def beside_of(session: Session) -> Beside:
-    """What a session says beside its rate."""
-    nothing = NOTHING_BESIDE.still
-    return Beside(*(nothing if each is None else each for each in (session.still, session.temp_c)))
+def auxiliary_of(session: Session) -> Auxiliary:
+    """Auxiliary data of a session."""
+    nothing = NO_AUXILIARY.still
+    return Auxiliary(*(nothing if column is None else column for column in (session.still, session.temp_c)))
 
 
-def _beside(session: Session, kept: NDArray[np.bool_], first: int) -> Beside:
-    return Beside(*(each[kept][first:] if len(each) else each for each in beside_of(session)))
+def _auxiliary(session: Session, kept: NDArray[np.bool_], first: int) -> Auxiliary:
+    return Auxiliary(*(column[kept][first:] if len(column) else column for column in auxiliary_of(session)))
 
 
 def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool) -> Floats:
-    """Angle of the kept samples, deg, where it begins."""
+    """Unwrapped angle of the accepted samples, deg."""
     if is_still:
         return np.zeros(np.count_nonzero(kept))
     if session.encoder_deg is None:
@@ -126,14 +126,14 @@ def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool)
 
 
 def accepted(t_s: Floats, rate_dps: Floats) -> NDArray[np.bool_]:
-    """Which samples `filter.step` takes: within its limits, and later than all taken before; booleans of shape (n,)."""
+    """Mask of the samples that `filter.step` accepts, shape (n,): within its limits, and later than all before."""
     is_within = (np.abs(t_s) <= MOST_S) & (np.abs(rate_dps) <= MOST_DPS)
     latest_s = np.maximum.accumulate(np.where(is_within, t_s, -np.inf))
     before_s = np.concatenate([[-np.inf], latest_s[:-1]])
     kept: NDArray[np.bool_] = is_within & (t_s > before_s)
-    if np.diff(t_s[kept]).min(initial=1.0) < LEAST_STEP_S:  # each that is passed by moves what the next is held against
+    if np.diff(t_s[kept]).min(initial=1.0) < LEAST_STEP_S:  # a rejected sample changes the step of the next
         before = -np.inf
-        for at in np.flatnonzero(kept).tolist():
-            kept[at] = t_s[at] - before >= LEAST_STEP_S
-            before = t_s[at] if kept[at] else before
+        for row in np.flatnonzero(kept).tolist():
+            kept[row] = t_s[row] - before >= LEAST_STEP_S
+            before = t_s[row] if kept[row] else before
     return kept

@@ -1,8 +1,8 @@
-"""How far a yaw is off, by the measures that everything here goes by.
+"""Measures of yaw error: PI, E, NE and the largest error.
 
-PI is the mean over sessions of the mean squared yaw error, E the mean absolute yaw error, NE is E over the true
-duration: the measures of J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking
-applications", 2009, DOI 10.1504/IJVICS.2009.027747, and of the tables published with it.
+PI is the mean over sessions of the mean squared yaw error. E is the mean absolute yaw error. NE is E divided by the
+true duration. Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking
+applications", 2009, DOI 10.1504/IJVICS.2009.027747.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from gyrodrift.evaluation.reference import Reference
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Yaw errors of a session, or their means over several; inf where yaw left the floats.
+    """Yaw errors of a session, or means over several sessions; inf if yaw overflows.
 
     e_deg, ne
         Mean absolute error E, deg, and NE, that over the true duration, deg/min.
@@ -33,10 +33,10 @@ class Score:
 
 
 def score_of(reference: Reference, yaw_deg: Floats) -> Score:
-    """The score of a yaw, shape (n,), over the samples that have a reference."""
-    known = np.isfinite(reference.reference_deg)
+    """Score of a yaw, shape (n,), over the samples with a reference."""
+    has_reference = np.isfinite(reference.reference_deg)
     with np.errstate(over="ignore", invalid="ignore"):
-        error_deg = np.abs(yaw_deg[known] - reference.reference_deg[known])
+        error_deg = np.abs(yaw_deg[has_reference] - reference.reference_deg[has_reference])
         e_deg, pi_deg2 = float(np.mean(error_deg)), float(np.mean(error_deg * error_deg))
     if not np.isfinite(pi_deg2):
         return Score(np.inf, np.inf, np.inf, np.inf)
@@ -44,6 +44,6 @@ def score_of(reference: Reference, yaw_deg: Floats) -> Score:
 
 
 def mean_score(scores: Sequence[Score]) -> Score:
-    """Every session counts the same, however long; of at least one."""
+    """Mean of at least one score; every session has the same weight."""
     columns = ([getattr(score, name) for score in scores] for name in ("e_deg", "ne", "pi_deg2", "worst_deg"))
     return Score(*(float(np.mean(column)) for column in columns))

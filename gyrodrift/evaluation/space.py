@@ -1,4 +1,4 @@
-"""The ranges that parameters are searched in, and the unit cube in which every search method works."""
+"""Search ranges of parameters, and the unit cube of the search methods."""
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
@@ -14,7 +14,7 @@ from gyrodrift.filters.filter import Filter, FilterParams
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One parameter: its range, and whether factors or differences count in it."""
+    """Search range of a parameter, linear or logarithmic."""
 
     name: str
     low: float
@@ -22,16 +22,16 @@ class Axis:
     is_log: bool = False
 
     def values(self, u: Floats) -> Floats:
-        """From the unit interval to the parameter's own unit."""
+        """Values of the parameter from the unit interval."""
         inside = np.clip(u, 0.0, 1.0)
         if self.is_log:
-            found: Floats = np.clip(self.low * (self.high / self.low) ** inside, self.low, self.high)
+            values: Floats = np.clip(self.low * (self.high / self.low) ** inside, self.low, self.high)
         else:
-            found = self.low + (self.high - self.low) * inside
-        return found
+            values = self.low + (self.high - self.low) * inside
+        return values
 
     def unit(self, value: float) -> float:
-        """From the parameter's own unit to the unit interval; what lies outside goes to the nearer end."""
+        """Position of a value in the unit interval; a value outside is moved to the nearer end."""
         inside = min(max(value, self.low), self.high)
         if self.is_log:
             return float(np.log(inside / self.low) / np.log(self.high / self.low))
@@ -39,9 +39,9 @@ class Axis:
 
 
 def axes_of(chosen: Filter) -> tuple[Axis, ...]:
-    """The axes that a filter gives."""
-    ranges = [(one.name, one.search) for one in chosen.searched]
-    return tuple(Axis(name, at.low, at.high, at.is_log) for name, at in ranges if at is not None)
+    """Axes of the searched parameters of a filter."""
+    ranges = [(parameter.name, parameter.search) for parameter in chosen.searched]
+    return tuple(Axis(name, span.low, span.high, span.is_log) for name, span in ranges if span is not None)
 
 
 def row_of(params: FilterParams) -> Floats:
@@ -49,12 +49,12 @@ def row_of(params: FilterParams) -> Floats:
     return np.array([astuple(params)], dtype=np.float64)
 
 
-def candidates_of(chosen: Filter, axes: Sequence[Axis], found: Floats) -> Floats:
+def candidates_of(chosen: Filter, axes: Sequence[Axis], values: Floats) -> Floats:
     """Candidates with all parameters of the filter, shape (c, parameters), from values of the axes, shape (c, axes)."""
     unsearched = chosen.params() if chosen.unsearched is None else chosen.unsearched
-    whole = np.repeat(row_of(unsearched), len(found), axis=0)
+    whole = np.repeat(row_of(unsearched), len(values), axis=0)
     for number, axis in enumerate(axes):
-        whole[:, chosen.names.index(axis.name)] = found[:, number]
+        whole[:, chosen.names.index(axis.name)] = values[:, number]
     return whole
 
 
@@ -65,7 +65,7 @@ def params_record(chosen: Filter, candidate: Floats) -> FilterParams:
 
 
 def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
-    """The same ranges with differences counting everywhere."""
+    """Axes with the same ranges, all linear."""
     return tuple(replace(axis, is_log=False) for axis in axes)
 
 
@@ -80,7 +80,7 @@ def with_ranges(texts: Sequence[str], chosen: Filter) -> tuple[Axis, ...]:
     Raises
     ------
     UsageError
-        Where a name is unknown, a range is upside down, or the filter does not take its values.
+        If a name is unknown, a range is reversed, or the filter does not accept its values.
     """
     axes = {axis.name: axis for axis in axes_of(chosen)}
     for text in texts:
@@ -103,7 +103,7 @@ def _parsed(text: str) -> tuple[str, float, float]:
 
 
 def limits(name: str, chosen: Filter) -> tuple[float, float]:
-    """What a filter takes for a parameter, least and most."""
+    """Bounds of a parameter: minimum and maximum."""
     low, high = -np.inf, np.inf
     for bound in get_type_hints(chosen.params, include_extras=True)[name].__metadata__:
         if isinstance(bound, Le | Lt):

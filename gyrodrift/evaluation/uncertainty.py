@@ -1,4 +1,4 @@
-"""How honest a stated uncertainty of yaw is: how often the truth lies within it, and what it is worth."""
+"""Calibration of a stated uncertainty of yaw: coverage and CRPS."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,13 +14,12 @@ SIGMAS = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """A standard deviation of yaw held against the reference, over a session, or their means over several.
+    """Standard deviation of yaw compared with the reference, over a session or as a mean over several.
 
     coverage
         Share of the samples whose error is within two standard deviations, 0 to 1.
     crps_deg
-        Continuous ranked probability score, deg: the mean absolute error of what is stated as a normal distribution;
-        that of yaw without an uncertainty is E.
+        Continuous ranked probability score of a normal distribution, deg. It equals E for an uncertainty of 0.
     """
 
     coverage: float
@@ -28,12 +27,12 @@ class Uncertainty:
 
 
 def uncertainty_of(reference: Reference, yaw_deg: Floats, sigma_deg: Floats) -> Uncertainty | None:
-    """Of a yaw and its standard deviation, shape (n,), over the samples that have a reference.
+    """Coverage and CRPS of a yaw and its standard deviation, shape (n,), over the samples with a reference.
 
-    None where the standard deviation is not a number somewhere: then it is not stated.
+    None if a standard deviation is NaN: the filter states none.
     """
-    known = np.isfinite(reference.reference_deg)
-    errors_deg, sigmas_deg = yaw_deg[known] - reference.reference_deg[known], sigma_deg[known]
+    has_reference = np.isfinite(reference.reference_deg)
+    errors_deg, sigmas_deg = yaw_deg[has_reference] - reference.reference_deg[has_reference], sigma_deg[has_reference]
     if not (np.isfinite(sigmas_deg).all() and np.isfinite(errors_deg).all()):
         return None
     coverage = float(np.mean(np.abs(errors_deg) <= SIGMAS * sigmas_deg))
@@ -41,7 +40,7 @@ def uncertainty_of(reference: Reference, yaw_deg: Floats, sigma_deg: Floats) -> 
 
 
 def normal_crps(errors: Floats, sigmas: Floats) -> Floats:
-    """The score of normal distributions whose means are off by so much, in the same unit; that of σ = 0 is |error|.
+    """CRPS of normal distributions with these errors of the mean, in the same unit; |error| for σ = 0.
 
     Equation 21 of T. Gneiting and A. E. Raftery, "Strictly proper scoring rules, prediction, and estimation", 2007,
     DOI 10.1198/016214506000001437: σ·(z·(2Φ(z) − 1) + 2φ(z) − 1/√π) with z = error/σ.
@@ -54,8 +53,11 @@ def normal_crps(errors: Floats, sigmas: Floats) -> Floats:
 
 
 def mean_uncertainty(stated: Sequence[Uncertainty | None]) -> Uncertainty | None:
-    """Every session counts the same; None where it is not stated for one of them."""
-    known = [one for one in stated if one is not None]
-    if not known or len(known) < len(stated):
+    """Mean with the same weight for every session; None if a session states no uncertainty."""
+    stated_values = [value for value in stated if value is not None]
+    if not stated_values or len(stated_values) < len(stated):
         return None
-    return Uncertainty(float(np.mean([one.coverage for one in known])), float(np.mean([one.crps_deg for one in known])))
+    return Uncertainty(
+        float(np.mean([value.coverage for value in stated_values])),
+        float(np.mean([value.crps_deg for value in stated_values])),
+    )

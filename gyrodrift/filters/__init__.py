@@ -1,4 +1,4 @@
-"""The filters, and the one registry by which everything else finds them.
+"""The filters and their registry.
 
-`filter` says what a filter is; a filter is its recursion and one record; `registry` knows them all.
+`filter` defines the record of a filter; each filter has a recursion and a record; `registry` lists them.
 """

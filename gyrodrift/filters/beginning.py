@@ -1,6 +1,6 @@
-"""What the filter of a recording began with: kept in the file, so that whoever runs it again gets the same bits.
+"""Initial filter state of a recording, kept in the file, so that a second run gives the same bits.
 
-Of a file that goes on where another one ended that is all the filter was at its first sample, yaw included.
+A file that continues another one has the full state of the filter at its first sample, yaw included.
 """
 
 import json
@@ -14,18 +14,18 @@ TABLE = "filter"
 
 
 def table_of(kind: Filter, state: FilterState) -> dict[str, dict[str, str]]:
-    """For the metadata of a recording; nothing for a filter that begins anew."""
-    known = saved(state, kind.state())
-    return {TABLE: {"name": kind.name, "began_with": json.dumps(known)}} if known else {}
+    """Metadata for a recording; empty for a filter with a new state."""
+    differences = saved(state, kind.state())
+    return {TABLE: {"name": kind.name, "began_with": json.dumps(differences)}} if differences else {}
 
 
 def beginning_of(kind: Filter, metadata: Mapping[str, Mapping[str, str]], name: str) -> FilterState | None:
-    """The state that this filter began with in a recording of that name; None where that says nothing of it.
+    """Initial state of this filter in a recording; None if the recording has none.
 
     Raises
     ------
     DataError
-        Where it is none of such a filter.
+        If the state does not belong to such a filter.
     """
     table = metadata.get(TABLE, {})
     if table.get("name") != kind.name or "began_with" not in table:
@@ -34,5 +34,5 @@ def beginning_of(kind: Filter, metadata: Mapping[str, Mapping[str, str]], name: 
     try:
         restore(state, json.loads(table["began_with"]))
     except (ValueError, TypeError, AttributeError, IndexError, KeyError, RecursionError) as error:
-        raise DataError(f"{name}: what its filter began with is damaged, or of another version: {error}") from error
+        raise DataError(f"{name}: its initial filter state is damaged or of another version: {error}") from error
     return state

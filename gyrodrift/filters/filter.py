@@ -1,6 +1,6 @@
-"""What a filter is to everything that configures, runs, tunes and compares filters: one record.
+"""The record of a filter for configs, services, tunings and comparisons.
 
-No numpy here and nothing compiled: `serve` and `record` read these records too.
+This file imports no numpy and no compiled code: `serve` and `record` use it too.
 """
 
 from collections.abc import Callable
@@ -10,16 +10,16 @@ from typing import Any, ClassVar, Protocol
 
 
 class FilterState(Protocol):
-    """What every filter tells after a sample.
+    """State of every filter after a sample.
 
     yaw_deg, yaw_sigma_deg
-        Yaw and its standard deviation, deg; NaN for a filter that does not know how certain it is.
+        Yaw and its standard deviation, deg; NaN for a filter without uncertainty.
     bias_dps, bias_sigma_dps
-        The drift estimate and its standard deviation, deg/s; likewise.
+        Bias estimate and its standard deviation, deg/s; likewise.
     rest_probability, confidence
-        Probability that the device is at rest, and of what the filter believes has happened; NaN likewise.
+        Probability of rest, and of the most probable hypothesis; NaN likewise.
     samples, rejected
-        Samples accepted and passed by.
+        Numbers of accepted and of rejected samples.
     """
 
     yaw_deg: float
@@ -48,12 +48,12 @@ class FilterState(Protocol):
 
 
 class WitnessState(Protocol):
-    """What a filter that hears a witness of rest tells of it, as `state.witness`.
+    """State of an external rest sensor in a filter, as `state.witness`.
 
     is_believed
-        Until the rate has contradicted it, and again once it has said something else.
+        False from a contradiction by the rate until the sensor reports another state.
     refuted
-        How often it was found out.
+        Number of contradictions.
     """
 
     is_believed: bool
@@ -68,7 +68,7 @@ class FilterParams(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SearchRange:
-    """Where a parameter is searched, in its own unit, and whether factors or differences count there."""
+    """Search range of a parameter in its own unit, linear or logarithmic."""
 
     low: float
     high: float
@@ -77,16 +77,16 @@ class SearchRange:
 
 @dataclass(frozen=True, slots=True)
 class FilterParameter:
-    """What a parameter means to a person, and where it is searched; bounds and default stand in the filter's `params`.
+    """Meaning and search range of a parameter; `params` of the filter has its bounds and default.
 
     line
-        One line for the config.
+        Meaning in a line, for the config.
     effect
-        What small and large values do; a few sentences for the report.
+        Effects of small and large values, for the report.
     decided_by
-        What sessions have to hold for the parameter to be identifiable: `it takes ...`.
+        Sessions that identify the parameter: `it needs ...`.
     search
-        None for a parameter that yaw does not depend on.
+        None for a parameter without influence on yaw.
     """
 
     name: str
@@ -99,14 +99,14 @@ class FilterParameter:
 
 @dataclass(frozen=True, slots=True)
 class ReducedModel:
-    """The filter with only these parameters tuned, which the whole is held against, and what it is called."""
+    """A filter with only these parameters tuned, for comparison with the full model, and its name."""
 
     names: tuple[str, ...]
     title: str
 
 
 def as_they_are(params: Any) -> Any:
-    """The coefficients of a filter that steps on its parameters alone."""
+    """Coefficients of a filter whose step uses its parameters directly."""
     return params
 
 
@@ -126,15 +126,14 @@ def unknown_sigma(_coefficients: Any, _state: Any) -> float:
 
 @dataclass(frozen=True, slots=True)
 class FilterMemory:
-    """How a filter remembers its sensor from one run to the next, as a frozen dataclass of its own.
+    """Functions that keep knowledge of a sensor between runs, as a frozen dataclass of the filter.
 
     learned
-        From the state, what was remembered before and how old that is now, s, to what is known; None for nothing yet.
+        From the state, the earlier knowledge and its age in s to the new knowledge; None without any.
     begun
-        From parameters, what is remembered, its age in s and the temperature of the sensor in °C, None where that is
-        not known, to a new state.
+        From parameters, knowledge, its age in s and the temperature in °C (None if unknown) to an initial state.
     read
-        What is remembered, from a table of a file; ValueError where it is none.
+        From a table of a file to the knowledge; ValueError for a wrong table.
     """
 
     learned: Callable[[Any, Any, float], Any]
@@ -144,20 +143,19 @@ class FilterMemory:
 
 @dataclass(frozen=True, slots=True)
 class Filter:
-    """A filter: three records, a step, and what config, `serve`, `filter`, `tune` and `compare` ask about it.
+    """A filter: three records, a step, and its description for config, `serve`, `filter`, `tune` and `compare`.
 
     name
-        As the config calls it: the value of `filter:`, and the key of its block.
+        Value of `filter:` in a config, and key of its block.
     params, coefficients, state
-        The record of parameters; from parameters to what is worked out once; an empty state.
+        Record of the parameters; function from parameters to coefficients; constructor of a new state.
     step
-        Takes coefficients, state, device time in s and rate in deg/s; False where the sample was passed by.
-    sees_beside
-        Whether its step takes two more numbers, what is known beside the rate: 1 where something else says that the
-        device stands still and 0 where it moves, and the temperature of the sensor in °C; NaN where nobody says. Its
-        state then has a `witness`, a `WitnessState`.
+        Takes coefficients, state, device time in s and rate in deg/s; False if the sample is rejected.
+    uses_auxiliary
+        The step takes two more numbers: rest by an external sensor (1 rest, 0 motion) and the temperature in °C, both
+        NaN if unknown. The state then has a `witness`, a `WitnessState`.
     memory
-        How it remembers its sensor; None for one that begins anew.
+        Functions that keep knowledge of the sensor; None for a filter without memory.
     zero
         From the present sample on `yaw_sigma_deg` is that of the yaw turned since; yaw itself does not jump.
     with_scale_sigma
@@ -165,26 +163,24 @@ class Filter:
     scale_sigma_deg
         Share of `yaw_sigma_deg` that comes from the scale factor, deg; NaN for a filter without a yaw sigma.
     columns
-        Attributes of the state that `gyrodrift filter` writes beside time and rate.
-
-    Parameters
-    ----------
-        What is known of each parameter, in the order of `params`.
+        Attributes of the state that `gyrodrift filter` writes after time and rate.
+    parameters : tuple of FilterParameter
+        Meaning of each parameter, in the order of `params`.
     baseline
-        Parameters with which it learns and filters nothing: plain integration.
+        Parameters of plain integration.
     unsearched
-        What parameters are while they are not searched; None for the defaults.
+        Values of parameters outside the search; None for the defaults.
     reduced
-        None for the first parameter that is searched.
+        Reduced model; None for the first searched parameter alone.
     sample_counted
-        Which parameters count samples, and so belong to the sample rate they were found at; empty where none does.
+        Names of the parameters that count samples and hold for one sample rate; empty without such parameters.
     kernel
-        `module:NAME` of its compiled `gyrodrift.evaluation.kernels.kernel.Kernel`, imported by who evaluates
-        candidates; empty for plain stepping, which is slow and right.
+        `module:NAME` of the compiled `gyrodrift.evaluation.kernels.kernel.Kernel`; empty for plain stepping, which is
+        slow.
     title, about
-        For people; where the defaults come from.
-    colour, dash
-        How it is drawn among others: a role of the page's style sheet, and `-` or `--`.
+        Name for people, and source of the defaults.
+    color, dash
+        Line style: a role of the style sheet of the pages, and `-` or `--`.
     """
 
     name: str
@@ -200,56 +196,56 @@ class Filter:
     sample_counted: str = ""
     kernel: str = ""
     title: str = ""
-    about: str = "Its defaults where no --config is given."
-    colour: str = "ink"
+    about: str = "Defaults, or the parameters of --config."
+    color: str = "ink"
     dash: str = "--"
-    sees_beside: bool = False
+    uses_auxiliary: bool = False
     memory: FilterMemory | None = None
     zero: Callable[[Any], None] = keep_state
     with_scale_sigma: Callable[[Any, float], Any] = keep_params
     scale_sigma_deg: Callable[[Any, Any], float] = unknown_sigma
 
     @property
-    def step_beside(self) -> Callable[[Any, Any, float, float, float, float], bool]:
-        """The step with what is known beside the rate, which a filter of the rate alone passes by."""
-        if self.sees_beside:
+    def step_auxiliary(self) -> Callable[[Any, Any, float, float, float, float], bool]:
+        """The step with auxiliary arguments, which a filter of the rate alone ignores."""
+        if self.uses_auxiliary:
             return self.step
         step = self.step
         return lambda c, s, t_s, rate_dps, _still, _temp_c: step(c, s, t_s, rate_dps)
 
     @property
     def counts_samples(self) -> bool:
-        """Whether its parameters belong to the sample rate they were found at."""
+        """Whether some parameters hold for one sample rate only."""
         return bool(self.sample_counted)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the parameters, in the order of a candidate's columns."""
-        return tuple(each.name for each in fields(self.params))
+        """Names of the parameters, in the order of the columns of a candidate."""
+        return tuple(field.name for field in fields(self.params))
 
     @property
     def searched(self) -> tuple[FilterParameter, ...]:
         """The parameters that a search may change."""
-        return tuple(one for one in self.parameters if one.search is not None)
+        return tuple(parameter for parameter in self.parameters if parameter.search is not None)
 
     @property
     def reduced_model(self) -> ReducedModel:
-        """The one that is given, or that of the first parameter."""
+        """Reduced model, by default the first searched parameter alone."""
         return self.reduced or ReducedModel((self.searched[0].name,), f"{self.searched[0].name} alone")
 
     @property
     def rate_note(self) -> str:
-        """What its parameters have to do with the sample rate, for the head of a config."""
+        """Note on parameters and sample rate, for the head of a config."""
         if self.counts_samples:
-            return f"{self.sample_counted} count samples: the numbers belong to sample_rate_hz."
-        return "Nothing in them counts samples: they hold at any rate of this sensor."
+            return f"{self.sample_counted} count samples: the values hold for sample_rate_hz."
+        return "No parameter counts samples: the values hold at any sample rate of this sensor."
 
     def parameter(self, name: str) -> FilterParameter:
-        """What is known of a parameter.
+        """Meaning of a parameter.
 
         Raises
         ------
         KeyError
-            Where it has none of that name.
+            If the filter has no such parameter.
         """
-        return {one.name: one for one in self.parameters}[name]
+        return {parameter.name: parameter for parameter in self.parameters}[name]

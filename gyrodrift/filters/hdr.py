@@ -1,13 +1,13 @@
-"""HDR, heuristic drift reduction: one recursion, in plain floats, that everything here runs.
+"""HDR, heuristic drift reduction: one recursion in plain floats.
 
-`serve` steps it once a sample, `filter` walks a recording through it, and every batch version of it is held to
-its bits by a test. Nothing above this file is known here.
+`serve` steps it once a sample, and `filter` runs it over a recording. A test compares every batch version bit for bit.
 
 Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking applications",
 Int. J. Vehicle Information and Communication Systems 2(1/2), 2009, DOI 10.1504/IJVICS.2009.027747, in the form
-with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8, docs/filters.md). For a raw rate
-and T s after the sample before:
+with a low-pass filter, a turn switch and a repetition attenuator (equations 1 to 8, docs/filters.md). With T the time
+since the sample before:
 
+```
     r       = r + 1 where SIGN(omega) is that of the sample before, else 1
     W       = 1 where |omega| < theta_w, else 0                               the turn switch
     R       = (1 + c1)/(1 + c1·r^c2)                                          the repetition attenuator
@@ -16,6 +16,7 @@ and T s after the sample before:
     omega   = lpf + I
     omega_d = omega + tau/T·(omega − omega before)                            the low-pass undone
     yaw     = yaw + omega_d·T
+```
 """
 
 from dataclasses import dataclass
@@ -27,21 +28,21 @@ from annotated_types import Ge, Gt, Le
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 
 ATTENUATOR_TABLE = 512
-"""Runs of equal signs up to this length take their step from a table; longer ones are worked out."""
+"""Longest run of equal signs whose step is in a table; longer runs compute it."""
 
 
 @dataclass(frozen=True, slots=True)
 class HdrParams:
-    """What a person or `tune` sets. The defaults are the published ones, read in deg/s.
+    """Parameters of HDR. The defaults are the published values, read in deg/s.
 
     i_c_dps
-        Integrator increment per sample, deg/s. Small: drift is learnt slowly. Large: the estimate hunts.
-        It belongs to the sample rate it was tuned at.
+        Integrator increment per sample, deg/s. Small: learns slowly. Large: the estimate oscillates.
+        It is valid for the sample rate of its tuning.
     tau_s
         Time constant of the low-pass filter before the decision, s. 0 decides on the raw rate.
     theta_w_dps
-        Turn switch, deg/s: above this rate nothing is learnt. A bias larger than it is never learnt; slow real
-        turning below it is taken for drift.
+        Turn switch, deg/s: no learning above this rate. A larger bias is never learned; a slower turn is taken for
+        drift.
     c1, c2
         Repetition attenuator, dimensionless: how strongly (c1) and how steeply (c2) the step shrinks while the
         filtered rate keeps one sign. c1 = 0 switches it off.
@@ -56,7 +57,7 @@ class HdrParams:
 
 @dataclass(frozen=True, slots=True)
 class HdrCoefficients:
-    """What follows from the parameters alone, worked out once when they change.
+    """Values computed once from the parameters.
 
     `steps_dps[r]` is R(r)·i_c in deg/s, attenuator times increment, for a run of r equal signs.
     """
@@ -67,7 +68,7 @@ class HdrCoefficients:
 
 @dataclass(slots=True)
 class HdrState:
-    """All that changes from sample to sample; copying it is saving the filter.
+    """State of the filter; a copy of it saves the filter.
 
     t_s, lpf_dps, i_dps, omega_dps, omega_d_dps, yaw_deg
         The columns of the recursion after the last accepted sample.
@@ -76,9 +77,9 @@ class HdrState:
     run
         r, the number of equal signs in a row.
     samples, rejected
-        Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite, or beyond all limits.
+        Samples accepted, and samples rejected because T ≤ 0, or the rate or time is not finite or out of its limits.
     yaw_sigma_deg, bias_sigma_dps, rest_probability, confidence
-        NaN: this filter does not know how certain it is.
+        NaN: the filter has no uncertainty.
     """
 
     yaw_sigma_deg: ClassVar[float] = nan
@@ -104,7 +105,7 @@ class HdrState:
 
 
 def attenuated_step(params: HdrParams, run: int) -> float:
-    """R(r)·i_c in deg/s for a run of `run` equal signs; 0 where r^c2 leaves the floats."""
+    """R(r)·i_c in deg/s for a run of `run` equal signs; 0 if r^c2 overflows."""
     try:
         steepness: float = float(run) ** params.c2
     except OverflowError:
@@ -113,7 +114,7 @@ def attenuated_step(params: HdrParams, run: int) -> float:
 
 
 def coefficients(params: HdrParams) -> HdrCoefficients:
-    """Work out everything that depends on the parameters alone."""
+    """Compute the coefficients from the parameters."""
     return HdrCoefficients(params, tuple(attenuated_step(params, run) for run in range(ATTENUATOR_TABLE)))
 
 
@@ -123,18 +124,18 @@ def step(c: HdrCoefficients, s: HdrState, t_s: float, rate_dps: float) -> bool:
     Parameters
     ----------
     c, s
-        Coefficients, and the state, which is changed in place.
+        Coefficients, and the state, which is updated in place.
     t_s
         Device time in s. T is its distance from the last accepted sample.
     rate_dps
-        Measured rate, deg/s, counter-clockwise positive. Both have to be plain floats: numpy's scalars have
-        other operators, and take three times as long.
+        Measured rate, deg/s, counter-clockwise positive. Plain floats, like `t_s`: numpy scalars take three
+        times as long.
 
     Returns
     -------
     bool
-        False where the sample was passed by (T ≤ 0, or a value that is not finite or beyond all limits); it is counted
-        in `s.rejected` and leaves the recursion untouched.
+        False if the sample is rejected (T ≤ 0, or a value that is not finite or out of its limits). It is counted in
+        `s.rejected` and does not change the recursion.
     """
     if s.samples == 0:
         return _first(s, t_s, rate_dps)

@@ -1,10 +1,10 @@
-"""What a filter takes for a time and a rate: far beyond every clock and gyro, and squares of it are still floats."""
+"""Limits of times and rates in a filter: far beyond every clock and gyro, and their squares are finite floats."""
 
 MOST_S = 1e15
-"""Of device time, either way; a float has no tenths of a second there."""
+"""Largest absolute device time, s; beyond it a float does not resolve 0.1 s."""
 
 MOST_DPS = 1e12
-"""Of a rate, either way."""
+"""Largest absolute rate, deg/s."""
 
 LEAST_STEP_S = 1e-12
-"""Between two samples; no clock of a device is finer."""
+"""Smallest step between two samples, s; no device clock is finer."""

@@ -14,18 +14,18 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 SHIPPED = (HDR, RESTLEVEL)
 
 DEFAULT = RESTLEVEL
-"""What runs where nothing is said."""
+"""Default filter."""
 
 PUBLISHED = HDR
-"""What is tuned and measured where nothing is said: the one that there are published figures of."""
+"""Default filter of evaluations: the filter with published results."""
 
 CONFIG_KEYS = frozenset({"filter", "sample_rate_hz", "provenance", "outputs", "text"})
-"""Keys of a config that are no filter's block."""
+"""Keys of a config that are not the block of a filter."""
 
 _registered: dict[str, Filter] = {}
 
 FILTERS: Mapping[str, Filter] = MappingProxyType(_registered)
-"""All of them, in the order in which they were registered."""
+"""Filters by name, in the order of registration."""
 
 
 def register(new: Filter) -> None:
@@ -34,22 +34,25 @@ def register(new: Filter) -> None:
     Raises
     ------
     ValueError
-        Where its name is taken or is no key of a config, or its parameters are not those of its record.
+        If the name is taken or invalid, or the parameters differ from those of the record.
     """
     if new.name in FILTERS or new.name in CONFIG_KEYS or not new.name.isidentifier():
-        raise ValueError(f"{new.name!r}: a filter needs a name of its own, of letters, digits and underscores")
-    known, named = tuple(one.name for one in new.parameters), tuple(each.name for each in fields(new.params))
-    if known != named:
-        raise ValueError(f"{new.name}: parameters describe {', '.join(known)}; its record has {', '.join(named)}")
+        raise ValueError(f"{new.name!r}: a filter needs a unique name of letters, digits and underscores")
+    described, named = (
+        tuple(parameter.name for parameter in new.parameters),
+        tuple(field.name for field in fields(new.params)),
+    )
+    if described != named:
+        raise ValueError(f"{new.name}: parameters describe {', '.join(described)}; its record has {', '.join(named)}")
     if not new.searched:
         raise ValueError(f"{new.name}: none of its parameters has a range to search")
     _registered[new.name] = new
 
 
 def unregister(name: str) -> None:
-    """Forget a filter; whoever runs it keeps it."""
+    """Remove a filter; running instances are not affected."""
     del _registered[name]
 
 
-for _each in SHIPPED:
-    register(_each)
+for _shipped in SHIPPED:
+    register(_shipped)

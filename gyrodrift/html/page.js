@@ -227,6 +227,8 @@ class Figure {
     this.names.forEach(name => this.arm(name));
     if (this.names.length > 1) this.names.at(-1).after(" ", this.button("all", true), " ", this.button("none", false));
     all(figure, ".panel > .name").forEach(name => name.prepend(this.enlarger(name.parentElement)));
+    const off = this.names.filter(name => "off" in name.dataset);
+    if (off.length) this.turn(off, false);
   }
 
   arm(name) {

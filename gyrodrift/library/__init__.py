@@ -1,1 +1,1 @@
-"""What other programs import from `gyrodrift` itself: filters, sessions, a device, and the analyses as functions."""
+"""Public names of `gyrodrift`: filters, sessions, a device, and the analyses as functions."""

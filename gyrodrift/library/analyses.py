@@ -1,4 +1,4 @@
-"""`tune`, `diagnose` and `compare` as functions over paths: what the commands of these names run, with its values."""
+"""`tune`, `diagnose` and `compare` as functions over paths, as the commands run them."""
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
@@ -76,11 +76,11 @@ def tune(
         raise UsageError(f"method {method!r}: there is no such method; there are {', '.join(METHODS)}")
     texts = [f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()]
     plans = plans_of(filter, _positive("iterations", iterations), _seeds(seeds), method, texts)
-    held, still = set(_sessions(tests)), set(_sessions(stills))
-    every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(held)])
+    test_paths, still = set(_sessions(tests)), set(_sessions(stills))
+    every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(test_paths)])
     _check_damage(every, allow_damage=allow_damage)
     named = _reading(columns)
-    sources = [Source(path, path in still, Split.TEST if path in held else None, named) for path in every]
+    sources = [Source(path, path in still, Split.TEST if path in test_paths else None, named) for path in every]
     return _tuned(plans, sources, jobs, on_progress)
 
 
@@ -95,29 +95,31 @@ def diagnose(
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Diagnosis":
-    """Explain the gap between a simulated rig and recordings; `result.verdict` says which effect is missing.
+    """Explain the gap between a simulated rig and recordings; `result.verdict` names the missing effect.
 
     Parameters
     ----------
     paths, baseline
-        Sessions with an encoder, and those of the same device that they are held against.
+        Sessions with an encoder; earlier sessions of the same device, to explain the difference to them.
     rig
-        The simulator as it stands, a rig file; None for the shipped one.
+        Rig file of the simulator; None for the shipped rig.
     withhold
-        Effects that are no candidates.
+        Effects excluded from the candidates.
     jobs
         Processes.
+    on_progress
+        Called with the name of the stage, how much is done, and the total, 0 if unknown.
     allow_damage
-        Whether what is whole of a damaged recording is used.
+        Use the undamaged part of a damaged recording.
     columns
-        What the columns of tables are, as in the option `--columns`; None where their headers say it.
+        Columns of tables, as in the option `--columns`; None to read them from the header.
 
     Raises
     ------
     UsageError
-        Where a package is missing, the rig file is wrong, or there is no such effect.
+        If a package is missing, the rig file is wrong, or an effect does not exist.
     DataError
-        Where no session can be used, with what is wrong with each.
+        If no session can be used, with the reason for each.
     """
     _need("diagnose", "matplotlib", "numba", "scipy")
     from firmware_sim.effects.catalogue import CATALOGUE
@@ -135,11 +137,11 @@ def diagnose(
         raise UsageError(str(error)) from error
     of_baseline = _sessions(baseline)
     jobs = _positive("jobs", jobs)
-    asked = DiagnosisRequest(
+    request = DiagnosisRequest(
         _sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline, reading=_reading(columns)
     )
-    _check_damage([*asked.paths, *of_baseline], allow_damage=allow_damage)
-    return diagnosis.diagnose(asked)
+    _check_damage([*request.paths, *of_baseline], allow_damage=allow_damage)
+    return diagnosis.diagnose(request)
 
 
 def compare(
@@ -155,29 +157,31 @@ def compare(
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Comparison":
-    """Run every installed method over sessions with an encoder; `result.entries` and `result.means` go together.
+    """Run every installed method over sessions with an encoder; `result.entries` and `result.means` correspond.
 
     Parameters
     ----------
     paths, train, stills
-        Sessions; those to tune every method on, none for no tuning; and those that did not move at all.
+        Sessions; sessions to tune every method on, none for no tuning; sessions in which the device did not move.
     config
-        Where parameters of the filters come from that are not their defaults.
+        Config with parameters of the filters; None for their defaults.
     iterations, seed
-        Of the search for each method.
+        Evaluations and seed of the search for each method.
     jobs
         Processes.
+    on_progress
+        Called with the name of the stage, how much is done, and the total, 0 if unknown.
     allow_damage
-        Whether what is whole of a damaged recording is used.
+        Use the undamaged part of a damaged recording.
     columns
-        What the columns of tables are, as in the option `--columns`; None where their headers say it.
+        Columns of tables, as in the option `--columns`; None to read them from the header.
 
     Raises
     ------
     UsageError
-        Where a package is missing, or the config has mistakes.
+        If a package is missing, or the config has mistakes.
     DataError
-        Where a session cannot be read or has no reference.
+        If a session cannot be read or has no reference.
     """
     _need("compare", "cma", "matplotlib", "numba", "scipy")
     from gyrodrift.compare import comparison
@@ -186,7 +190,7 @@ def compare(
 
     given = None if config is None else load_config(Path(config))
     still = _sessions(stills)
-    asked = comparison.ComparisonRequest(
+    request = comparison.ComparisonRequest(
         paths=list(dict.fromkeys([*_sessions(paths), *still])),
         methods=methods(given.blocks if given else {}),
         train=_sessions(train),
@@ -198,8 +202,8 @@ def compare(
         progress=on_progress,
         reading=_reading(columns),
     )
-    _check_damage([*asked.paths, *asked.train], allow_damage=allow_damage)
-    return comparison.compare(asked)
+    _check_damage([*request.paths, *request.train], allow_damage=allow_damage)
+    return comparison.compare(request)
 
 
 def _tuned(plans: "tuple[Plan, ...]", sources: "list[Source]", jobs: int | None, on_progress: OnProgress) -> "Tuning":
@@ -255,10 +259,10 @@ def _check_filter(name: str | None) -> None:
 
 
 def _seeds(seeds: Iterable[int]) -> tuple[int, ...]:
-    found = tuple(seeds)
-    if not found or min(found) < 0:
-        raise UsageError(f"seeds {found}: expected whole numbers from 0, at least one")
-    return found
+    numbers = tuple(seeds)
+    if not numbers or min(numbers) < 0:
+        raise UsageError(f"seeds {numbers}: expected whole numbers from 0, at least one")
+    return numbers
 
 
 def _positive(name: str, value: int) -> int:

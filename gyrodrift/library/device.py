@@ -1,4 +1,4 @@
-"""A device for other programs: its samples one after the other, until the program has enough."""
+"""A device for other programs: an iterator of its samples."""
 
 import time
 from collections import deque
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 class LinkReader:
-    """An open link: an iterator of samples that waits for them, and a context manager that gives the port back.
+    """An open link: an iterator that waits for samples, and a context manager that closes the port.
 
-    A device that is unplugged is waited for and goes on under its stable name. One thread drives it.
+    After an unplugged cable it waits for the device and continues. Use it from one thread.
     """
 
     def __init__(self, link: "Link") -> None:
@@ -36,12 +36,12 @@ class LinkReader:
         return self
 
     def __next__(self) -> "Sample":
-        """The next sample, as soon as it is there; the end after `close`.
+        """Wait for the next sample; iteration ends after `close`.
 
         Raises
         ------
         LinkError
-            Where nothing decodable came in time, or the device clock turns out to be none.
+            If no decodable data arrives in time, or the device clock is invalid.
         """
         while not self._waiting:
             if self._is_closed:
@@ -50,38 +50,38 @@ class LinkReader:
         return self._waiting.popleft()
 
     def read(self, wait_s: float = 0.0) -> "list[Sample]":
-        """What has come, after waiting at most `wait_s` for the first of it; for programs with a loop of their own.
+        """Samples received so far, after a wait of at most `wait_s` for the first; for a program with its own loop.
 
         Raises
         ------
         LinkError
-            As above.
+            As in iteration.
         """
         until_s = time.monotonic() + wait_s
-        found = [*self._waiting]
+        samples = [*self._waiting]
         self._waiting.clear()
         while not self._is_closed:
-            found += self._read(max(0.0, until_s - time.monotonic()) if not found else 0.0)
-            if found or time.monotonic() >= until_s:
+            samples += self._read(max(0.0, until_s - time.monotonic()) if not samples else 0.0)
+            if samples or time.monotonic() >= until_s:
                 break
-        return found
+        return samples
 
     def fileno(self) -> int | None:
-        """The descriptor that becomes readable with new samples, for `select`; None while the device is unplugged."""
+        """File descriptor for `select`, readable with new samples; None while the device is unplugged."""
         return self._link.fileno()
 
     @property
     def counters(self) -> "LinkCounters":
-        """Samples, gaps, resets and reconnects since it was opened."""
+        """Counts of samples, gaps, resets and reconnects since the link was opened."""
         return self._link.counters
 
     def close(self) -> None:
-        """Give the port back; iterating ends."""
+        """Close the port; iteration ends."""
         self._is_closed = True
         self._link.close()
 
     def _read(self, most_s: float | None) -> "list[Sample]":
-        """Wait for what the link wakes for, no longer than `most_s`, and read."""
+        """Wait for the link, at most `most_s`, and read."""
         wait_s = self._link.wake_s() if most_s is None else min(most_s, self._link.wake_s())
         fd = self._link.fileno()
         if fd is None:
@@ -112,22 +112,22 @@ def open_link(
     baud
         Line rate in baud; None to find it.
     protocol
-        As the option `--protocol` of `serve` names it.
+        Protocol, as in the option `--protocol` of `serve`.
     columns
-        Of lines of text, as its option `--columns`.
+        Columns of text lines, as in the option `--columns`.
     timeout_s
-        Give up where nothing decodable came within so many seconds of the start; 0 waits for ever.
+        Longest wait for decodable data from the start, s; 0 waits forever.
     send
-        What a device that waits is sent after its port was opened, as with the option `--send`.
+        Bytes to send after the port is opened, as with the option `--send`.
     on_event
-        Called with the name and the fields of what happens on the link: `on_event("gap", missing=3, seconds=0.04)`.
+        Called with the name and the fields of each link event: `on_event("gap", missing=3, seconds=0.04)`.
 
     Raises
     ------
     UsageError
-        Where there is no such protocol, or the columns are not understood.
+        If the protocol does not exist, or the columns are wrong.
     LinkError
-        Where the port cannot be opened.
+        If the port cannot be opened.
     """
     from gyrodrift.link.link import Link, LinkOptions
 
@@ -136,4 +136,4 @@ def open_link(
 
 
 def _untold(_event: str, **_fields: Any) -> None:
-    """Nobody asked for events."""
+    """Ignore events."""

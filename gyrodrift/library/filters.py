@@ -93,7 +93,7 @@ class DriftFilter:
 
     @classmethod
     def from_config(cls, path: str | PathLike[str]) -> Self:
-        """With what a config says of this filter, whichever filter it runs.
+        """Filter with its parameters in a config, even if the config runs another filter.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class DriftFilter:
         return cls(load_config(Path(path)).params_of(cls.filter))
 
     def reset(self) -> None:
-        """Begin anew: yaw is 0 at the next sample, and nothing is learnt yet."""
+        """Reset the state: yaw is 0 at the next sample, and the bias is unknown."""
         self.state: FilterState = self.filter.state()
         self._t_s = 0.0
 
@@ -117,16 +117,16 @@ class DriftFilter:
         rate_dps
             Measured rate, deg/s, counter-clockwise positive.
         dt_s
-            Time since the sample before, s; that of the first sample only says when time begins.
+            Time since the sample before, s; for the first sample it only sets the start of time.
         """
         return self.update_at(rate_dps, self._t_s + float(dt_s))
 
     def update_at(self, rate_dps: float, t_s: float) -> Estimate:
-        """Take one sample with its time on the device clock, s: the bits of `serve` over the same samples."""
+        """Take one sample with its device time, s; gives the same bits as `serve`."""
         return Estimate(*self._taken(float(rate_dps), float(t_s)))
 
     def update_batch(self, rate_dps: "ArrayLike", t_s: "ArrayLike") -> Estimates:
-        """Take many samples: the same as `update_at` with each.
+        """Take many samples, as `update_at` would one by one.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ class DriftFilter:
         Raises
         ------
         UsageError
-            Where they are no two series of numbers of one length.
+            If the arrays are not numbers of the same length.
         """
         import numpy as np
 
@@ -144,8 +144,8 @@ class DriftFilter:
         if len(rates) != len(times):
             raise UsageError(f"update_batch: {len(rates)} rates and {len(times)} times; each rate needs its time")
         columns = np.empty((len(Estimate._fields), len(rates)))
-        for at, (rate, time) in enumerate(zip(rates.tolist(), times.tolist(), strict=True)):
-            columns[:, at] = self._taken(rate, time)
+        for row, (rate, time) in enumerate(zip(rates.tolist(), times.tolist(), strict=True)):
+            columns[:, row] = self._taken(rate, time)
         yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted = columns
         return Estimates(yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted == 1.0)
 
@@ -285,19 +285,19 @@ def _checked(chosen: Filter, params: FilterParams | None, changes: dict[str, flo
 
 
 def _problems(chosen: Filter, whole: dict[str, float], changes: dict[str, float]) -> Iterator[str]:
-    """What the config would say of the same values."""
+    """Messages of the config check for these values."""
     from pydantic import TypeAdapter, ValidationError
 
     from gyrodrift.config.explain import unknown_key
 
     for name in changes.keys() - set(chosen.names):
         yield f"{chosen.name}: {name} {unknown_key(name, list(chosen.names), f'a parameter of {chosen.name}')}"
-    known = {name: value for name, value in (whole | changes).items() if name in chosen.names}
+    values = {name: value for name, value in (whole | changes).items() if name in chosen.names}
     try:
-        TypeAdapter(chosen.params).validate_python(known)
+        TypeAdapter(chosen.params).validate_python(values)
     except ValidationError as error:
-        for one in error.errors():
-            yield f"{chosen.name}: {'.'.join(map(str, one['loc']))}: {one['msg']}, not {one['input']!r}"
+        for problem in error.errors():
+            yield f"{chosen.name}: {'.'.join(map(str, problem['loc']))}: {problem['msg']}, not {problem['input']!r}"
 
 
 def _series(name: str, given: "ArrayLike") -> "Floats":

@@ -67,8 +67,8 @@ def save(value: "Session | Tuning | Comparison | Diagnosis", path: str | PathLik
     value
         A session; or the result of `tune`, `compare` or `diagnose`.
     path
-        `.mcap` or `.csv` for a session, `.yaml` for a tuning (the config for `serve`), a folder for a comparison
-        (compare.json, report.html) and for a diagnosis (gap.json, rig.yaml, report.html).
+        For a session a `.mcap` or `.csv` file. For a tuning a `.yaml` file, the config for `serve`. For a comparison a
+        folder: compare.json, report.html. For a diagnosis a folder: gap.json, rig.yaml, report.html.
 
     Raises
     ------

@@ -9,23 +9,23 @@ if TYPE_CHECKING:
 
 
 def load_session(path: str | PathLike[str], *, columns: str | None = None, allow_damage: bool = False) -> "Session":
-    """A recorded session (`.mcap`) or a table (`.csv`, `.json` and others) as arrays.
+    """Load a recorded session (`.mcap`) or a table (`.csv`, `.json` and others) as arrays.
 
     Parameters
     ----------
     path
         The file.
     columns
-        What the columns of a table are, as in the option `--columns`; None where its header says it.
+        Columns of a table, as in the option `--columns`; None to read them from the header.
     allow_damage
-        Whether what is whole of a damaged recording is returned; `session.damage` then says what is missing.
+        Return the undamaged part of a damaged recording; `session.damage` then has the losses.
 
     Raises
     ------
     DamagedError
-        Where it is damaged; `damages` says which samples are lost, and how many seconds.
+        If it is damaged; `damages` says which samples are lost, and how many seconds.
     DataError
-        Where it is missing, of an unknown kind, or no session.
+        If it is missing, of an unknown kind, or no session.
     """
     from gyrodrift.columns.spec import columns_of
     from gyrodrift.session import files

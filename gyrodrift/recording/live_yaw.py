@@ -11,7 +11,7 @@ class LiveYaw:
 
     def __init__(self, chosen: Filter, params: FilterParams, calibration: Calibration | None = None) -> None:
         self._calibration = calibration
-        self._step, self._coefficients = chosen.step_beside, chosen.coefficients(params)
+        self._step, self._coefficients = chosen.step_auxiliary, chosen.coefficients(params)
         self._state: FilterState = chosen.state()
 
     def take(self, samples: list[Sample], link: Link) -> None:

@@ -149,7 +149,7 @@ class Filtering:
     @property
     def witness(self) -> WitnessState | None:
         """Witness of rest of the filter; None for a filter without one."""
-        return getattr(self.state, "witness", None) if self.filter.sees_beside else None
+        return getattr(self.state, "witness", None) if self.filter.uses_auxiliary else None
 
     def begin_with(self, state: FilterState) -> None:
         """Start the filter with this state; before its first sample."""
@@ -173,7 +173,7 @@ class Filtering:
         self._coefficients = self.filter.coefficients(params)
 
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
-        step, coefficients, state = self.filter.step_beside, self._coefficients, self.state
+        step, coefficients, state = self.filter.step_auxiliary, self._coefficients, self.state
         reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
         zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
         reference_of = self.encoder.angle_deg

@@ -1,5 +1,5 @@
-"""Finding the filter's parameters from recorded sessions."""
+"""Find filter parameters from recorded sessions."""
 
-from gyrodrift.callable_room import make_callable
+from gyrodrift.callable_package import make_callable
 
 make_callable(__name__)

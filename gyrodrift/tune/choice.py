@@ -116,7 +116,7 @@ def tuned_alternative(tuning: Tuning) -> Alternative:
 def _untuned(tunings: Sequence[Tuning], sessions: TuningSet) -> Iterator[Alternative]:
     """Plain integration, start calibration, and the filters at their defaults."""
     first = tunings[0]
-    plain, start = ([getattr(one, name) for one in sessions.sessions] for name in ("plain", "start"))
+    plain, start = ([getattr(session, name) for session in sessions.sessions] for name in ("plain", "start"))
     yield _alternative(first, "euler", "plain integration", plain)
     yield _alternative(first, "start", "start calibration", start)
     for kind in dict.fromkeys([*SHIPPED, *(tuning.filter for tuning in tunings)]):
@@ -127,7 +127,7 @@ def _untuned(tunings: Sequence[Tuning], sessions: TuningSet) -> Iterator[Alterna
 
 def _default_scores(kind: Filter, sessions: TuningSet) -> list[Score]:
     scores = sessions.costs.for_filter(kind).cost(row_of(kind.params()))
-    return [scores.score(at, 0, one.minutes) for at, one in enumerate(sessions.sessions)]
+    return [scores.score(index, 0, session.minutes) for index, session in enumerate(sessions.sessions)]
 
 
 def _alternative(

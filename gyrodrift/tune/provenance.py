@@ -1,4 +1,4 @@
-"""Where the parameters of a config come from: what `tune` wrote beside them, read back."""
+"""Read the provenance block that `tune` writes into a config."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from gyrodrift.evaluation.dataset import Split
 
 @dataclass(frozen=True, slots=True)
 class TunedSession:
-    """A session that a config was tuned on or tested with, and the SHA-256 of its content."""
+    """A training or test session of a tuning, with the SHA-256 of its content."""
 
     name: str
     split: Split
@@ -21,10 +21,10 @@ class TunedSession:
 
 @dataclass(frozen=True, slots=True)
 class TuningProvenance:
-    """What a config says of the tuning that found its parameters.
+    """Provenance of the parameters of a config.
 
     filter
-        Name of the filter that was tuned.
+        Name of the tuned filter.
     command, seed, iterations
         As they were given; empty and None if the file does not say.
     is_default
@@ -47,23 +47,23 @@ class TuningProvenance:
 
 
 def read_provenance(path: Path) -> TuningProvenance | None:
-    """Of a config file that has been checked; None where no tuning is told of."""
+    """Provenance of a checked config file; None without a tuning."""
     content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    told = content.get("provenance") if isinstance(content, dict) else None
-    if not isinstance(told, dict):
+    block = content.get("provenance") if isinstance(content, dict) else None
+    if not isinstance(block, dict):
         return None
-    sessions = tuple(filter(None, map(_session, _list(told.get("sessions")))))
-    named = told.get("filter", content.get("filter"))
+    sessions = tuple(filter(None, map(_session, _list(block.get("sessions")))))
+    named = block.get("filter", content.get("filter"))
     if not sessions or not isinstance(named, str):
         return None
-    seed, iterations = told.get("seed"), told.get("iterations")
+    seed, iterations = block.get("seed"), block.get("iterations")
     return TuningProvenance(
         filter=named,
         sessions=sessions,
-        command=str(told.get("command", "")),
+        command=str(block.get("command", "")),
         seed=seed if isinstance(seed, int) else None,
         iterations=iterations if isinstance(iterations, int) else None,
-        is_default=told.get("parameters") == "defaults",
+        is_default=block.get("parameters") == "defaults",
     )
 
 
@@ -71,8 +71,8 @@ def _list(value: Any) -> list[Any]:
     return value if isinstance(value, list) else []
 
 
-def _session(told: Any) -> TunedSession | None:
-    """None of what a person has written in another form."""
-    if not isinstance(told, Mapping) or told.get("split") not in {split.value for split in Split}:
+def _session(entry: Any) -> TunedSession | None:
+    """A session entry; None if it has another form."""
+    if not isinstance(entry, Mapping) or entry.get("split") not in {split.value for split in Split}:
         return None
-    return TunedSession(str(told.get("name", "")), Split(told["split"]), str(told.get("sha256", "")))
+    return TunedSession(str(entry.get("name", "")), Split(entry["split"]), str(entry.get("sha256", "")))

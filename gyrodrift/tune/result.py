@@ -1,4 +1,4 @@
-"""What a tuning found and how good it is, as values: what the files and the report are made of."""
+"""Result of a tuning as values, for its files and its report."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,10 +16,10 @@ from gyrodrift.result_table import ResultTable
 
 @dataclass(frozen=True, slots=True)
 class SessionScore:
-    """One session under plain integration, the tuned filter, and the filter with a reduced set of parameters tuned.
+    """Scores of a session: plain integration, the tuned filter, and the reduced model.
 
     curves
-        Yaw by plain integration and by the tuned filter, in this order; None where the session is not plotted.
+        Yaw by plain integration and by the tuned filter, in this order; None for a session that is not plotted.
     default
         Score of the filter with its default parameters.
     """
@@ -70,10 +70,10 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One search: its seed, every cost in deg², shape (n,), the points asked, shape (n, axes), and what it found.
+    """A search: seed, costs in deg², shape (n,), evaluated points of the unit cube, shape (n, axes), and result.
 
     densities
-        Of the automata over their axes at the end, shape (axes, GRID); None for methods without automata.
+        Densities of the automata at the end, shape (axes, GRID); None for methods without automata.
     """
 
     seed: int
@@ -89,13 +89,13 @@ class Tuning(ResultTable):
     """Result of a tuning: the filter and the parameters found, and every alternative.
 
     run
-        The search whose parameters were chosen: the one that is best on the training sessions.
-    others
-        The searches of the other seeds.
+        The search with the best result on the training sessions.
+    other_runs
+        Searches of the other seeds.
     euler, reduced
-        PI of plain integration, and of the reduced model: few parameters tuned, the others held fixed.
+        PI of plain integration, and of the reduced model: few parameters tuned, all others fixed.
     cross_validation
-        Of each session, by name, under parameters tuned on all others; empty where sessions were held out.
+        Score of each session, by name, with parameters tuned on all other sessions; empty with held-out sessions.
     warnings : tuple of str
         Sentences to read before the result is used.
     slices
@@ -117,7 +117,7 @@ class Tuning(ResultTable):
     scores: tuple[SessionScore, ...]
     sample_rate_hz: float
     seconds: float
-    others: tuple[Run, ...] = ()
+    other_runs: tuple[Run, ...] = ()
     cross_validation: dict[str, Score] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     slices: Floats = field(default_factory=lambda: np.empty((0, 0)))

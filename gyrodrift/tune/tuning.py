@@ -1,4 +1,4 @@
-"""A tuning from its sessions to its result: search, and judgement on what was held out."""
+"""Tune one filter: search, then score on held-out sessions."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -32,7 +32,7 @@ from gyrodrift.tune.warnings import (
 )
 
 REDUCED_EVALUATIONS = 600
-"""A reduced model is found with fewer evaluations than the whole one."""
+"""Most evaluations for the reduced model: chosen."""
 
 PLOTTED = 12
 CURVE_POINTS = 500
@@ -40,7 +40,7 @@ CURVE_POINTS = 500
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is asked of a tuning."""
+    """Plan of a tuning of one filter."""
 
     evaluations: int = 3000
     seeds: tuple[int, ...] = (0,)
@@ -50,10 +50,10 @@ class Plan:
 
 
 class Costs(Protocol):
-    """What works out costs, here or on a cluster."""
+    """Source of costs, on this machine or on a cluster."""
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, parameters), over some of the sessions."""
+        """Scores of candidates, shape (c, parameters), over some or all sessions."""
         ...
 
     def for_filter(self, chosen: Filter) -> "Costs":
@@ -63,14 +63,14 @@ class Costs(Protocol):
 
 @dataclass(slots=True)
 class TuningRun:
-    """A tuning while it runs; an interrupt ends the search and leaves the best so far to be judged.
+    """A running tuning; after an interrupt the best result so far is scored.
 
     costs, sessions, splits
-        The sessions in one order: their costs, what is known of them, what each is used for.
+        Costs, descriptions and uses of the sessions, in one order.
     loaded
-        Reads one of them again, to draw it.
+        Function that loads a session again, for its figure.
     prefix
-        Begins the name of every search, in the journal and in the progress.
+        Prefix of the names of searches, in the journal and in the progress.
     """
 
     plan: Plan
@@ -85,12 +85,12 @@ class TuningRun:
     _begun_s: float = field(default_factory=time.monotonic)
 
     def run(self) -> Tuning:
-        """Search, and judge what was found.
+        """Search, and score the result.
 
         Raises
         ------
         DataError
-            Where every parameter vector that was tried makes yaw leave the floats.
+            If yaw overflows for every parameter vector.
         """
         train, axes = self._used_for(Split.TRAIN), self.plan.axes
         runs: list[Run] = []
@@ -100,14 +100,14 @@ class TuningRun:
                 break
         best = min(runs, key=lambda run: run.pi.train)
         if not np.isfinite(best.pi.train):
-            raise DataError("every parameter vector that was tried gives an infinite cost; are the rates deg/s?")
+            raise DataError("every parameter vector has an infinite cost; are the rates in deg/s?")
         reduced = self._reduced(best, train)
         is_cross_validated = not self._used_for(Split.TEST) and not self.was_interrupted
         cross_validation = self._cross_validated(best.seed) if is_cross_validated else {}
         return self._judge(best, tuple(run for run in runs if run is not best), reduced, cross_validation)
 
     def _reduced(self, best: Run, train: Sequence[int]) -> Run:
-        """The search for the reduced model; where that is the whole model, or nobody waits any more, it is the best."""
+        """Search for the reduced model; the best run if the model is not reduced or after an interrupt."""
         model = self.plan.filter.reduced_model
         axes = tuple(axis for axis in self.plan.axes if axis.name in model.names)
         if self.was_interrupted or axes == self.plan.axes:
@@ -116,10 +116,10 @@ class TuningRun:
         return self._search(model.title, best.seed, axes, train, evaluations)
 
     def _used_for(self, split: Split) -> list[int]:
-        return [at for at, one in enumerate(self.splits) if one is split]
+        return [index for index, split_used in enumerate(self.splits) if split_used is split]
 
     def _search(self, name: str, seed: int, axes: tuple[Axis, ...], sessions: Sequence[int], evaluations: int) -> Run:
-        """One search over some sessions."""
+        """Run a search over some sessions."""
         method = METHODS[self.plan.method]()
         chosen, searched, name = self.plan.filter, method.axes(axes), f"{self.prefix}{name}"
 
@@ -130,7 +130,7 @@ class TuningRun:
         def pi(params: Floats) -> Floats:
             return self.costs.cost(candidates_of(chosen, searched, params), sessions).pi
 
-        objective = Objective(pi, searched, evaluations, self.journal.known(name), note)
+        objective = Objective(pi, searched, evaluations, self.journal.cached(name), note)
         self.progress(name, 0, evaluations)
         try:
             run_to_budget(method, objective, seed)
@@ -154,27 +154,29 @@ class TuningRun:
         train, test = self._used_for(Split.TRAIN), self._used_for(Split.TEST)
         on_train = self.costs.cost(params, train).pi.tolist()
         on_test = self.costs.cost(params, test).pi.tolist() if test else [None] * len(params)
-        return [Pi(*both) for both in zip(on_train, on_test, strict=True)]
+        return [Pi(*means) for means in zip(on_train, on_test, strict=True)]
 
     def _cross_validated(self, seed: int) -> dict[str, Score]:
-        """Leave-one-session-out: each session under parameters that were tuned on all others."""
-        found: dict[str, Score] = {}
+        """Score of each session with parameters tuned on all other sessions."""
+        scores: dict[str, Score] = {}
         everyone = list(range(len(self.sessions)))
-        for at, session in enumerate(self.sessions):
-            others = [other for other in everyone if other != at]
-            run = self._search(f"without {session.name}", seed, self.plan.axes, others, self.plan.evaluations)
-            found[session.name] = self.costs.cost(row_of(run.params), [at]).score(0, 0, session.minutes)
+        for index, session in enumerate(self.sessions):
+            training = [number for number in everyone if number != index]
+            run = self._search(f"without {session.name}", seed, self.plan.axes, training, self.plan.evaluations)
+            scores[session.name] = self.costs.cost(row_of(run.params), [index]).score(0, 0, session.minutes)
             if self.was_interrupted:
                 return {}
-        return found
+        return scores
 
-    def _judge(self, best: Run, others: tuple[Run, ...], reduced: Run, cross_validation: dict[str, Score]) -> Tuning:
+    def _judge(
+        self, best: Run, other_runs: tuple[Run, ...], reduced: Run, cross_validation: dict[str, Score]
+    ) -> Tuning:
         baseline, default = row_of(self.plan.filter.baseline), row_of(self.plan.filter.params())
         rows = [baseline, row_of(best.params), row_of(reduced.params), default]
         scores = self._scores(self.costs.cost(np.vstack(rows)))
         euler_pi = self._pi_of(baseline)[0]
         if cross_validation:
-            held_out_pi = float(np.mean([one.pi_deg2 for one in cross_validation.values()]))
+            held_out_pi = float(np.mean([score.pi_deg2 for score in cross_validation.values()]))
             best = replace(best, pi=replace(best.pi, test=held_out_pi))
             euler_pi = replace(euler_pi, test=euler_pi.train)
         axes = METHODS[self.plan.method]().axes(self.plan.axes)
@@ -192,7 +194,7 @@ class TuningRun:
             scores=self._with_curves(scores, best.params),
             sample_rate_hz=float(np.median([session.sample_rate_hz for session in self.sessions])),
             seconds=time.monotonic() - self._begun_s,
-            others=others,
+            other_runs=other_runs,
             cross_validation=cross_validation,
             warnings=warnings,
             slices=slices,
@@ -205,12 +207,12 @@ class TuningRun:
         return pi.reshape(len(self.plan.axes), SCAN_POINTS)
 
     def _scores(self, scores: Scores) -> list[SessionScore]:
-        """By session, of candidates in the order of `SessionScore`."""
-        found = []
-        for at, (session, split) in enumerate(zip(self.sessions, self.splits, strict=True)):
-            plain, tuned, reduced, default = (scores.score(at, row, session.minutes) for row in range(4))
-            found.append(SessionScore(session, split, plain, tuned, reduced, default=default))
-        return found
+        """Scores by session; the candidates are in the order of `SessionScore`, then the defaults."""
+        rows = []
+        for index, (session, split) in enumerate(zip(self.sessions, self.splits, strict=True)):
+            plain, tuned, reduced, default = (scores.score(index, row, session.minutes) for row in range(4))
+            rows.append(SessionScore(session, split, plain, tuned, reduced, default=default))
+        return rows
 
     def _warnings(self, axes: Sequence[Axis], best: Run, euler_pi: Pi, slices: Floats) -> Iterator[str]:
         """Sentences to read before the result is used."""
@@ -219,23 +221,23 @@ class TuningRun:
         if chosen.counts_samples:
             yield from check_rates(self.sessions, chosen.sample_counted)
         if self.was_interrupted:
-            yield "it was interrupted: these are the best parameters so far; go on with --resume"
+            yield "interrupted: these are the best parameters so far; continue with --resume"
         yield from bound_warnings(chosen, axes, best.params)
         yield from identifiability_warnings(chosen, self.plan.axes, slices)
         yield from held_out_warnings(best.pi, euler_pi)
 
     def _with_curves(self, scores: Sequence[SessionScore], params: FilterParams) -> tuple[SessionScore, ...]:
-        """The worst sessions of each split with their yaw over time."""
+        """Scores, with curves for the worst sessions of each split."""
         plotted: set[int] = set()
         for split in Split:
-            plotted |= set(sorted(self._used_for(split), key=lambda at: -scores[at].tuned.e_deg)[:PLOTTED])
+            plotted |= set(sorted(self._used_for(split), key=lambda index: -scores[index].tuned.e_deg)[:PLOTTED])
         return tuple(
-            replace(score, curves=_curves(self.plan.filter, self.loaded(at), params)) if at in plotted else score
-            for at, score in enumerate(scores)
+            replace(score, curves=_curves(self.plan.filter, self.loaded(index), params)) if index in plotted else score
+            for index, score in enumerate(scores)
         )
 
 
 def _curves(chosen: Filter, loaded: LoadedSession, params: FilterParams) -> YawCurves:
     reference = loaded.reference
-    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0], reference.beside)
+    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0], reference.auxiliary)
     return yaw_curves(loaded, [euler(reference.dt_s, reference.rate_dps), tuned_deg], CURVE_POINTS)

@@ -1,4 +1,4 @@
-"""The sessions of a tuning: read, split, and ready to be asked for their costs, here or on a cluster."""
+"""Sessions of a tuning: loaded, split, with their costs on this machine or on a cluster."""
 
 import hashlib
 import json
@@ -23,14 +23,14 @@ from gyrodrift.tune.tuning import Costs, Plan
 
 
 class TuningSet:
-    """Sessions and their costs; a context manager that gives back threads or the cluster.
+    """Sessions and their costs; a context manager that ends the threads or leaves the cluster.
 
     Raises
     ------
     DataError
-        Where a session cannot be used, with its path.
+        If a session cannot be used; the message has its path.
     UsageError
-        Where the cluster cannot be reached.
+        If the cluster cannot be reached.
     """
 
     def __init__(
@@ -53,8 +53,8 @@ class TuningSet:
             from gyrodrift.evaluation.cluster_cost import ClusterCost  # noqa: PLC0415 - an extra that few have
 
             progress("sessions read by the cluster", 0, 1)
-            seen = [(source.path.resolve(), source.is_still) for source in self._sources]
-            shared = ClusterCost(cluster, seen, reading=self._sources[0].reading)
+            paths = [(source.path.resolve(), source.is_still) for source in self._sources]
+            shared = ClusterCost(cluster, paths, reading=self._sources[0].reading)
             self.costs, self._close, self.sessions = shared, shared.close, list(shared.descriptions)
         self.sessions = _with_folders(self.sessions, self._sources)
 
@@ -66,12 +66,12 @@ class TuningSet:
     ) -> None:
         self._close()
 
-    def loaded(self, at: int) -> LoadedSession:
-        """One of the sessions, read again."""
-        return load_with_reference(self._sources[at])
+    def loaded(self, index: int) -> LoadedSession:
+        """Load a session again."""
+        return load_with_reference(self._sources[index])
 
     def _references(self, progress: OnProgress) -> Iterator[Reference]:
-        """One after the other, so that nothing but what is evaluated stays in memory."""
+        """Load the sessions one by one: only their references stay in memory."""
         progress("sessions read", 0, len(self._sources))
         for done, source in enumerate(self._sources, 1):
             loaded = load_with_reference(source)
@@ -85,14 +85,16 @@ def identity(plans: Sequence[Plan], tuning_set: TuningSet) -> str:
     content: list[object] = []
     for plan in plans:
         content += [plan.filter.name, plan.method, plan.evaluations, *(asdict(axis) for axis in plan.axes)]
-    content += [[one.digest, split.value] for one, split in zip(tuning_set.sessions, tuning_set.splits, strict=True)]
+    content += [
+        [session.digest, split.value] for session, split in zip(tuning_set.sessions, tuning_set.splits, strict=True)
+    ]
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
 def _with_folders(sessions: Sequence[SessionSummary], sources: Sequence[Source]) -> list[SessionSummary]:
-    """Sessions of one name carry the name of their folder too."""
-    counts = Counter(one.name for one in sessions)
+    """Add the folder to the names of sessions that are not unique."""
+    counts = Counter(session.name for session in sessions)
     return [
-        replace(one, name=f"{source.path.parent.name}/{one.name}") if counts[one.name] > 1 else one
-        for one, source in zip(sessions, sources, strict=True)
+        replace(session, name=f"{source.path.parent.name}/{session.name}") if counts[session.name] > 1 else session
+        for session, source in zip(sessions, sources, strict=True)
     ]

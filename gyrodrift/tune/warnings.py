@@ -1,4 +1,4 @@
-"""What to know before a tuning is believed: parameters at a bound or non-identifiable, and a test that goes badly."""
+"""Warnings of a tuning: parameters at a bound or not identifiable, and bad results on held-out sessions."""
 
 from collections.abc import Iterator, Sequence
 from math import sqrt
@@ -11,37 +11,35 @@ from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.tune.result import Pi
 
 AT_BOUND = 0.01
-"""A parameter this near to an end of its range, in shares of it, would perhaps go on."""
+"""Distance from an end of the range, in shares of it, that counts as at the bound: chosen."""
 
 SAME_COST = 0.02
 SAME_SHARE = 0.5
 SCAN_POINTS = 41
-"""A parameter is non-identifiable where PI stays within SAME_COST of its least over SAME_SHARE of the range."""
+"""A parameter is not identifiable if PI is within SAME_COST of its minimum over SAME_SHARE of the range: chosen."""
 
 WORSE = 2.0
-"""A test that is worse than the training by more than this factor, beside plain integration, is warned of."""
+"""Ratio of test to training error, relative to plain integration, that gives a warning: chosen."""
 
 
 def bound_of(axis: Axis, value: float) -> str:
-    """Whether a value lies at the lower or the upper bound of its range; empty where it lies inside."""
-    at = axis.unit(value)
-    if at <= AT_BOUND:
+    """Bound of the range at which a value lies, `lower` or `upper`; empty inside the range."""
+    position = axis.unit(value)
+    if position <= AT_BOUND:
         return "lower"
-    return "upper" if at >= 1.0 - AT_BOUND else ""
+    return "upper" if position >= 1.0 - AT_BOUND else ""
 
 
 def bound_warnings(chosen: Filter, axes: Sequence[Axis], params: FilterParams) -> Iterator[str]:
-    """Parameters at an end of their range."""
+    """Warnings for parameters at an end of their range."""
     for axis in axes:
         end = bound_of(axis, getattr(params, axis.name))
         if end:
             value = axis.low if end == "lower" else axis.high
             advice = (
-                ", which is where the filter's own ends"
-                if value in limits(axis.name, chosen)
-                else "; widen it with --range"
+                ", which is a bound of the filter" if value in limits(axis.name, chosen) else "; widen it with --range"
             )
-            yield f"{axis.name} sits at the {end} end of its range, {value:g}{advice}"
+            yield f"{axis.name} is at the {end} end of its range, {value:g}{advice}"
 
 
 def slice_candidates(chosen: Filter, axes: Sequence[Axis], params: FilterParams) -> Floats:
@@ -59,7 +57,7 @@ def slice_values(axis: Axis) -> Floats:
 
 
 def identifiability_warnings(chosen: Filter, axes: Sequence[Axis], slices: Floats) -> Iterator[str]:
-    """Parameters that the training sessions do not determine.
+    """Warnings for parameters that the training sessions do not determine.
 
     Parameters
     ----------
@@ -79,16 +77,16 @@ def identifiability_warnings(chosen: Filter, axes: Sequence[Axis], slices: Float
 
 
 def held_out_warnings(pi: Pi, euler: Pi) -> Iterator[str]:
-    """A test that is worse than plain integration, or much worse than the training.
+    """Warnings for a test that is worse than plain integration, or much worse than the training.
 
-    Squares, in the units of E: sessions of the test may simply drift more, so that plain integration is beside.
+    Test sessions may drift more than training sessions, so plain integration is the reference.
     """
     if pi.test is None or euler.test is None:
         return
     if pi.test > euler.test:
-        yield "on the sessions kept apart the tuned filter is worse than plain integration: do not use it"
+        yield "on held-out sessions the tuned filter is worse than plain integration: do not use it"
     elif sqrt(pi.test) > WORSE * sqrt(pi.train) * max(1.0, sqrt(euler.test / max(euler.train, 1e-300))):
         yield (
-            f"the sessions kept apart come out much worse than those tuned on ({sqrt(pi.test):.3g} against "
-            f"{sqrt(pi.train):.3g} deg RMS): the parameters follow these sessions too closely; record more"
+            f"held-out sessions are much worse than training sessions, {sqrt(pi.test):.3g} against "
+            f"{sqrt(pi.train):.3g} deg RMS: the parameters are overfitted; record more sessions"
         )

@@ -298,7 +298,7 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
         interrupt_after_saving(patched, saves=3)
         assert main(arguments) == 130
     assert load_config(out)
-    assert "it was interrupted: these are the best parameters so far" in "".join(capsys.readouterr())
+    assert "interrupted: these are the best parameters so far" in "".join(capsys.readouterr())
     interrupted = yaml.safe_load(out.read_text())["provenance"]["iterations"]
     assert 0 < interrupted < 1000
     assert (tmp_path / "c.progress.npz").exists()
@@ -463,7 +463,7 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     said = capsys.readouterr().err
     assert "odd: 2% of its encoder values are no numbers; they do not count" in said
     assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
-    assert "i_c_dps sits at the upper end of its range, 1e-06; widen it with --range" in said
+    assert "i_c_dps is at the upper end of its range, 1e-06; widen it with --range" in said
     params = load_config(tmp_path / "c.yaml").params
     assert isinstance(params, HdrParams)
     assert params.i_c_dps <= 1e-6

@@ -214,7 +214,7 @@ def test_compare_has_a_row_of_it(tmp_path: Path) -> None:
 def test_what_cannot_be_a_filter_is_refused(printed: Filter) -> None:
     """A name that is taken or no key of its own, parameters that are not those of the record, nothing to search."""
     for name in ("hdr", "filter", "sample_rate_hz", "two words"):
-        with pytest.raises(ValueError, match="a filter needs a name of its own"):
+        with pytest.raises(ValueError, match="a filter needs a unique name"):
             register(replace(printed, name=name))
     with pytest.raises(ValueError, match="its record has bias_dps"):
         register(replace(printed, parameters=(replace(printed.parameters[0], name="bias"),)))

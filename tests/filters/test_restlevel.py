@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow, walk
-from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside, accepted
+from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary, accepted
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
@@ -45,10 +45,10 @@ def walked(
     rate_dps: Floats,
     p: RestlevelParams,
     state: RestlevelState | None = None,
-    beside: Beside = NOTHING_BESIDE,
+    auxiliary: Auxiliary = NO_AUXILIARY,
 ) -> Floats:
     """Yaw, its sigma and the bias after each sample, shape (3, n), by the plain filter."""
-    said = beside.filled(len(t_s))
+    said = auxiliary.filled(len(t_s))
     c, s = coefficients(p), state or RestlevelState()
     rows = []
     for sample in zip(*(each.tolist() for each in (t_s, rate_dps, *said)), strict=True):
@@ -57,9 +57,9 @@ def walked(
     return np.array(rows).T
 
 
-def estimates(t_s: Floats, rate_dps: Floats, p: RestlevelParams, beside: Beside = NOTHING_BESIDE) -> Floats:
+def estimates(t_s: Floats, rate_dps: Floats, p: RestlevelParams, auxiliary: Auxiliary = NO_AUXILIARY) -> Floats:
     """The same by the compiled filter."""
-    return walk(np.diff(t_s, prepend=t_s[:1]), rate_dps, p, beside)
+    return walk(np.diff(t_s, prepend=t_s[:1]), rate_dps, p, auxiliary)
 
 
 def measured(true_dps: Floats, bias_dps: float | Floats, seed: int = 1) -> tuple[Floats, Floats, Floats]:
@@ -132,9 +132,9 @@ def test_bits_are_the_same_whatever_comes(p: RestlevelParams, stream: list[tuple
     t_s = np.cumsum([0.0, *(0.0 if isnan(step_s) else step_s for step_s, *_ in stream)])
     rate_dps = np.array([0.1, *(rate for _, rate, *_ in stream)])
     still, temp_c = (np.array([nan, *(sample[at] for sample in stream)]) for at in (2, 3))
-    plain, kept = walked(t_s, rate_dps, p, beside=Beside(still, temp_c)), accepted(t_s, rate_dps)
-    beside = Beside(still[kept], temp_c[kept])
-    np.testing.assert_array_equal(estimates(t_s[kept], rate_dps[kept], p, beside), plain[:, kept])
+    plain, kept = walked(t_s, rate_dps, p, auxiliary=Auxiliary(still, temp_c)), accepted(t_s, rate_dps)
+    auxiliary = Auxiliary(still[kept], temp_c[kept])
+    np.testing.assert_array_equal(estimates(t_s[kept], rate_dps[kept], p, auxiliary), plain[:, kept])
     assert np.isfinite(plain).all()
 
 
@@ -156,8 +156,8 @@ def test_a_plain_state_goes_on_compiled_with_the_same_bits() -> None:
     whole, state, cut = walked(t_s, rate_dps, RestlevelParams()), RestlevelState(), 5000
     walked(t_s[:cut], rate_dps[:cut], RestlevelParams(), state)
     found = np.zeros((3, len(t_s) - cut))
-    beside, steps_s = (np.empty(0), np.empty(0)), np.diff(t_s)[cut - 1 :]
-    _follow(array_of(coefficients(RestlevelParams())), array_of(state), steps_s, rate_dps[cut:], *beside, found)
+    auxiliary, steps_s = (np.empty(0), np.empty(0)), np.diff(t_s)[cut - 1 :]
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), steps_s, rate_dps[cut:], *auxiliary, found)
     np.testing.assert_array_equal(found, whole[:, cut:])
 
 

@@ -52,8 +52,8 @@ def test_a_parameter_at_a_bound_is_told_with_what_to_do() -> None:
     """Wider by --range, unless the filter itself ends there."""
     said = list(bound_warnings(HDR, AXES, replace(INSIDE, i_c_dps=0.1, c2=0.0)))
     assert said == [
-        "i_c_dps sits at the upper end of its range, 0.1; widen it with --range",
-        "c2 sits at the lower end of its range, 0, which is where the filter's own ends",
+        "i_c_dps is at the upper end of its range, 0.1; widen it with --range",
+        "c2 is at the lower end of its range, 0, which is a bound of the filter",
     ]
     assert not list(bound_warnings(HDR, AXES, INSIDE))
 
@@ -65,7 +65,7 @@ def test_a_parameter_that_changes_nothing_is_told() -> None:
     (said,) = identifiability_warnings(HDR, AXES, bowl(0, 1, 3, 4)(rows).reshape(len(AXES), -1))
     expected = "theta_w_dps is not determined by these sessions: from 0.02 to 20 the cost is within 2% of its minimum"
     assert said.startswith(expected)
-    assert said.endswith("it takes motion at all rates, slow turns too")
+    assert said.endswith("it needs motion at all rates, slow turns too")
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_parameter_that_changes_nothing_is_told() -> None:
         (
             Pi(1.0, 4.1),
             Pi(100.0, 100.0),
-            "the sessions kept apart come out much worse than those tuned on (2.02 against 1",
+            "held-out sessions are much worse than training sessions, 2.02 against 1",
         ),
         (Pi(1.0, 4.1), Pi(100.0, 200.0), ""),
         (Pi(1.0, 101.0), Pi(100.0, 100.0), "the tuned filter is worse than plain integration: do not use it"),

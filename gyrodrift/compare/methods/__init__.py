@@ -1,1 +1,1 @@
-"""The methods that are compared, one small file each."""
+"""The compared methods, one small file for each."""

@@ -1,4 +1,4 @@
-"""The zero-rate update: a scalar Kalman filter that takes the rate for the bias while nothing turns."""
+"""The zero-rate update: a scalar Kalman filter that measures the bias at rest."""
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
@@ -7,17 +7,17 @@ from gyrodrift.compile import compiled_once
 from gyrodrift.evaluation.integration import trapezium
 
 REST_TAU_S = 0.5
-"""Low-pass that a rate at rest stays close to, s."""
+"""Time constant of the low-pass for the detection of rest, s: chosen."""
 
 START_DPS = 1.0
-"""What is known of the bias at power-on: its standard deviation, deg/s."""
+"""Standard deviation of the bias at power-on, deg/s: chosen."""
 
 
 def run_kalman(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw, deg, shape (n,), with the bias b learnt at rest.
+    """Yaw, deg, shape (n,), with the bias b estimated at rest.
 
-    While still: K = P/(P + R), b += K·(w − b), P −= K·P; P grows by q·T. R is `noise_dps`², q is `walk_dps_rts`².
-    Still is what has stayed within `rest_dps` of its own low-pass for `rest_s`, and that below `bias_most_dps`.
+    At rest: K = P/(P + R), b += K·(w − b), P −= K·P; P grows by q·T. R is `noise_dps`², q is `walk_dps_rts`².
+    Rest: for `rest_s` the rate is within `rest_dps` of its low-pass, and the low-pass is below `bias_most_dps`.
     """
     names = ("rest_dps", "rest_s", "bias_most_dps", "noise_dps", "walk_dps_rts")
     dt_s = steps_s(t_s)

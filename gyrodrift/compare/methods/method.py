@@ -1,4 +1,4 @@
-"""What a drift reducer is here: one record, so that another one joins by one entry in `registry.py`."""
+"""The record of a method; `registry.py` lists all methods."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -6,11 +6,11 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.reference import Beside
+from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.evaluation.space import Axis
 
 Params = Mapping[str, float]
-"""Values by name; the names carry the units, but for those that a package has given."""
+"""Values by name; a name has its unit, except names of other packages."""
 
 Run = Callable[[Floats, Floats, Params], Floats]
 """From device times in s and measured rates in deg/s, shape (n,), to yaw in deg, shape (n,), 0 at the first sample."""
@@ -18,31 +18,31 @@ Run = Callable[[Floats, Floats, Params], Floats]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A way to yaw.
+    """A method that computes yaw.
 
     key, title
-        Its name in files, and for people.
+        Name in files, and for people.
     run
-        Walks through one session. It sees nothing but times and rates; see `seeing`.
+        Computes yaw from times and rates; see `seeing` for auxiliary data.
     defaults
-        What it runs with where nothing is tuned.
+        Default parameters.
     axes
-        What tuning may change, and where; none for methods that are not tuned.
+        Search ranges for tuning; empty for a method without tuning.
     package
-        What has to be installed for it; empty where nothing has.
+        Required package; empty without one.
     is_offline
-        It sees a session's future: no device can do what it does.
+        The method uses the whole session and cannot run in real time.
     about
-        Where the defaults come from, and what a package cannot do. A sentence or two.
+        Source of the defaults, and limits of the package, in a sentence or two.
     counts_samples
-        Its tuned parameters belong to the sample rate they were found at.
+        The tuned parameters hold for one sample rate.
     sigma
-        The standard deviation that it states of its yaw, deg, shape (n,), from what `run` takes; None where it states
-        none, and NaN likewise.
+        Computes the standard deviation of yaw, deg, shape (n,), from the arguments of `run`; None for a method without
+        it.
     seeing
-        The method as it sees what is known beside the rate of a session; None for one that sees the rate alone.
-    colour, dash
-        How it is drawn: a role of the page's style sheet, and `-` or `--`.
+        Gives the method with auxiliary data of a session; None for a method that uses only the rate.
+    color, dash
+        Line style: a role of the style sheet of the pages, and `-` or `--`.
     """
 
     key: str
@@ -55,18 +55,18 @@ class Method:
     about: str = ""
     counts_samples: bool = False
     sigma: Run | None = None
-    seeing: "Callable[[Beside], Method] | None" = None
-    colour: str = "ink"
+    seeing: "Callable[[Auxiliary], Method] | None" = None
+    color: str = "ink"
     dash: str = "-"
 
     @property
     def is_installed(self) -> bool:
-        """Whether it can run here."""
+        """Whether the required package is installed."""
         return not self.package or find_spec(self.package) is not None
 
     @property
     def version(self) -> str:
-        """Of its package; empty where it has none, or it is not installed."""
+        """Version of the package; empty without an installed package."""
         try:
             return version(self.package) if self.package else ""
         except PackageNotFoundError:

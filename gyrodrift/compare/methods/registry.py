@@ -1,4 +1,4 @@
-"""All methods that are compared, in the order in which they are listed: plain ones, our filters, other people's."""
+"""All compared methods in their order: plain methods, the filters of this package, other packages."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ VQF_DEFAULTS = {
     "biasClip": 2.0,
     "biasSigmaRest": 0.03,
 }
-"""Of its 25 parameters those that matter for the bias about the vertical; deg/s and s."""
+"""Parameters of VQF that matter for the bias about the vertical, of 25; deg/s and s."""
 
 VQF_AXES = (
     Axis("restThGyr", 0.02, 20.0, is_log=True),
@@ -35,14 +35,14 @@ VQF_AXES = (
 )
 
 PLAIN = (
-    Method("euler", "Euler", run_euler, about="The rate as it is, added up.", colour="plain"),
+    Method("euler", "Euler", run_euler, about="Integral of the rate without correction.", color="plain"),
     Method(
         "start",
         "start calibration",
         run_start_calibration,
         {"calibration_s": 3.0},
-        about="The mean of the first three seconds is taken off; nothing is learnt later, and nothing is tuned.",
-        colour="quiet",
+        about="Subtracts the mean rate of the first three seconds; not tuned.",
+        color="quiet",
     ),
     Method(
         "sign",
@@ -50,9 +50,9 @@ PLAIN = (
         run_sign,
         {"step_dps": 0.0006, "theta_dps": 2.0},
         (Axis("step_dps", 1e-6, 0.1, is_log=True), Axis("theta_dps", 0.02, 20.0, is_log=True)),
-        about="No defaults are published for it: the step is HDR's, the threshold the one that VQF calls rest.",
+        about="No published defaults: the step is that of HDR, the threshold that of rest in VQF.",
         counts_samples=True,
-        colour="two",
+        color="two",
     ),
     Method(
         "kalman",
@@ -66,9 +66,9 @@ PLAIN = (
             Axis("noise_dps", 1e-3, 10.0, is_log=True),
             Axis("walk_dps_rts", 1e-6, 1.0, is_log=True),
         ),
-        about="No defaults are published for it: noise and walk are those of a usual MEMS part, rest takes as long as "
-        "VQF's, and the largest bias is what x-io Fusion takes for one.",
-        colour="three",
+        about="No published defaults: noise and walk of a typical MEMS gyro, rest as in VQF, largest bias as in "
+        "x-io Fusion.",
+        color="three",
     ),
 )
 
@@ -80,8 +80,8 @@ PEERS = (
         {"stationary_threshold": 3.0, "stationary_period": 3.0},
         (Axis("stationary_threshold", 0.02, 20.0, is_log=True), Axis("stationary_period", 0.05, 20.0, is_log=True)),
         package="imufusion",
-        about="Threshold (deg/s) and period (s) are all that its package lets be changed: how fast it learns is fixed.",
-        colour="four",
+        about="The package has two parameters, threshold (deg/s) and period (s); its learning rate is fixed.",
+        color="four",
     ),
     Method(
         "vqf",
@@ -90,8 +90,8 @@ PEERS = (
         VQF_DEFAULTS,
         VQF_AXES,
         package="vqf",
-        about="It is told that the device lies level; what it learns from tilting is not there to be had.",
-        colour="five",
+        about="Runs as on a level device; it cannot learn from tilt.",
+        color="five",
     ),
     Method(
         "vqf_offline",
@@ -101,19 +101,19 @@ PEERS = (
         VQF_AXES,
         package="vqf",
         is_offline=True,
-        about="It walks through a session forwards and backwards: a bound for filters that stream, not one of them.",
-        colour="five",
+        about="Runs forwards and backwards over a session: a bound for real-time filters.",
+        color="five",
         dash="--",
     ),
 )
 
 
 def methods(params: Mapping[str, FilterParams] | None = None) -> tuple[Method, ...]:
-    """All of them, our filters with these parameters by their names, or else their defaults."""
+    """All methods; filters have these parameters by name, or their defaults."""
     given = params or {}
-    return (*PLAIN, *(filter_method(known, given.get(name)) for name, known in FILTERS.items()), *PEERS)
+    return (*PLAIN, *(filter_method(chosen, given.get(name)) for name, chosen in FILTERS.items()), *PEERS)
 
 
 def by_key() -> dict[str, Method]:
-    """All of them by their names in files."""
+    """All methods by key."""
     return {method.key: method for method in methods()}

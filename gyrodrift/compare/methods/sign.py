@@ -1,4 +1,4 @@
-"""The sign integrator: the bias follows the sign of what is left of the rate, where that is small."""
+"""The sign integrator: the bias follows the sign of the corrected rate while that is small."""
 
 import numpy as np
 

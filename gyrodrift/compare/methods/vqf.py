@@ -1,4 +1,4 @@
-"""VQF's rest detection and bias estimation, by its own package `vqf`, as it streams and as it looks back.
+"""Rest detection and bias estimation of VQF, by its package `vqf`, in real time and offline.
 
 Source: D. Laidig and T. Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic
 disturbance rejection", Information Fusion 91, 2023, DOI 10.1016/j.inffus.2022.10.014.
@@ -12,31 +12,30 @@ from gyrodrift.compare.methods.plain import mean_step_s, steps_s
 from gyrodrift.evaluation.integration import trapezium
 
 GRAVITY_MSS = 9.81
-"""Of a device that lies level. Without an accelerometer VQF detects no rest."""
+"""Gravity on a level device, m/s². Without an accelerometer VQF detects no rest."""
 
 
 def run_vqf(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw of the rates less the newest bias that the filter has learnt from (0, 0, rate), deg, shape (n,).
+    """Yaw of the rates less the bias that the filter estimates from (0, 0, rate), deg, shape (n,).
 
-    The rates are added up here and not in the package, which takes all samples to be equally far apart: samples that
-    were lost are no fault of its estimate.
+    The rates are integrated here. The package assumes equal steps, so lost samples would count as its error.
     """
     from vqf import VQF  # noqa: PLC0415 - not everybody has it
 
-    learnt = VQF(mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
-    return _without(t_s, rate_dps, learnt["bias"])
+    estimate = VQF(mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
+    return _without(t_s, rate_dps, estimate["bias"])
 
 
 def run_vqf_offline(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """The same with a bias that was learnt forwards and backwards."""
+    """Yaw with a bias estimated forwards and backwards, deg, shape (n,)."""
     from vqf import offlineVQF  # noqa: PLC0415
 
-    learnt = offlineVQF(*_as_imu(rate_dps), None, mean_step_s(t_s), dict(params))
-    return _without(t_s, rate_dps, learnt["bias"])
+    estimate = offlineVQF(*_as_imu(rate_dps), None, mean_step_s(t_s), dict(params))
+    return _without(t_s, rate_dps, estimate["bias"])
 
 
 def _as_imu(rate_dps: Floats) -> tuple[Floats, Floats]:
-    """Gyroscope in rad/s and accelerometer in m/s², shape (n, 3), of a device that turns about the vertical alone."""
+    """Gyroscope in rad/s and accelerometer in m/s², shape (n, 3), of a device that turns only about the vertical."""
     gyroscope, accelerometer = np.zeros((2, len(rate_dps), 3))
     gyroscope[:, 2] = np.deg2rad(rate_dps)
     accelerometer[:, 2] = GRAVITY_MSS

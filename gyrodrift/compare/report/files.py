@@ -1,4 +1,4 @@
-"""A comparison as numbers in a file, and as a table on a terminal."""
+"""A comparison as a JSON file, and as a table for a terminal."""
 
 import json
 from collections.abc import Sequence
@@ -22,12 +22,12 @@ DIGITS = 3
 
 
 def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
-    """Write the numbers, whole or not at all; what is infinite is null.
+    """Write the numbers, whole or not at all; infinite values are null.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to.
+        If the path cannot be written.
     """
     content = {
         "command": command,
@@ -37,13 +37,13 @@ def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
         "seed": comparison.seed if comparison.train else None,
         "config": _config(comparison.config),
         "best": comparison.entries[best_of(comparison)].method.key,
-        "methods": [_entry(comparison, at) for at in range(len(comparison.entries))],
+        "methods": [_entry(comparison, row) for row in range(len(comparison.entries))],
         "missing": [{"method": method.key, "package": method.package} for method in comparison.missing],
         "folders": [
             {"folder": name, "methods": _scores(comparison.entries, means)}
             for name, means in comparison.folders.items()
         ],
-        "sessions": [_session(comparison.entries, one) for one in comparison.sessions],
+        "sessions": [_session(comparison.entries, session) for session in comparison.sessions],
         "notes": list(comparison.notes),
         "seconds": round(comparison.seconds, 3),
     }
@@ -57,8 +57,8 @@ def _config(config: ConfigFile | None) -> dict[str, Any] | None:
     return {"name": config.name, "sha256": config.sha256, "filters": sorted(config.filters), "tuning": tuning}
 
 
-def _entry(comparison: Comparison, at: int) -> dict[str, Any]:
-    entry, stated = comparison.entries[at], comparison.mean_uncertainties[at]
+def _entry(comparison: Comparison, row: int) -> dict[str, Any]:
+    entry, stated = comparison.entries[row], comparison.mean_uncertainties[row]
     return {
         "method": entry.method.key,
         "title": entry.title,
@@ -69,8 +69,8 @@ def _entry(comparison: Comparison, at: int) -> dict[str, Any]:
         "about": entry.method.about,
         "parameters": dict(entry.params),
         "parameters_from": entry.source.value,
-        "trained_on": [one.session.name for one in comparison.seen_by(entry)],
-        **_numbers(comparison.means[at]),
+        "trained_on": [session.session.name for session in comparison.trained_on_by(entry)],
+        **_numbers(comparison.means[row]),
         **_stated(stated),
     }
 
@@ -82,22 +82,22 @@ def _scores(entries: Sequence[Entry], scores: Sequence[Score]) -> list[dict[str,
     ]
 
 
-def _session(entries: Sequence[Entry], one: ComparedSession) -> dict[str, Any]:
+def _session(entries: Sequence[Entry], session: ComparedSession) -> dict[str, Any]:
     return {
-        "name": one.session.name,
-        "folder": one.folder,
-        "sha256": one.session.digest,
-        "minutes": one.session.minutes,
-        "sample_rate_hz": one.session.sample_rate_hz,
+        "name": session.session.name,
+        "folder": session.folder,
+        "sha256": session.session.digest,
+        "minutes": session.session.minutes,
+        "sample_rate_hz": session.session.sample_rate_hz,
         "methods": [
             {**score, **_stated(stated)}
-            for score, stated in zip(_scores(entries, one.scores), one.uncertainties, strict=True)
+            for score, stated in zip(_scores(entries, session.scores), session.uncertainties, strict=True)
         ],
     }
 
 
 def _stated(stated: Uncertainty | None) -> dict[str, float | None]:
-    """Null for a method that states no uncertainty."""
+    """Coverage and CRPS; null for a method without uncertainty."""
     return {
         "within_2_sigma": None if stated is None else stated.coverage,
         "crps_deg": None if stated is None else stated.crps_deg,
@@ -109,10 +109,10 @@ def _numbers(score: Score) -> dict[str, float | None]:
 
 
 def summary(comparison: Comparison) -> list[str]:
-    """The table of means over all sessions, the best first; with several folders that of E by folder; what ran."""
+    """Table of means over all sessions, the best first, table of E by folder, and sources of the parameters."""
     sessions = len(comparison.sessions)
     counted = f"mean over {sessions} session{'s' * (sessions > 1)}; E, largest error and CRPS in deg"
-    lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best that streams"]
+    lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best in real time"]
     lines += _aligned(
         [["", "E", "NE", "PI", "largest", "2σ", "CRPS"], *map(partial(_line, comparison), comparison.ranked)]
     )
@@ -122,38 +122,38 @@ def summary(comparison: Comparison) -> list[str]:
     return [*lines, "", *sources(comparison)]
 
 
-def _line(comparison: Comparison, at: int) -> list[str]:
-    """A row of the terminal's table; the best of what streams is marked."""
-    mark = "* " if at == best_of(comparison) else "  "
+def _line(comparison: Comparison, row: int) -> list[str]:
+    """Row of the table; the best real-time method is marked."""
+    mark = "* " if row == best_of(comparison) else "  "
     return [
-        mark + comparison.entries[at].title,
-        *cells(comparison.means[at]),
-        *uncertainty_cells(comparison.mean_uncertainties[at]),
+        mark + comparison.entries[row].title,
+        *cells(comparison.means[row]),
+        *uncertainty_cells(comparison.mean_uncertainties[row]),
     ]
 
 
 def best_of(comparison: Comparison) -> int:
-    """Number of the entry with the least mean E, of those that a device can run; of all where there is no such."""
+    """Row with the least mean E among real-time methods, or among all methods."""
     return (*comparison.streaming, *comparison.ranked)[0]
 
 
 def uncertainty_cells(stated: Uncertainty | None) -> list[str]:
-    """The share within two standard deviations, and CRPS."""
+    """Cells of coverage within two standard deviations and of CRPS."""
     return ["–", "–"] if stated is None else [f"{100.0 * stated.coverage:.0f} %", significant(stated.crps_deg, DIGITS)]
 
 
 def cells(score: Score) -> list[str]:
-    """E, NE, PI and the largest error, each with three digits."""
+    """Cells of E, NE, PI and the largest error."""
     return [significant(value, DIGITS) for value in (score.e_deg, score.ne, score.pi_deg2, score.worst_deg)]
 
 
 def e_cell(score: Score) -> str:
-    """E alone."""
+    """Cell of E."""
     return significant(score.e_deg, DIGITS)
 
 
 def absence(method: Method) -> str:
-    """Why a method has no numbers."""
+    """Reason for a method without numbers."""
     return f"its package {method.package} is not installed ({package_command(method.package)})"
 
 
@@ -167,9 +167,9 @@ def _by_folder(comparison: Comparison) -> list[str]:
 
 
 def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Columns as wide as they have to be, the first to the left and the numbers to the right."""
+    """Lines of aligned columns, the first left-aligned and numbers right-aligned."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
-        "  ".join(cell.ljust(width) if at == 0 else cell.rjust(width) for at, (cell, width) in pairs).rstrip()
+        "  ".join(cell.ljust(width) if index == 0 else cell.rjust(width) for index, (cell, width) in pairs).rstrip()
         for pairs in (list(enumerate(zip(row, widths, strict=True))) for row in rows)
     ]

@@ -1,15 +1,15 @@
-"""Where the parameters of a comparison come from, in sentences: defaults, a config, sessions to tune on."""
+"""Sources of the parameters of a comparison in sentences: defaults, a config, tuning."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from gyrodrift.compare.comparison import Comparison, Entry, ParamsFrom
 
 NAMED = 6
-"""So many of the training sessions are named."""
+"""Most training sessions that are named."""
 
 
 def sources(comparison: Comparison) -> list[str]:
-    """A sentence for each source; plain text."""
+    """A sentence for each source, as plain text."""
     return [*_given(comparison), _trained(comparison)]
 
 
@@ -17,38 +17,37 @@ def _given(comparison: Comparison) -> Iterator[str]:
     by_config = [entry for entry in comparison.entries if entry.source is ParamsFrom.CONFIG]
     for entry in by_config:
         yield _by_config(comparison, entry)
-    yield f"Every {'other ' * bool(by_config)}method ran with its defaults{' once' * bool(comparison.train)}."
+    yield f"Every {'other ' * bool(by_config)}method ran with its defaults."
 
 
 def _by_config(comparison: Comparison, entry: Entry) -> str:
-    """What a config says of the parameters of a filter."""
+    """Source of the parameters of a filter in a config."""
     config = comparison.config
     name, tuning = (config.name, config.tuning) if config is not None else ("", None)
     ran = f"{entry.method.title} ran with the parameters of {name}"
     if tuning is None or tuning.filter != entry.method.key:
-        return f"{ran}, which does not say where they come from."
+        return f"{ran}, which has no provenance."
     if tuning.is_default:
         return f"{ran}, which are its defaults: tune found none that are better on held-out sessions."
     effort = [f"{tuning.iterations} evaluations"] if tuning.iterations is not None else []
     effort += [f"seed {tuning.seed}"] if tuning.seed is not None else []
-    said = f" ({', '.join(effort)})" if effort else ""
-    return f"{ran}, which tune found{said} on {_count(len(tuning.training), 'session')}: {_seen(comparison, entry)}."
+    details = f" ({', '.join(effort)})" if effort else ""
+    return f"{ran}, tuned{details} on {_count(len(tuning.training), 'session')}: {_overlap(comparison, entry)}."
 
 
-def _seen(comparison: Comparison, entry: Entry) -> str:
-    seen = len(comparison.seen_by(entry))
-    return f"{seen} of those compared are among them" if seen else "none of those compared is among them"
+def _overlap(comparison: Comparison, entry: Entry) -> str:
+    count = len(comparison.trained_on_by(entry))
+    return f"{count} of them are compared here" if count else "none of them is compared here"
 
 
 def _trained(comparison: Comparison) -> str:
     if not comparison.train:
-        return "Nothing was tuned for this comparison: --train gives sessions to tune every method on."
-    more = len(comparison.train) - NAMED
-    names = ", ".join(comparison.train[:NAMED]) + (f" and {more} more" if more > 0 else "")
+        return "Nothing was tuned here; --train tunes every method on other sessions."
+    unnamed = len(comparison.train) - NAMED
+    names = ", ".join(comparison.train[:NAMED]) + (f" and {unnamed} more" if unnamed > 0 else "")
     return (
-        f"Tuned rows: each method's own parameters, by the search that tune uses, {comparison.iterations} evaluations "
-        f"and seed {comparison.seed} for each, on {names}; where the search ended above what the method ran with "
-        "before, that is kept."
+        f"Tuned rows: each method with {comparison.iterations} evaluations and seed {comparison.seed} on {names}. "
+        "Parameters that the search did not improve are kept."
     )
 
 
@@ -57,6 +56,6 @@ def _count(count: int, noun: str) -> str:
 
 
 def shared(comparison: Comparison, entry: Entry) -> str:
-    """What there is to say of a row whose parameters saw sessions that it is scored on; empty otherwise."""
-    seen: Sequence[object] = comparison.seen_by(entry)
-    return f"tuned on {len(seen)} of these" if seen else ""
+    """Mark of a row that is scored on its training sessions; empty for other rows."""
+    count = len(comparison.trained_on_by(entry))
+    return f"tuned on {count} of these" if count else ""

@@ -1,7 +1,7 @@
-"""Filters written in plain Python, compiled as they stand: one source, and so the same bits.
+"""Compile the plain Python source of a filter: one source, the same bits.
 
-A filter's functions take its records by their attributes. Structured arrays of numpy have attributes too once they
-are compiled, records within records included, so the same source runs on both.
+The functions of a filter access its records by attributes. Compiled structured arrays have attributes too, nested
+records included, so the same source runs on both.
 """
 
 from collections.abc import Callable
@@ -17,14 +17,14 @@ KINDS: dict[Any, str] = {float: "f8", int: "i8", bool: "?"}
 
 
 def compiled(function: FunctionType) -> Callable[..., Any]:
-    """The function and all that it calls of the same package, compiled."""
+    """Compile a function and the functions of the same package that it calls."""
     made: Callable[..., Any] = njit(nogil=True, error_model="numpy")(_with_compiled_callees(function))
     return made
 
 
 @cache
 def compiled_callee(function: FunctionType) -> Callable[..., Any]:
-    """The function, compiled for compiled callers only: Python cannot call it, which compiles a quarter faster."""
+    """Compile a function for compiled callers only: without a Python wrapper this takes a quarter less time."""
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     made: Callable[..., Any] = njit(nogil=True, error_model="numpy", **options)(_with_compiled_callees(function))
     return made
@@ -42,39 +42,39 @@ def _with_compiled_callees(function: FunctionType) -> FunctionType:
 
 @cache
 def layout(record: type) -> np.dtype[Any]:
-    """The structured type with the fields of a dataclass.
+    """Structured type with the fields of a dataclass.
 
-    A field is a float, an int, a bool, another such dataclass, or a list of one: as many as a new record has.
+    A field is a float, an int, a bool, a dataclass, or a list of dataclasses as long as in a new record.
     """
-    places: list[tuple[Any, ...]] = []
+    slots: list[tuple[Any, ...]] = []
     hints = get_type_hints(record)
-    for place in fields(record):
-        kind = hints[place.name]
+    for slot in fields(record):
+        kind = hints[slot.name]
         if kind in KINDS:
-            places.append((place.name, KINDS[kind]))
+            slots.append((slot.name, KINDS[kind]))
         elif get_origin(kind) is list:
             (inner,) = get_args(kind)
-            places.append((place.name, layout(inner), (len(getattr(record(), place.name)),)))
+            slots.append((slot.name, layout(inner), (len(getattr(record(), slot.name)),)))
         else:
-            places.append((place.name, layout(kind)))
-    return np.dtype(places, align=True)
+            slots.append((slot.name, layout(kind)))
+    return np.dtype(slots, align=True)
 
 
 def array_of(value: Any) -> np.ndarray[tuple[int], np.dtype[Any]]:
-    """A record as a structured array of one."""
+    """Structured array with one record."""
     record: Any = type(value)
     made = np.zeros(1, layout(record))
     _fill(made[0], value)
     return made
 
 
-def _fill(place: Any, value: Any) -> None:
-    for each in fields(value):
-        content = getattr(value, each.name)
+def _fill(slot: Any, value: Any) -> None:
+    for entry in fields(value):
+        content = getattr(value, entry.name)
         if isinstance(content, list):
-            for inner, one in zip(place[each.name], content, strict=True):
-                _fill(inner, one)
+            for inner, part in zip(slot[entry.name], content, strict=True):
+                _fill(inner, part)
         elif is_dataclass(content):
-            _fill(place[each.name], content)
+            _fill(slot[entry.name], content)
         else:
-            place[each.name] = content
+            slot[entry.name] = content

@@ -10,7 +10,7 @@ from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
 
 TABLE_SIZE = 1 << 14
-"""Runs of equal signs up to this length find their step in a table; longer ones work it out at every sample."""
+"""Longest run of equal signs whose step is in a table; longer runs compute it at every sample."""
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> tuple[Floats, Floats, Floats, int]:
@@ -34,17 +34,17 @@ def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) 
     Raises
     ------
     ValueError
-        Where the arrays do not belong together.
+        If the arrays do not belong together.
     """
-    found = np.empty((3, len(params)))
+    sums_found = np.empty((3, len(params)))
     for cut in groups(len(params)):
         group = params[cut]
-        found[:, cut] = group_sums(dt_s, rate_dps, reference_deg, group, unknown_steps(len(group)))
-    return found[0], found[1], found[2], int(np.count_nonzero(np.isfinite(reference_deg)))
+        sums_found[:, cut] = group_sums(dt_s, rate_dps, reference_deg, group, unknown_steps(len(group)))
+    return sums_found[0], sums_found[1], sums_found[2], int(np.count_nonzero(np.isfinite(reference_deg)))
 
 
 def unknown_steps(candidates: int) -> Floats:
-    """An empty table of the steps R(r)·i_c in deg/s of one group; the kernel fills in what it comes to need.
+    """Empty table of the steps R(r)·i_c in deg/s of a group; the kernel fills it on demand.
 
     It may be kept for the same candidates on other sessions. Threads may share it: they write the same values.
     """
@@ -66,7 +66,7 @@ def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
 
 
 def _width(candidates: int) -> int:
-    """A single candidate has nothing to gain from SIMD."""
+    """Walk a single candidate without SIMD."""
     return 1 if candidates == 1 else GROUP
 
 
@@ -79,15 +79,15 @@ def _walked(
     walk = _walk_of_one if len(params) == 1 else _walk_of_many
     columns = np.array(params.T, dtype=np.float64, order="C")
     columns[2, columns[0] == 0.0] = 0.0  # an increment of 0 learns nothing, and needs no steps
-    found: Floats = walk(
+    sums_found: Floats = walk(
         _read_only(dt_s), _read_only(rate_dps), _read_only(reference_deg), columns, steps_dps, path_deg
     )
-    found[:, np.isnan(found[0])] = np.inf
-    return found
+    sums_found[:, np.isnan(sums_found[0])] = np.inf
+    return sums_found
 
 
 def _read_only(values: Floats) -> Floats:
-    """One type for arrays in memory and in a file, so that there is one compilation."""
+    """Arrays in memory and in a file as one type, for a single compilation."""
     view = np.ascontiguousarray(values, dtype=np.float64).view()
     view.flags.writeable = False
     return view
@@ -104,7 +104,7 @@ def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
 
 @compiled_once()
 def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Floats) -> None:
-    """Work out the steps that are 0, and remember those within the table."""
+    """Compute the steps that are 0, and store those within the table."""
     for k in range(len(wanted_dps)):
         if wanted_dps[k] == 0.0:
             wanted_dps[k] = attenuated_step(params[0, k], params[3, k], params[4, k], float(runs[k]))
@@ -113,7 +113,7 @@ def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Float
 
 
 def _compiled(count: int) -> Any:
-    """The walk of `count` candidates.
+    """Walk `count` candidates.
 
     `params` has the shape (5, count), `steps_dps` (count, TABLE_SIZE); its last column stays 0, which stands for a step
     that is not known. `path_deg`, shape (n, count), receives yaw; with (0, count) it is not wanted.
@@ -122,10 +122,10 @@ def _compiled(count: int) -> Any:
     def walk(
         dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats, path_deg: Floats
     ) -> Floats:
-        zero, one = splat(0.0, count), splat(1.0, count)
+        zero, unit = splat(0.0, count), splat(1.0, count)
         none, once, last = splat(0, count), splat(1, count), splat(TABLE_SIZE - 1, count)
         tau, theta = load(params[1], count), load(params[2], count)
-        runs, wanted = np.zeros(count, np.int64), np.zeros(count)
+        runs, step_dps = np.zeros(count, np.int64), np.zeros(count)
         lpf = omega = splat(rate_dps[0], count)
         i = yaw_deg = squares = absolutes = worst = zero
         sign_before = run = none
@@ -139,9 +139,9 @@ def _compiled(count: int) -> Any:
                 step = look_up(steps_dps, select(run < last, run, last))
                 if is_any(inside & (step == zero)):
                     store(runs, run)
-                    store(wanted, select(inside, step, one))
-                    _learn_steps(params, steps_dps, runs, wanted)
-                    step = load(wanted, count)
+                    store(step_dps, select(inside, step, unit))
+                    _learn_steps(params, steps_dps, runs, step_dps)
+                    step = load(step_dps, count)
                 learnt = select(inside, select(before == zero, zero, step), zero)
                 i = i - with_sign(learnt, before)
             lpf = (splat(rate_dps[n] * dt_s[n], count) + tau * lpf) / (t + tau)
@@ -153,11 +153,11 @@ def _compiled(count: int) -> Any:
                 error = magnitude(yaw_deg - splat(reference_deg[n], count))
                 squares, absolutes = squares + error * error, absolutes + error
                 worst = select(error > worst, error, worst)
-        found = np.empty((3, count))
-        store(found[0], squares)
-        store(found[1], absolutes)
-        store(found[2], worst)
-        return found
+        sums_found = np.empty((3, count))
+        store(sums_found[0], squares)
+        store(sums_found[1], absolutes)
+        store(sums_found[2], worst)
+        return sums_found
 
     # Symbols of compiled code are made of this name and a number that counts functions by process: one from the cache
     # and one compiled here may have the same number, and must not have the same name.

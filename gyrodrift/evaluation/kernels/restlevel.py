@@ -8,7 +8,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.compile import compiled_once, stamp_of
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled_callee
 from gyrodrift.evaluation.kernels.kernel import Kernel
-from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside
+from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 
@@ -17,32 +17,32 @@ _NEW_STATE = array_of(RestlevelState())
 
 
 def sums(
-    dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, beside: Beside = NOTHING_BESIDE
+    dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, auxiliary: Auxiliary = NO_AUXILIARY
 ) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
-    found, walked = np.empty((3, len(params))), np.empty((3, len(dt_s)))
+    result, walked = np.empty((3, len(params))), np.empty((3, len(dt_s)))
     for number, row in enumerate(params.tolist()):
-        _follow(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *beside, walked)
-        _add_up(walked[0], reference_deg, found[:, number])
-    return np.where(np.isfinite(found), found, np.inf)
+        _follow(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *auxiliary, walked)
+        _add_up(walked[0], reference_deg, result[:, number])
+    return np.where(np.isfinite(result), result, np.inf)
 
 
-def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams, beside: Beside = NOTHING_BESIDE) -> Floats:
+def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams, auxiliary: Auxiliary = NO_AUXILIARY) -> Floats:
     """Yaw in deg, its standard deviation in deg and the bias in deg/s, shape (3, n)."""
     walked = np.empty((3, len(dt_s)))
-    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, *beside, walked)
+    _follow(array_of(coefficients(params)), _NEW_STATE.copy(), dt_s, rate_dps, *auxiliary, walked)
     return walked
 
 
-def yaw(dt_s: Floats, rate_dps: Floats, params: Floats, beside: Beside = NOTHING_BESIDE) -> Floats:
+def yaw(dt_s: Floats, rate_dps: Floats, params: Floats, auxiliary: Auxiliary = NO_AUXILIARY) -> Floats:
     """Yaw of one parameter vector, deg, shape (n,)."""
-    yaw_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), beside)[0]
+    yaw_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), auxiliary)[0]
     return yaw_deg
 
 
-def sigma(dt_s: Floats, rate_dps: Floats, params: Floats, beside: Beside = NOTHING_BESIDE) -> Floats:
+def sigma(dt_s: Floats, rate_dps: Floats, params: Floats, auxiliary: Auxiliary = NO_AUXILIARY) -> Floats:
     """Standard deviation of the yaw of one parameter vector, deg, shape (n,)."""
-    sigma_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), beside)[1]
+    sigma_deg: Floats = walk(dt_s, rate_dps, RestlevelParams(*params.tolist()), auxiliary)[1]
     return sigma_deg
 
 
@@ -51,22 +51,22 @@ def _coefficients(row: list[float]) -> Any:
 
 
 def _compiled() -> Any:
-    """The loop over samples, kept from run to run. It takes ten seconds to compile, so there is one for all uses.
+    """Compile the loop over samples once for all runs; it takes ten seconds.
 
-    Numba finds it again by this file and by what it closes over: the stamp, which stands for all that it calls. It
-    is given back so that the loop does close over it.
+    Numba identifies the cached loop by this file and by the variables it closes over. The stamp stands for the source
+    of the filters. The loop returns the stamp so that it does close over it.
     """
     stamp = stamp_of("gyrodrift.filters")
 
     @compiled_once()
-    def follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, found: Floats) -> str:
+    def follow(c: Any, s: Any, dt_s: Floats, rate_dps: Floats, still: Floats, temp_c: Floats, result: Floats) -> str:
         for n in range(len(dt_s)):
-            said = still[n] if len(still) else np.nan
+            still_now = still[n] if len(still) else np.nan
             warm_c = temp_c[n] if len(temp_c) else np.nan
-            _advance(c[0], s[0], dt_s[n], rate_dps[n], said, warm_c)
-            found[0, n] = s[0].yaw_deg
-            found[1, n] = s[0].yaw_sigma_deg
-            found[2, n] = s[0].bias_dps
+            _advance(c[0], s[0], dt_s[n], rate_dps[n], still_now, warm_c)
+            result[0, n] = s[0].yaw_deg
+            result[1, n] = s[0].yaw_sigma_deg
+            result[2, n] = s[0].bias_dps
         return stamp
 
     return follow
@@ -76,7 +76,7 @@ _follow = _compiled()
 
 
 @compiled_once()
-def _add_up(yaw_deg: Floats, reference_deg: Floats, found: Floats) -> None:
+def _add_up(yaw_deg: Floats, reference_deg: Floats, result: Floats) -> None:
     squares = absolutes = worst = 0.0
     for n in range(len(yaw_deg)):
         if not np.isnan(reference_deg[n]):
@@ -84,14 +84,14 @@ def _add_up(yaw_deg: Floats, reference_deg: Floats, found: Floats) -> None:
             squares += error_deg * error_deg
             absolutes += error_deg
             worst = max(worst, error_deg)
-    found[0] = squares
-    found[1] = absolutes
-    found[2] = worst
+    result[0] = squares
+    result[1] = absolutes
+    result[2] = worst
 
 
 KERNEL = Kernel(
     lambda _group: None,
-    lambda dt_s, rate_dps, reference_deg, group, _, beside: sums(dt_s, rate_dps, reference_deg, group, beside),
+    lambda dt_s, rate_dps, reference_deg, group, _, auxiliary: sums(dt_s, rate_dps, reference_deg, group, auxiliary),
     yaw,
     sigma,
 )

@@ -1,4 +1,4 @@
-"""Vectors as values in compiled functions: one operation works on all lanes, each with the bits of the plain one.
+"""Vectors in compiled functions: an operation works on all lanes, with the bits of the scalar operation.
 
 The compiler's own vectoriser leaves the recursion alone, since it cannot know that the table of steps and the state
 do not overlap; written with these values the loop has no choice. LLVM cuts up what is wider than the processor's
@@ -31,7 +31,7 @@ class SimdVector(types.Type):
         super().__init__(name=f"SimdVector({element}, {count})")
 
     def of(self, element: Any) -> "SimdVector":
-        """As many values of another element."""
+        """Type of a vector of the same length with another element."""
         return SimdVector(element, self.count)
 
 
@@ -43,7 +43,7 @@ class _SimdModel(models.PrimitiveModel):
 
 
 def _offer(operation: Any, floats: str, integers: str) -> None:
-    """Teach the compiler an arithmetic operation between vectors of one type, by the names of LLVM's instructions."""
+    """Define an arithmetic operation between vectors of one type, by the names of the LLVM instructions."""
 
     @type_callable(operation)
     def typer(_context: Any) -> Callable[[Any, Any], Any]:
@@ -56,7 +56,7 @@ def _offer(operation: Any, floats: str, integers: str) -> None:
 
 
 def _offer_comparison(operation: Any, symbol: str) -> None:
-    """Teach the compiler a comparison between vectors; with NaN it is false."""
+    """Define a comparison between vectors; it is false for NaN."""
 
     @type_callable(operation)
     def typer(_context: Any) -> Callable[[Any, Any], Any]:
@@ -80,12 +80,12 @@ _offer_comparison(operator.eq, "==")
 
 @_operation
 def splat(_typing: Any, value: Any, count: Any) -> Any:
-    """The same number in every lane; `count` has to be a constant."""
+    """Vector of one number; `count` has to be a constant."""
     kind = SimdVector(types.unliteral(value), count.literal_value)
 
     def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         undefined = ir.VectorType(values[0].type, kind.count)(ir.Undefined)
-        first = builder.insert_element(undefined, values[0], _at(0))
+        first = builder.insert_element(undefined, values[0], _lane_index(0))
         return builder.shuffle_vector(first, undefined, ir.VectorType(ir.IntType(32), kind.count)([0] * kind.count))
 
     return kind(value, count), emit
@@ -93,23 +93,23 @@ def splat(_typing: Any, value: Any, count: Any) -> Any:
 
 @_operation
 def load(_typing: Any, row: Any, count: Any) -> Any:
-    """A vector from the first values of an array that is contiguous."""
+    """Load a vector from the first values of a contiguous array."""
     kind = SimdVector(row.dtype, count.literal_value)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        place = _data(context, builder, row, values[0])
-        return builder.load(builder.bitcast(place, context.get_value_type(kind).as_pointer()), align=8)
+        pointer = _data(context, builder, row, values[0])
+        return builder.load(builder.bitcast(pointer, context.get_value_type(kind).as_pointer()), align=8)
 
     return kind(row, count), emit
 
 
 @_operation
 def store(_typing: Any, row: Any, kind: Any) -> Any:
-    """A vector into the first places of an array that is contiguous."""
+    """Store a vector in the first values of a contiguous array."""
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        place = _data(context, builder, row, values[0])
-        builder.store(values[1], builder.bitcast(place, values[1].type.as_pointer()), align=8)
+        pointer = _data(context, builder, row, values[0])
+        builder.store(values[1], builder.bitcast(pointer, values[1].type.as_pointer()), align=8)
         return context.get_dummy_value()
 
     return types.void(row, kind), emit
@@ -117,17 +117,17 @@ def store(_typing: Any, row: Any, kind: Any) -> Any:
 
 @_operation
 def look_up(_typing: Any, table: Any, columns: Any) -> Any:
-    """In row k of a contiguous table the value of lane k's column, which has to be there."""
+    """Value of row k of a contiguous table at the column of lane k, which has to exist."""
     kind = columns.of(table.dtype)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         width = cgutils.unpack_tuple(builder, context.make_array(table)(context, builder, values[0]).shape)[1]
-        row, found = _data(context, builder, table, values[0]), context.get_value_type(kind)(ir.Undefined)
+        row, vector = _data(context, builder, table, values[0]), context.get_value_type(kind)(ir.Undefined)
         for k in range(kind.count):
-            place = builder.gep(row, [builder.extract_element(values[1], _at(k))])
-            found = builder.insert_element(found, builder.load(place), _at(k))
+            pointer = builder.gep(row, [builder.extract_element(values[1], _lane_index(k))])
+            vector = builder.insert_element(vector, builder.load(pointer), _lane_index(k))
             row = builder.gep(row, [width])
-        return found
+        return vector
 
     return kind(table, columns), emit
 
@@ -174,12 +174,12 @@ def is_any(_typing: Any, mask: Any) -> Any:
     return types.boolean(mask), emit
 
 
-def _at(lane: int) -> Any:
+def _lane_index(lane: int) -> Any:
     return ir.IntType(32)(lane)
 
 
 def _data(context: Any, builder: Any, array: Any, value: Any) -> Any:
-    """Where an array's values begin."""
+    """Pointer to the values of an array."""
     return context.make_array(array)(context, builder, value).data
 
 

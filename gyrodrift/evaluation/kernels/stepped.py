@@ -1,41 +1,41 @@
-"""Any filter for many candidates by its own `step`, a sample at a time: for filters without a compiled kernel."""
+"""Walk a filter without a compiled kernel by its own `step`, a sample at a time."""
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.reference import NOTHING_BESIDE, Beside
+from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary
 from gyrodrift.filters.filter import Filter
 
 
 def stepped_yaw(
-    chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, beside: Beside = NOTHING_BESIDE
+    chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, auxiliary: Auxiliary = NO_AUXILIARY
 ) -> Floats:
     """Yaw of one candidate, deg, shape (n,)."""
-    yaw_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate, beside)[0]
+    yaw_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate, auxiliary)[0]
     return yaw_deg
 
 
 def stepped_sigma(
-    chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, beside: Beside = NOTHING_BESIDE
+    chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, auxiliary: Auxiliary = NO_AUXILIARY
 ) -> Floats:
-    """Standard deviation of the yaw of one candidate, deg, shape (n,); NaN of a filter that does not state it."""
-    sigma_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate, beside)[1]
+    """Standard deviation of the yaw of one candidate, deg, shape (n,); NaN for a filter without it."""
+    sigma_deg: Floats = _stepped(chosen, dt_s, rate_dps, candidate, auxiliary)[1]
     return sigma_deg
 
 
-def _stepped(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, beside: Beside) -> Floats:
+def _stepped(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, auxiliary: Auxiliary) -> Floats:
     """Yaw and its standard deviation, deg, shape (2, n).
 
-    A step takes times, not their differences: they are added up from 0, which may round the last digit of a step.
+    A step takes times, not their differences. Adding the differences up from 0 may round the last digit of a step.
     """
     state, coefficients = chosen.state(), chosen.coefficients(chosen.params(*candidate.tolist()))
-    found = np.empty((2, len(dt_s)))
-    step, said = chosen.step_beside, beside.filled(len(dt_s))
-    columns = (np.cumsum(dt_s).tolist(), rate_dps.tolist(), said.still.tolist(), said.temp_c.tolist())
+    result = np.empty((2, len(dt_s)))
+    step, values = chosen.step_auxiliary, auxiliary.filled(len(dt_s))
+    columns = (np.cumsum(dt_s).tolist(), rate_dps.tolist(), values.still.tolist(), values.temp_c.tolist())
     for n, (t_s, dps, still, temp_c) in enumerate(zip(*columns, strict=True)):
         step(coefficients, state, t_s, dps, still, temp_c)
-        found[:, n] = state.yaw_deg, state.yaw_sigma_deg
-    return found
+        result[:, n] = state.yaw_deg, state.yaw_sigma_deg
+    return result
 
 
 def stepped_sums(
@@ -44,13 +44,15 @@ def stepped_sums(
     rate_dps: Floats,
     reference_deg: Floats,
     params: Floats,
-    beside: Beside = NOTHING_BESIDE,
+    auxiliary: Auxiliary = NO_AUXILIARY,
 ) -> Floats:
-    """The sums of `gyrodrift.evaluation.kernels.kernel.Kernel` for candidates, shape (c, parameters)."""
-    known = np.isfinite(reference_deg)
-    found = np.empty((3, len(params)))
+    """Sums as in `Kernel.sums` for candidates, shape (c, parameters)."""
+    has_reference = np.isfinite(reference_deg)
+    result = np.empty((3, len(params)))
     with np.errstate(over="ignore", invalid="ignore"):
-        for at, candidate in enumerate(params):
-            error_deg = np.abs(stepped_yaw(chosen, dt_s, rate_dps, candidate, beside)[known] - reference_deg[known])
-            found[:, at] = np.sum(error_deg * error_deg), np.sum(error_deg), np.max(error_deg)
-    return np.where(np.isfinite(found), found, np.inf)
+        for row, candidate in enumerate(params):
+            error_deg = np.abs(
+                stepped_yaw(chosen, dt_s, rate_dps, candidate, auxiliary)[has_reference] - reference_deg[has_reference]
+            )
+            result[:, row] = np.sum(error_deg * error_deg), np.sum(error_deg), np.max(error_deg)
+    return np.where(np.isfinite(result), result, np.inf)

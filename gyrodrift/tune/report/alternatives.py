@@ -49,7 +49,7 @@ def _bar(tuning: Tuning, way: Alternative) -> str:
     low, high = min(known_deg) / 3.0, max(known_deg)
     e_deg = min(max(_judged_e_deg(way), low), high) if isfinite(_judged_e_deg(way)) else high
     width = BAR_WIDTH * log10(e_deg / low) / log10(high / low)
-    color = COLORS.get(way.key, way.filter.colour if way.filter else "quiet")
+    color = COLORS.get(way.key, way.filter.color if way.filter else "quiet")
     opacity = 1.0 if way.is_tuned or way.filter is None else 0.5
     return (
         f'<svg class="track" viewBox="0 0 {BAR_WIDTH:g} 16" role="img" aria-label="{significant(e_deg, 3)} deg">'

@@ -1,4 +1,4 @@
-"""The figures of a tuning: what the search cost, where it looked, and yaw error over time."""
+"""Figures of a tuning: cost by iteration, density of each parameter, slices, yaw error over time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import slice_values
 
 DOTS = 4000
-"""A search has no more dots than this: some 100 bytes each."""
+"""Most dots of a search, some 100 bytes each."""
 
 SLICE_DOTS = 500
 """Most dots in the figure of a slice."""
@@ -42,17 +42,17 @@ LARGEST_RISE = float(np.log(1000.0))
 """A cost that is 1000 times the least counts like any larger one: chosen."""
 
 BARS = 40
-"""Of a histogram, over the whole range of a parameter."""
+"""Bars of a histogram over the range of a parameter."""
 
 ZOOM_TYPICAL = 4.0
-"""The enlarged scale holds the errors up to so many times the typical session's largest one."""
+"""Range of the enlarged scale, in largest errors of the median session: chosen."""
 
 WORTH_A_ZOOM = 0.5
-"""Where the tuned filter's errors fill more of the full scale than this, nothing is enlarged."""
+"""Share of the full scale above which the errors of the tuned filter are not enlarged: chosen."""
 
 
 def search_svg(tuning: Tuning) -> str:
-    """The cost by iteration: every evaluation, the best so far of every seed, and what there is to beat."""
+    """The cost by iteration: every evaluation, the best so far of every seed, and two reference levels."""
     with styled():
         figure = canvas(5.4, 3.0, inset=0.11, bottom=0.135, top=0.98, right=0.97)
         axes = figure.add_subplot()
@@ -69,10 +69,10 @@ def search_svg(tuning: Tuning) -> str:
 def _draw_costs(axes: Axes, tuning: Tuning) -> None:
     first, costs = dots(tuning.run)
     axes.plot(first, costs, ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
-    for other in tuning.others:
-        axes.plot(*best_so_far(other), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
-    for pi, colour, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.reduced.train, TWO, ":")):
-        axes.axhline(_drawable(np.array([pi]))[0], color=colour, linestyle=dash, linewidth=1.5)
+    for run in tuning.other_runs:
+        axes.plot(*best_so_far(run), color=TUNED, linewidth=0.8, alpha=0.45, drawstyle="steps-post")
+    for pi, color, dash in ((tuning.euler.train, PLAIN, "--"), (tuning.reduced.train, TWO, ":")):
+        axes.axhline(_drawable(np.array([pi]))[0], color=color, linestyle=dash, linewidth=1.5)
     marker = "o" if len(tuning.run.history) == 1 else ""  # a line through one point is invisible
     axes.plot(*best_so_far(tuning.run), color=TUNED, linewidth=1.8, marker=marker, drawstyle="steps-post")
 
@@ -80,17 +80,17 @@ def _draw_costs(axes: Axes, tuning: Tuning) -> None:
 def dots(run: Run, most: int = DOTS) -> tuple[Floats, Floats]:
     """Iterations, from 1, and costs that can be drawn, evenly chosen, at most `most`."""
     costs = _drawable(run.history)
-    known = np.flatnonzero(np.isfinite(costs))
-    shown = known[:: max(1, -(-len(known) // most))]
+    finite = np.flatnonzero(np.isfinite(costs))
+    shown = finite[:: max(1, -(-len(finite) // most))]
     return shown.astype(np.float64) + 1.0, costs[shown]
 
 
 def best_so_far(run: Run) -> tuple[Floats, Floats]:
-    """Iterations, from 1, at which the least cost fell, and the last one, with that cost."""
+    """Iterations, from 1, at which the best cost falls, and the last iteration, with their best costs."""
     best = np.fmin.accumulate(_drawable(run.history))
     falls = 1 + np.flatnonzero((best[1:] < best[:-1]) | (np.isfinite(best[1:]) & np.isnan(best[:-1])))
-    at = np.unique([0, *falls, len(best) - 1])
-    return at.astype(np.float64) + 1.0, best[at]
+    rows = np.unique([0, *falls, len(best) - 1])
+    return rows.astype(np.float64) + 1.0, best[rows]
 
 
 def _drawable(costs: Floats) -> Floats:
@@ -99,10 +99,10 @@ def _drawable(costs: Floats) -> Floats:
 
 
 def highest_drawn(tuning: Tuning) -> float:
-    """The top of the figure of the search: nine in ten evaluations lie below, and so does plain integration."""
-    known = _drawable(tuning.run.history)
+    """Top of the search figure: above plain integration and nine in ten evaluations."""
+    costs = _drawable(tuning.run.history)
     high = [tuning.euler.train, tuning.reduced.train]
-    high += [float(np.percentile(known[np.isfinite(known)], 90))] if np.isfinite(known).any() else []
+    high += [float(np.percentile(costs[np.isfinite(costs)], 90))] if np.isfinite(costs).any() else []
     finite = [value for value in high if np.isfinite(value) and value > 0.0]
     return 2.0 * max(finite, default=1.0)
 
@@ -116,7 +116,7 @@ def _limit_costs(axes: Axes, tuning: Tuning) -> None:
 
 
 def density_svgs(tuning: Tuning) -> list[str]:
-    """Where each parameter was looked for, 1 being no preference, with the value that was chosen."""
+    """Density of each parameter at the end of the search, 1 for no preference, with the value found."""
     with styled():
         return [_density_svg(tuning, number, axis) for number, axis in enumerate(tuning.axes)]
 
@@ -133,11 +133,11 @@ def _density_svg(tuning: Tuning, number: int, axis: Axis) -> str:
     axes.grid(visible=False)
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
     _scale_values(axes, axis)
-    return as_svg(figure, f"density-{axis.name}", f"Where {axis.name} was looked for")
+    return as_svg(figure, f"density-{axis.name}", f"Density of {axis.name} in the search")
 
 
 def _scale_values(axes: Axes, axis: Axis) -> None:
-    """Factors where the search counted factors."""
+    """Scale a parameter axis as its search: logarithmic or linear."""
     if axis.is_log:
         axes.set_xscale("log")
         axes.set_xlim(axis.low, axis.high)
@@ -186,9 +186,9 @@ def _slice_svg(tuning: Tuning, number: int, axis: Axis) -> str:
 
 
 def preference(run: Run, number: int, axis: Axis) -> tuple[Floats, Floats]:
-    """Values of a parameter and how much they were preferred at the end of the search, 1 being not at all.
+    """Values of a parameter and their density at the end of the search, 1 for no preference.
 
-    By the density of its automaton, or else by a histogram of the last third of the search, drawn as steps.
+    From the density of the automaton, or else from a histogram of the last third of the search, as steps.
     """
     if run.densities is not None:
         density = run.densities[number]
@@ -200,19 +200,19 @@ def preference(run: Run, number: int, axis: Axis) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, slots=True)
 class Heights:
-    """The scales of all panels of yaw error, deg: all of it, and enlarged; None where nothing is to be enlarged."""
+    """Scales of the yaw error panels, deg: full, and enlarged or None."""
 
     full: tuple[float, float]
     zoom_deg: float | None
 
 
-def heights(curves: Sequence[YawCurves]) -> Heights:
-    """Scales that hold these curves, the tuned filter's last."""
-    everything = np.concatenate([[0.0], *(one.errors_deg.ravel() for one in curves)])
-    known = everything[np.isfinite(everything)]
-    low, high = float(known.min()), float(known.max())
+def error_scales(curves: Sequence[YawCurves]) -> Heights:
+    """Scales for these curves; the tuned filter is the last."""
+    everything = np.concatenate([[0.0], *(curve.errors_deg.ravel() for curve in curves)])
+    finite = everything[np.isfinite(everything)]
+    low, high = float(finite.min()), float(finite.max())
     margin = 0.05 * (high - low) or 1.0
-    largest = [_largest_deg(one.errors_deg[-1]) for one in curves]
+    largest = [_largest_deg(curve.errors_deg[-1]) for curve in curves]
     zoom_deg = min(max(largest, default=0.0), ZOOM_TYPICAL * float(np.median(largest or [0.0])))
     is_worth_it = 0.0 < zoom_deg < WORTH_A_ZOOM * max(abs(low), abs(high))
     return Heights((low - margin, high + margin), 1.1 * zoom_deg if is_worth_it else None)
@@ -223,9 +223,9 @@ def _largest_deg(errors_deg: Floats) -> float:
 
 
 def drift_svgs(curves: Sequence[YawCurves], split: Split, scales: Heights) -> list[str]:
-    """Yaw error over time, a panel a session: all of it above, and below the same enlarged for the tuned filter."""
+    """Yaw error over time, a panel for each session: full scale above, enlarged for the tuned filter below."""
     with styled():
-        return [_drift_svg(curve, scales, f"drift-{split.value}-{at}") for at, curve in enumerate(curves)]
+        return [_drift_svg(curve, scales, f"drift-{split.value}-{number}") for number, curve in enumerate(curves)]
 
 
 def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
@@ -248,7 +248,7 @@ def _drift_svg(curve: YawCurves, scales: Heights, name: str) -> str:
 
 def _draw_errors(panel: Axes, curve: YawCurves) -> None:
     follows(panel.axhline(0.0, color=QUIET, linewidth=0.6))
-    for error_deg, colour in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
-        (line,) = panel.plot(*thinned(curve.minutes, error_deg), color=colour, linewidth=1.1)
-        switched(line, ROLES[colour])
+    for error_deg, color in zip(curve.errors_deg, (PLAIN, TUNED), strict=True):
+        (line,) = panel.plot(*thinned(curve.minutes, error_deg), color=color, linewidth=1.1)
+        switched(line, ROLES[color])
     label_steps(panel.yaxis, 4)

@@ -1,4 +1,4 @@
-"""The files of a tuning: the config that `serve` hot-loads, and its numbers as JSON."""
+"""Files of a tuning: the config for `serve`, and the numbers as JSON."""
 
 import json
 from dataclasses import asdict
@@ -15,7 +15,7 @@ from gyrodrift.filters.filter import Filter
 from gyrodrift.html.numbers import significant
 from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
 
-HEAD = "# Found by gyrodrift tune. serve --config follows this file while it runs."
+HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
 
 
 def write_config(path: Path, tuning: Tuning, command: str) -> None:
@@ -24,7 +24,7 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
     Raises
     ------
     UsageError
-        Where the place cannot be written to.
+        If the path cannot be written.
     """
     content = {
         "filter": tuning.filter.name,
@@ -38,13 +38,13 @@ def write_config(path: Path, tuning: Tuning, command: str) -> None:
 
 
 def config_text(tuning: Tuning) -> str:
-    """What `serve` takes of the config, without where it comes from."""
+    """The config without its provenance."""
     content = {"filter": tuning.filter.name, tuning.filter.name: asdict(tuning.params)}
     return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120).strip()
 
 
 def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
-    """Where the parameters come from, and what they are worth; `serve` ignores it."""
+    """Provenance and scores of the parameters; `serve` ignores this block."""
     after = tuning.run.pi if tuning.written is None else tuning.written.pi
     return {
         "command": command,
@@ -60,7 +60,9 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
             "test_before": _number(tuning.euler.test),
             "test_after": _number(after.test),
         },
-        "test": "each session by parameters tuned on the others" if tuning.cross_validation else "sessions kept apart",
+        "test": "each session by parameters tuned on the other sessions"
+        if tuning.cross_validation
+        else "held-out sessions",
         "sessions": [
             {"name": score.session.name, "split": score.split.value, "sha256": score.session.digest}
             for score in tuning.scores
@@ -70,18 +72,18 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
 
 
 def _explained(chosen: Filter, line: str) -> str:
-    """A line of the config, with what it means where it is a parameter."""
+    """A line of the config, with the meaning of a parameter."""
     key = line.strip().partition(":")[0]
     return f"{line:34} # {chosen.parameter(key).line}" if line.startswith("  ") and key in chosen.names else line
 
 
 def write_json(path: Path, tuning: Tuning) -> None:
-    """Write the numbers, whole or not at all; what is infinite or not there is null.
+    """Write the numbers, whole or not at all; infinite and missing values are null.
 
     Raises
     ------
     UsageError
-        Where the place cannot be written to.
+        If the path cannot be written.
     """
     content = {
         "pi_train": _number(tuning.run.pi.train),
@@ -102,7 +104,7 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "seconds": round(tuning.seconds, 3),
         "sessions": [_session(score) for score in tuning.scores],
         "left_out": {name: _number(score.e_deg) for name, score in tuning.cross_validation.items()},
-        "seeds": [_seed(run) for run in (tuning.run, *tuning.others)],
+        "seeds": [_seed(run) for run in (tuning.run, *tuning.other_runs)],
         "warnings": list(tuning.warnings),
         "history": [_number(cost) for cost in tuning.run.history.tolist()],
     }
@@ -173,7 +175,7 @@ def _summary_row(tuning: Tuning, way: Alternative) -> list[str]:
 
 
 def verdict_words(tuning: Tuning) -> str:
-    """Which filter the config has, and why, in a sentence."""
+    """Sentence with the filter in the config and the reason."""
     written = tuning.written
     tuned = [way for way in tuning.alternatives if way.is_tuned]
     if written is None or (len(tuned) < 2 and written.is_tuned):

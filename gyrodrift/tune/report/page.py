@@ -1,4 +1,4 @@
-"""The report of a tuning: one HTML file for a person, with what was found, how good it is, and how it was done."""
+"""Report of a tuning: one HTML file with result, scores and method."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,7 +21,7 @@ USES = {Split.TRAIN: "training", Split.TEST: "test"}
 
 
 def report_html(tuning: Tuning, made: Provenance) -> str:
-    """The page of a tuning, and where it comes from; the same for the same of both."""
+    """Page of a tuning with its provenance."""
     body = [
         _verdict(tuning, made.set_name),
         alternatives(tuning),
@@ -38,8 +38,8 @@ def report_html(tuning: Tuning, made: Provenance) -> str:
 
 
 def _made(tuning: Tuning, made: Provenance) -> Provenance:
-    """With the sessions and what they were used for, and the config that was found."""
-    used = [UsedFile(one.session.name, one.session.digest, USES[one.split]) for one in tuning.scores]
+    """Provenance with the sessions, their use, and the config."""
+    used = [UsedFile(score.session.name, score.session.digest, USES[score.split]) for score in tuning.scores]
     return replace(made, sessions=used, config_text=config_text(tuning))
 
 
@@ -50,7 +50,7 @@ def _verdict(tuning: Tuning, set_name: str) -> str:
         f"gyrodrift tune · {tuning.filter.title or tuning.filter.name} on {set_name}, "
         f"{count} session{'s' * (count > 1)}",
         _default_headline(tuning) if tuning.is_default_written else _headline(plain_deg, tuned_deg, where),
-        warnings("Before believing it", tuning.warnings),
+        warnings("Warnings", tuning.warnings),
         paragraph(_in_words(tuning)),
         tiles([part for part in (_held_out_tile(tuning), _training_tile(tuning)) if part]),
         paragraph(_what_to_do(tuning, is_better=tuned_deg < plain_deg)),
@@ -58,9 +58,9 @@ def _verdict(tuning: Tuning, set_name: str) -> str:
 
 
 def judged(tuning: Tuning) -> tuple[float, float, str]:
-    """Mean E of plain integration and of the tuned filter, deg, on the most honest sessions there are, and on which."""
+    """Mean E of plain integration and of the tuned filter, deg, on held-out sessions if there are any, and where."""
     if tuning.scores_on(Split.TEST):
-        return *tuning.mean_e_deg(Split.TEST), "on sessions that the tuning never saw"
+        return *tuning.mean_e_deg(Split.TEST), "on held-out sessions"
     held_out = [score for score in tuning.scores if score.session.name in tuning.cross_validation]
     if held_out:
         plain_deg = mean([score.euler.e_deg for score in held_out])
@@ -86,22 +86,22 @@ def _default_headline(tuning: Tuning) -> str:
 
 def _in_words(tuning: Tuning) -> str:
     """The verdict as sentences."""
-    said = ["Yaw error is how far the angle is off the reference, on average over a session (E)."]
+    sentences = ["Yaw error E is the mean absolute difference of yaw and reference over a session."]
     test, train = tuning.scores_on(Split.TEST), tuning.scores_on(Split.TRAIN)
     if test:
-        said += [f"On {_sessions(test, 'test')}, which the search never saw, {_fall(*tuning.mean_e_deg(Split.TEST))}."]
+        sentences += [f"On {_sessions(test, 'test')} {_fall(*tuning.mean_e_deg(Split.TEST))}."]
     else:
-        said += ["No sessions were held out for a test, so what follows flatters the filter."]
+        sentences += ["No sessions were held out, so the errors below are too optimistic."]
     if train:
-        said += [f"On {_sessions(train, 'training')} {_fall(*tuning.mean_e_deg(Split.TRAIN))}."]
+        sentences += [f"On {_sessions(train, 'training')} {_fall(*tuning.mean_e_deg(Split.TRAIN))}."]
     if not test and tuning.cross_validation:
         plain_deg, held_out_deg, _ = judged(tuning)
-        said += [
-            f"With each session held out of the tuning in turn {_fall(plain_deg, held_out_deg)}: believe this one."
+        sentences += [
+            f"With each session held out in turn, {_fall(plain_deg, held_out_deg)}: this is the error to expect."
         ]
     if tuning.alternatives:
-        said += [f"<b>{text(verdict_words(tuning)[:1].upper() + verdict_words(tuning)[1:])}.</b>"]
-    return " ".join(said)
+        sentences += [f"<b>{text(verdict_words(tuning)[:1].upper() + verdict_words(tuning)[1:])}.</b>"]
+    return " ".join(sentences)
 
 
 def _sessions(scores: Sequence[SessionScore], kind: str) -> str:
@@ -109,24 +109,24 @@ def _sessions(scores: Sequence[SessionScore], kind: str) -> str:
 
 
 def _fall(plain_deg: float, tuned_deg: float) -> str:
-    """What became of the error, as part of a sentence."""
-    both = (
+    """Errors of plain integration and the tuned filter, as part of a sentence."""
+    errors = (
         f'plain integration is off by <b class="plain">{degrees(plain_deg)}</b> and the tuned filter by '
         f'<b class="tuned">{degrees(tuned_deg)}</b>'
     )
     if 0.0 < tuned_deg < plain_deg < np.inf:
-        return f"{both}, {_times(plain_deg / tuned_deg)}"
-    return both
+        return f"{errors}, {_times(plain_deg / tuned_deg)}"
+    return errors
 
 
 def _times(factor: float) -> str:
     if factor < 1.05:
-        return "hardly less"
+        return "almost the same"
     return f"{factor:.1f} times less" if factor < 10.0 else f"{significant(factor, 2)} times less"
 
 
 def _held_out_tile(tuning: Tuning) -> str:
-    """The error to expect of a new session, large; nothing where no session was held out."""
+    """Tile of the error to expect on a new session; empty without held-out sessions."""
     scores = tuning.scores_on(Split.TEST)
     if scores:
         return tile(f"Held out: mean E of {_counted(len(scores))}", _tile_rows(tuning, scores))
@@ -139,7 +139,7 @@ def _held_out_tile(tuning: Tuning) -> str:
 
 
 def _training_tile(tuning: Tuning) -> str:
-    """The error where it was tuned, which is no promise; never large."""
+    """Tile of the error on the training sessions."""
     scores = tuning.scores_on(Split.TRAIN)
     if not scores:
         return ""
@@ -161,15 +161,15 @@ def _counted(count: int) -> str:
 
 def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
     values = ", ".join(f"<code>{axis.name} {parameter(tuning, axis)}</code>" for axis in tuning.axes)
-    found = f"Found: {values}."
+    sentence = f"Found: {values}."
     if tuning.is_default_written:
-        return f"{found} The YAML file has the defaults of the filter instead: they are better on held-out sessions."
+        return f"{sentence} The YAML file has the defaults of the filter instead: they are better on held-out sessions."
     if not is_better:
-        return f"{found} As it stands this is no gain: keep the config you have, and record longer or other sessions."
+        return f"{sentence} This is no gain: keep your config, and record longer or other sessions."
     return (
-        f"{found} They stand in the YAML file that <code>tune</code> wrote: start "
-        "<code>gyrodrift serve --port PORT --config FILE.yaml</code> with it, or write it over the file that a running "
-        "<code>serve</code> watches, which takes it over between two samples. "
+        f"{sentence} They are in the YAML file that <code>tune</code> wrote. Start "
+        "<code>gyrodrift serve --port PORT --config FILE.yaml</code> with it, or replace the config of a running "
+        "<code>serve</code>, which reloads it between two samples. "
         f"{_where_it_holds(tuning)}"
     )
 
@@ -177,7 +177,5 @@ def _what_to_do(tuning: Tuning, *, is_better: bool) -> str:
 def _where_it_holds(tuning: Tuning) -> str:
     if tuning.filter.counts_samples:
         rate = f"{tuning.sample_rate_hz:.4g} Hz"
-        return (
-            f"Steps count samples, so these numbers hold for this sensor at about {rate}; at another rate, tune again."
-        )
-    return "These numbers hold for this sensor."
+        return f"Some parameters count samples: the values hold for this sensor at about {rate} only."
+    return "The values hold for this sensor."

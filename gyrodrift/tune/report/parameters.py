@@ -1,4 +1,4 @@
-"""The parameters in the report of a tuning: Table 1, with where each lies in its range and what it does."""
+"""Table 1 in the report of a tuning: parameters with range, importance and meaning."""
 
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import headings, paragraph, section, span, table, text
@@ -9,19 +9,19 @@ from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import bound_of
 
 
-def found(run: Run, axis: Axis) -> float:
-    """The value that a search found, in the unit of the parameter."""
+def value_found(run: Run, axis: Axis) -> float:
+    """Value of a search result, in the unit of the parameter."""
     return float(getattr(run.params, axis.name))
 
 
 def parameter(tuning: Tuning, axis: Axis) -> str:
-    """The value that was chosen, with four digits."""
-    return significant(found(tuning.run, axis), 4)
+    """Value found, with four digits."""
+    return significant(value_found(tuning.run, axis), 4)
 
 
 def parameters(tuning: Tuning) -> str:
     """The section of Table 1."""
-    spread = [f"over {1 + len(tuning.others)} seeds"] if tuning.others else []
+    spread = [f"over {1 + len(tuning.other_runs)} seeds"] if tuning.other_runs else []
     importance = ["importance"] if tuning.slices.size else []
     columns = ["parameter", "found", *spread, "searched", *importance, "what it does"]
     head = headings(columns, words=2)
@@ -33,23 +33,23 @@ def parameters(tuning: Tuning) -> str:
             " Importance: share of the parameter in how much the cost rises along the slices below "
             "(the mean of ln PI/least PI over the range)."
         )
-    if any(bound_of(axis, found(tuning.run, axis)) for axis in tuning.axes):
+    if any(bound_of(axis, value_found(tuning.run, axis)) for axis in tuning.axes):
         caption += (
-            " A value at a bound asks for a wider range (<code>--range NAME=LOW:HIGH</code>), unless the filter itself "
-            "ends there, as c1 and c2 do at 0."
+            " For a value at a bound, widen the range (<code>--range NAME=LOW:HIGH</code>), unless it is a bound of "
+            "the filter, such as c1 = 0."
         )
     return section("Parameters", table(caption, head, rows, words=2), _reduced_note(tuning))
 
 
 def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
-    known = tuning.filter.parameter(axis.name)
-    unit = f" {span(known.unit, 'note')}" if known.unit else ""
-    values = [found(run, axis) for run in (tuning.run, *tuning.others)]
-    spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.others else []
+    described = tuning.filter.parameter(axis.name)
+    unit = f" {span(described.unit, 'note')}" if described.unit else ""
+    values = [value_found(run, axis) for run in (tuning.run, *tuning.other_runs)]
+    spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.other_runs else []
     searched = f"{significant(axis.low, 4)} – {significant(axis.high, 4)}"
     bound = bound_of(axis, values[0])
     mark = span(f"at the {bound} bound", "mark") if bound else ""
-    meaning = f'<div class="meaning">{known.effect}</div>'
+    meaning = f'<div class="meaning">{described.effect}</div>'
     shares = [] if importance is None else [_share(importance)]
     chosen = f"<b>{parameter(tuning, axis)}</b>"
     return [
@@ -73,7 +73,7 @@ def _share(importance: float) -> str:
 
 
 def _track(axis: Axis, values: Numbers) -> str:
-    """A range with a dot at the value and ticks at those of the other seeds."""
+    """Range with a dot at the value and ticks at the values of other seeds."""
     places = [4.0 + 120.0 * axis.unit(value) for value in values]
     ticks = "".join(f'<path d="M{x:.1f} 3V13" stroke="var(--quiet)" stroke-width="1.2"/>' for x in places[1:])
     return (
@@ -87,7 +87,7 @@ def _reduced_note(tuning: Tuning) -> str:
     model = tuning.filter.reduced_model
     values = ", ".join(f"{name} {significant(getattr(tuning.reduced_params, name), 4)}" for name in model.names)
     return paragraph(
-        f"The reduced model, with {model.title} tuned and the others held fixed: {values}. Where it does about as well "
-        "on the test sessions, the other parameters earn nothing.",
+        f"Reduced model, with {model.title} tuned and the other parameters fixed: {values}. If it is about as good on "
+        "the test sessions, the other parameters bring no gain.",
         "note",
     )

@@ -1,4 +1,4 @@
-"""The search in the report of a tuning: Figure 1, what it cost; Figure 2, where it looked."""
+"""Search section of a tuning report: Figure 1, cost by iteration; Figure 2, densities of the parameters."""
 
 from collections.abc import Sequence
 
@@ -37,21 +37,25 @@ def _slices(tuning: Tuning, names: Sequence[str]) -> str:
 def _search_words(tuning: Tuning) -> str:
     history = tuning.run.history
     finite = history[np.isfinite(history)]
-    said = ["The cost PI by iteration, on the training sessions. A dot is one choice of parameters, walked through all"]
-    said += [f"of them; the scale counts factors. Seed {tuning.run.seed}.<br/>{_search_legend(tuning)}<br/>"]
+    sentences = [
+        "The cost PI by iteration on the training sessions, on a logarithmic scale. A dot is one parameter vector."
+    ]
+    sentences += [f"Seed {tuning.run.seed}.<br/>{_search_legend(tuning)}<br/>"]
     if len(finite) > DOTS:
-        said += [f"Of {len(finite)} evaluations every {-(-len(finite) // DOTS)}th is drawn."]
+        sentences += [f"Of {len(finite)} evaluations every {-(-len(finite) // DOTS)}th is drawn."]
     above = int(np.count_nonzero(finite > highest_drawn(tuning)))
     if above:
-        said += [f"{above} dearer one{'s' * (above > 1)} lie{'s' * (above == 1)} above the picture."]
+        sentences += [f"{above} with a higher cost {'are' if above > 1 else 'is'} outside of the figure."]
     if len(finite) < len(history):
-        said += [f"{len(history) - len(finite)} had no finite cost: with such parameters the filter runs away."]
-    return " ".join(said)
+        sentences += [
+            f"{len(history) - len(finite)} have an infinite cost: the filter is unstable with their parameters."
+        ]
+    return " ".join(sentences)
 
 
 def _search_legend(tuning: Tuning) -> str:
     marks = [("note", "dot", "an evaluation"), ("tuned", "key", "best so far")]
-    marks += [("tuned", "key thin", "other seeds")] if tuning.others else []
+    marks += [("tuned", "key thin", "other seeds")] if tuning.other_runs else []
     marks += [
         ("plain", "key dashed", "plain integration"),
         ("two", "key dotted", f"filter with {tuning.filter.reduced_model.title} tuned"),
@@ -60,19 +64,19 @@ def _search_legend(tuning: Tuning) -> str:
 
 
 def _density_name(tuning: Tuning, axis: Axis) -> str:
-    known = tuning.filter.parameter(axis.name)
-    unit = f", {known.unit}" if known.unit else ""
+    described = tuning.filter.parameter(axis.name)
+    unit = f", {described.unit}" if described.unit else ""
     return f"<b>{text(axis.name)}{unit}</b>" + span(f"found: {parameter(tuning, axis)}", "note")
 
 
 def _density_words(tuning: Tuning) -> str:
-    upright = "The upright line is the value that was written, the best one seen"
-    even = "; dotted, at 1: no preference."
+    upright = "The vertical line is the value found"
+    even = "; the dotted line at 1 is no preference."
     if tuning.run.densities is None:
-        return f"Where the last third of the search looked. {upright}{even}"
+        return f"Density of the last third of the search. {upright}{even}"
     return (
-        "What the automata learnt: how much more often than at the start each value is tried by the end. A narrow peak "
-        f"is a parameter that matters; a flat one hardly does. {upright}, which need not be the peak{even}"
+        "Densities of the automata at the end of the search, relative to the start. A narrow peak is a parameter that "
+        f"matters. {upright}, which may differ from the peak{even}"
     )
 
 

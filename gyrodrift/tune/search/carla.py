@@ -1,4 +1,4 @@
-"""CARLA, continuous action reinforcement learning automata, as published: one automaton a parameter, one shared cost.
+"""CARLA as published: continuous action reinforcement learning automata, one for each parameter, with one cost.
 
 Sources: M. N. Howell, G. P. Frost, T. J. Gordon and Q. H. Wu, "Continuous action reinforcement learning applied to
 vehicle suspension control", Mechatronics 7(3), 1997; M. N. Howell and M. C. Best, "On-line PID tuning for engine idle
@@ -13,24 +13,24 @@ import numpy as np
 from gyrodrift.arrays import Floats
 
 WIDTH = 0.02
-"""g_w: how far around an action a reward reaches, in shares of the range."""
+"""g_w: width of a reward around an action, in shares of the range; published."""
 
 HEIGHT = 0.3
-"""g_h: how much a full reward adds; with this width 1.5 % of the whole mass."""
+"""g_h: height of a full reward; with this width 1.5 % of the total mass. Published."""
 
 MEMORY = 200
-"""R: how many costs are remembered for their median and minimum."""
+"""R: number of recent costs for median and minimum; published."""
 
 GRID = 501
-"""Points of the density; some ten of them to a reward's width."""
+"""Points of the density, some ten per width of a reward: chosen."""
 
 
 @dataclass(slots=True)
 class Automaton:
-    """A density over the unit interval that learns which actions pay.
+    """Probability density over the unit interval that rises at rewarded actions.
 
     density
-        At `GRID` even points, shape (GRID,); its integral by the trapezoidal rule is 1.
+        Values at `GRID` even points, shape (GRID,); the integral by the trapezoidal rule is 1.
     """
 
     density: Floats = field(default_factory=lambda: np.ones(GRID))
@@ -43,7 +43,7 @@ class Automaton:
         return actions
 
     def reinforce(self, actions: Floats, betas: Floats, width: float = WIDTH, height: float = HEIGHT) -> None:
-        """Raise the density around actions by their rewards, shapes (k,), and bring its integral back to 1."""
+        """Raise the density around actions by their rewards, shapes (k,), and normalize it."""
         if betas.any():
             bells = np.exp(-0.5 * ((POINTS - actions[:, np.newaxis]) / width) ** 2)
             self.density = self.density + height * (betas @ bells)
@@ -51,7 +51,7 @@ class Automaton:
 
     @property
     def mode(self) -> float:
-        """Where the density is highest."""
+        """Mode of the density."""
         return float(POINTS[np.argmax(self.density)])
 
 
@@ -59,15 +59,15 @@ POINTS: Floats = np.linspace(0.0, 1.0, GRID)
 
 
 class Memory:
-    """The last costs, by which a new one is judged."""
+    """Recent costs, which give the reward of a new cost."""
 
     def __init__(self, size: int = MEMORY) -> None:
         self._costs: deque[float] = deque(maxlen=size)
 
     def judge(self, cost: float) -> float:
-        """The reward β of a cost, from 0 at the median to 1 at the best; then it is remembered itself.
+        """The reward β of a cost, from 0 at the median to 1 at the minimum; then the cost is stored.
 
-        A cost that is not finite counts as bad and is never remembered.
+        A cost that is not finite has no reward and is not stored.
         """
         if not np.isfinite(cost):
             return 0.0
@@ -80,7 +80,7 @@ class Memory:
 
 
 class Carla:
-    """Automata that each choose a parameter, and share one memory of costs."""
+    """One automaton for each parameter, with a common memory of costs."""
 
     def __init__(self, dimensions: int, rng: np.random.Generator, memory: int = MEMORY) -> None:
         self.automata = [Automaton() for _ in range(dimensions)]
@@ -88,12 +88,12 @@ class Carla:
         self._rng = rng
 
     def ask(self) -> Floats:
-        """A point of the unit cube, shape (1, dimensions)."""
+        """Choose a point of the unit cube, shape (1, dimensions)."""
         draws = self._rng.random((1, len(self.automata)))
         return np.column_stack([automaton.select(z) for automaton, z in zip(self.automata, draws.T, strict=True)])
 
     def tell(self, point: Floats, costs: Floats) -> None:
-        """What the chosen point cost, shape (1,)."""
+        """Learn from the cost of a point, shape (1,)."""
         betas = np.array([self._memory.judge(float(costs[0]))])
         for automaton, actions in zip(self.automata, point.T, strict=True):
             automaton.reinforce(actions, betas)

@@ -1,4 +1,4 @@
-"""What a tuning has asked so far, kept in a file, so that an interrupted one can go on where it was."""
+"""Evaluations of a tuning in a file, from which an interrupted tuning resumes."""
 
 import time
 from pathlib import Path
@@ -16,7 +16,7 @@ from gyrodrift.tune.search.objective import Objective
 SAVE_S = 5.0
 
 LARGEST_BYTES = 1 << 28
-"""Millions of evaluations of a dozen searches."""
+"""Largest journal, bytes: millions of evaluations of a dozen searches."""
 
 
 class Journal:
@@ -27,9 +27,9 @@ class Journal:
     path
         The file.
     identity
-        What the searches depend on: sessions, split, method, ranges. A file of another identity is refused.
+        Digest of sessions, split, method and ranges. A file with another identity is refused.
     is_resumed
-        Whether to go on with what the file holds, if it is there.
+        Continue from the file if it exists.
     """
 
     def __init__(self, path: Path, identity: str, *, is_resumed: bool) -> None:
@@ -40,18 +40,18 @@ class Journal:
         if is_resumed and path.exists():
             self._load()
 
-    def known(self, name: str) -> tuple[Floats, Floats] | None:
-        """What is known of a search."""
+    def cached(self, name: str) -> tuple[Floats, Floats] | None:
+        """Points and costs of a search; None without any."""
         return self._searches.get(name)
 
     def note(self, name: str, objective: Objective) -> None:
-        """Remember how far a search has come."""
+        """Record the evaluations of a search, and save every few seconds."""
         self._searches[name] = (objective.cube, objective.costs)
         if time.monotonic() - self._saved_s >= SAVE_S:
             self.save()
 
     def save(self) -> None:
-        """Write all of it."""
+        """Write the file."""
         arrays = {"identity": np.array(self._identity)}
         for name, (cube, costs) in self._searches.items():
             arrays |= {f"{name}/cube": cube, f"{name}/costs": costs}
@@ -60,7 +60,7 @@ class Journal:
         self._saved_s = time.monotonic()
 
     def discard(self) -> None:
-        """It is done."""
+        """Remove the file."""
         self.path.unlink(missing_ok=True)
 
     def _load(self) -> None:
@@ -68,21 +68,21 @@ class Journal:
             arrays = _arrays(self.path)
         except Exception as error:  # numpy, zip and zlib name their troubles in many ways
             why = str(error) or type(error).__name__
-            raise DataError(f"{self.path}: cannot be resumed from: {why}; remove it to begin anew") from error
+            raise DataError(f"{self.path}: cannot be resumed from: {why}; remove it to start over") from error
         if str(arrays.pop("identity", "")) != self._identity:
             raise DataError(
                 f"{self.path}: belongs to other sessions, ranges or another method; "
-                "remove it or leave --resume away to begin anew"
+                "remove it, or start over without --resume"
             )
         for name in {key.rpartition("/")[0] for key in arrays}:
             cube, costs = (arrays.get(f"{name}/{part}", np.empty(0)) for part in ("cube", "costs"))
             if cube.ndim != 2 or costs.shape != cube.shape[:1] or {cube.dtype, costs.dtype} != {np.dtype(np.float64)}:
-                raise DataError(f"{self.path}: cannot be resumed from: it was damaged; remove it to begin anew")
+                raise DataError(f"{self.path}: cannot be resumed from: it was damaged; remove it to start over")
             self._searches[name] = (cube, costs)
 
 
 def _arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """All that stands in a file; what claims to be larger than any search is not opened."""
+    """Arrays of a file; a file that claims an impossible size is refused."""
     with path.open("rb") as file, ZipFile(file) as parts:
         claimed = sum(part.file_size for part in parts.infolist())
         if claimed > LARGEST_BYTES:
@@ -90,6 +90,6 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
         file.seek(0)
         with np.load(file) as stored:
             arrays = {name: stored[name] for name in stored.files}
-    if not all(isinstance(each, np.ndarray) for each in arrays.values()):  # numpy gives bytes for what is no array
+    if not all(isinstance(array, np.ndarray) for array in arrays.values()):  # numpy gives bytes for what is no array
         raise DataError("it holds something other than arrays")
     return arrays

@@ -13,14 +13,14 @@ from gyrodrift.tune.search.race import BATCH, LARGEST, Team, race
 
 
 class SearchMethod(Protocol):
-    """A way to search."""
+    """A search method."""
 
     def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
-        """The axes it searches, given those that are meant."""
+        """Axes to search, given the axes of the plan."""
         ...
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Ask until the budget is spent, or until it is done; then it is started again.
+        """Search until the budget is spent or the method ends; then it is started again.
 
         Raises
         ------
@@ -30,76 +30,76 @@ class SearchMethod(Protocol):
         ...
 
     def automata(self) -> list[Automaton]:
-        """The automata, as they are at the end; none for methods without."""
+        """Automata at the end of the search; empty for a method without automata."""
         ...
 
 
 class _AsMeant:
-    """The axes are taken as they are, and there are no automata."""
+    """A method with the axes of the plan and without automata."""
 
     def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
-        """Which it searches."""
+        """Axes to search."""
         return axes
 
     def automata(self) -> list[Automaton]:
-        """As they are at the end."""
+        """Automata at the end of the search."""
         return []
 
 
 class Race(_AsMeant):
-    """The default: automata in batches, and local searches that race from where they point."""
+    """Default method: automata in batches, then local searches that compete."""
 
     def __init__(self) -> None:
         self._team: Team | None = None
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Until the budget is spent."""
+        """Search until the budget is spent."""
         self._team = Team(objective.dimensions, rng)
         race(objective, rng, self._team)
 
     def automata(self) -> list[Automaton]:
-        """As they are at the end."""
+        """Automata at the end of the search."""
         return self._team.automata if self._team else []
 
 
 class PublishedCarla:
-    """CARLA as published: linear axes, one point at a time, a fixed width."""
+    """CARLA as published: linear axes, one point at a time, fixed width."""
 
     def __init__(self) -> None:
         self._carla: Carla | None = None
 
     def axes(self, axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
-        """Which it searches."""
+        """Axes to search."""
         return linear(axes)
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Until the budget is spent."""
+        """Search until the budget is spent."""
         self._carla = carla = Carla(objective.dimensions, rng)
         while True:
             point = carla.ask()
             carla.tell(point, objective(point))
 
     def automata(self) -> list[Automaton]:
-        """As they are at the end."""
+        """Automata at the end of the search."""
         return self._carla.automata if self._carla else []
 
 
 class RandomSearch(_AsMeant):
-    """Points at random."""
+    """Random points."""
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Until the budget is spent."""
+        """Search until the budget is spent."""
         while True:
             objective(rng.random((BATCH, objective.dimensions)))
 
 
 class CmaEs(_AsMeant):
-    """CMA-ES by the `cma` package, from the centre of the cube, and its restarts with growing populations (IPOP)."""
+    """CMA-ES by the `cma` package, from the center of the cube, and its restarts with growing populations (IPOP)."""
 
     SIGMA = 0.3
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Until the budget is spent."""
+        """Search until the budget is spent."""
         import cma  # noqa: PLC0415 - half a second to import, for who asks for it
 
         size = 4 + int(3 * np.log(objective.dimensions))
@@ -118,7 +118,7 @@ class DifferentialEvolution(_AsMeant):
     """scipy's differential evolution with its default settings, a generation at a time."""
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Until the budget is spent."""
+        """Search until the budget is spent."""
         from scipy.optimize import differential_evolution  # noqa: PLC0415 - half a second, for who asks for it
 
         def costs(points: Floats) -> Floats:
@@ -126,7 +126,7 @@ class DifferentialEvolution(_AsMeant):
 
         bounds = [(0.0, 1.0)] * objective.dimensions
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # scipy's, that a vectorised search updates by generations
+            warnings.simplefilter("ignore")  # scipy warns that a vectorized search updates by generation
             differential_evolution(costs, bounds, maxiter=10**6, rng=rng, vectorized=True, polish=False)
 
 
@@ -140,10 +140,10 @@ METHODS: dict[str, type[SearchMethod]] = {
 
 
 def run_to_budget(method: SearchMethod, objective: Objective, seed: int) -> None:
-    """Let a method search until all evaluations are made; one that ends before is started again."""
+    """Search until all evaluations are used; a method that ends earlier is started again."""
     rng = np.random.default_rng(seed)
     try:
-        while objective.left:
+        while objective.remaining:
             method.search(objective, rng)
     except BudgetSpentError:
         return

@@ -1,4 +1,4 @@
-"""What every search method asks: the cost at points of the unit cube, counted, cached, and never over budget."""
+"""The objective of a search: cost at points of the unit cube, counted, cached and within the budget."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,24 +9,24 @@ from gyrodrift.evaluation.space import Axis, values_of
 
 
 class BudgetSpentError(Exception):
-    """All evaluations have been made; a search ends here."""
+    """All evaluations of the budget are used."""
 
 
 class Objective:
-    """Counts evaluations and keeps them.
+    """Counts and stores the evaluations of a search.
 
-    An earlier run with the same seed asks the same points in the same order: known costs are taken from a cache
-    and not worked out anew, and so any method can be resumed.
+    A run with the same seed evaluates the same points in the same order. Costs of an earlier run come from a cache, so
+    any method can be resumed.
 
     Parameters
     ----------
     pi
-        From values of the axes, shape (c, axes), to costs in deg², shape (c,).
+        Function from values of the axes, shape (c, axes), to costs in deg², shape (c,).
     axes
-        What the unit cube stands for.
+        Axes of the unit cube.
     evaluations
-        How many there are in all.
-    known
+        Budget.
+    cached
         Points, shape (k, axes), and costs, shape (k,), of an earlier run.
     on_batch
         Called after each batch.
@@ -37,41 +37,41 @@ class Objective:
         pi: Callable[[Floats], Floats],
         axes: Sequence[Axis],
         evaluations: int,
-        known: tuple[Floats, Floats] | None = None,
+        cached: tuple[Floats, Floats] | None = None,
         on_batch: Callable[["Objective"], None] = lambda _objective: None,
     ) -> None:
         self.axes = axes
         self.evaluations = evaluations
         self.count = 0
         self._pi = pi
-        self._known = known or (np.empty((0, len(axes))), np.empty(0))
+        self._known = cached or (np.empty((0, len(axes))), np.empty(0))
         self._on_batch = on_batch
         self._cube = np.empty((evaluations, len(axes)))
         self._costs = np.empty(evaluations)
 
     @property
     def dimensions(self) -> int:
-        """How many parameters."""
+        """Number of parameters."""
         return len(self.axes)
 
     @property
-    def left(self) -> int:
-        """Evaluations that are left."""
+    def remaining(self) -> int:
+        """Remaining evaluations."""
         return self.evaluations - self.count
 
     @property
     def cube(self) -> Floats:
-        """The points so far, shape (count, dimensions)."""
+        """Points so far, shape (count, dimensions)."""
         return self._cube[: self.count]
 
     @property
     def costs(self) -> Floats:
-        """Their costs, deg², shape (count,); infinite where one left the floats."""
+        """Costs so far, deg², shape (count,); inf if yaw overflows."""
         return self._costs[: self.count]
 
     @property
     def best(self) -> int:
-        """Which evaluation was the cheapest."""
+        """Index of the evaluation with the least cost."""
         return int(np.argmin(self.costs))
 
     def __call__(self, cube: Floats) -> Floats:
@@ -80,9 +80,9 @@ class Objective:
         Raises
         ------
         BudgetSpentError
-            Where there are more points than evaluations left; the first ones are still worked out.
+            If the points exceed the remaining evaluations; the first points are still evaluated.
         """
-        inside = np.clip(cube, 0.0, 1.0)[: self.left]
+        inside = np.clip(cube, 0.0, 1.0)[: self.remaining]
         if len(inside):
             start, end = self.count, self.count + len(inside)
             self._cube[start:end] = inside
@@ -97,6 +97,6 @@ class Objective:
         points, costs = self._known
         if end <= len(costs) and np.array_equal(points[start:end], self._cube[start:end]):
             return costs[start:end]
-        self._known = (points[:start], costs[:start])  # from here on this run is another one
-        found = self._pi(values_of(self.axes, self._cube[start:end]))
-        return np.where(np.isfinite(found), found, np.inf)
+        self._known = (points[:start], costs[:start])  # the runs differ from here on
+        costs = self._pi(values_of(self.axes, self._cube[start:end]))
+        return np.where(np.isfinite(costs), costs, np.inf)

@@ -1,10 +1,14 @@
-"""The default search: automata look over the whole cube in batches, and local searches race from where they point.
+"""The default search: automata explore the cube in batches, then several local searches compete.
 
-What it takes from CARLA: one automaton a parameter, rewards from the median cost to the least, a density that
-remembers. What it adds, since measurement shows that each helps: logarithmic axes and costs, batches that are worked
-out side by side, a reward width that adapts from wide to narrow, local searches that follow the ridges which a
-product of densities cannot (by the covariance of the `cma` package), a race between several of them so that no single
-valley decides, and restarts for as long as there is budget.
+From CARLA: one automaton for each parameter, rewards between the median cost and the least, a density with memory.
+Additions, each better by measurement (`tests/bench/test_search.py`):
+
+- logarithmic axes and costs
+- batches of points, which are evaluated in parallel
+- a reward width that shrinks during the search
+- local searches by CMA-ES (package `cma`), which follow ridges across parameters
+- several competing local searches, so that no single valley decides
+- restarts while the budget lasts
 """
 
 import numpy as np
@@ -14,39 +18,39 @@ from gyrodrift.tune.search.carla import Automaton
 from gyrodrift.tune.search.objective import Objective
 
 LOOK_POINTS = 64
-"""Points of the first look over the cube, in batches."""
+"""Points of the exploration, evaluated in batches."""
 
 BATCH = 32
 
 WIDTH_FIRST, WIDTH_LAST, WIDTH_SHRINKS = 0.15, 0.03, 0.85
 HEIGHT = 1.0
 FLOOR = 0.1
-"""Rewards reach wide at first and narrower with each batch; a tenth of all choices stays uniform."""
+"""First and last width of a reward, its factor per batch, its height, and the share of uniform choices: measured."""
 
 RACERS, RACERS_LATER = 4, 3
 APART = 0.25
-"""Racers start at the best points that differ from each other by this share of some range."""
+"""Least distance between the starts of racers, in shares of a range."""
 
 HEATS = (10, 15)
-"""Generations after which the worse half of the racers drops out."""
+"""Generations after which the worse half of the racers is dropped."""
 
 SIGMA, SIGMA_POLISH = 0.2, 0.08
 POPULATION = 8
-"""As many as the kernel walks side by side."""
+"""Points of a generation: one group of the kernel."""
 
 PATIENCE, PATIENCE_POLISH = 30, 17
 GAIN = 1e-4
-"""A local search ends when so many generations together have gained less than this share of the cost."""
+"""A local search ends if PATIENCE generations gain less than this share of the cost."""
 
 HOPELESS = 2.0
-"""The winner of a race goes on only while its cost is within this factor of the best ever seen."""
+"""Largest ratio of the winner's cost to the best cost so far; above it the winner stops."""
 
 LARGEST = 1e300
-"""Stands for a cost that is not finite, in methods that calculate with costs."""
+"""Replacement for an infinite cost in methods that compute with costs."""
 
 
 class Team:
-    """Automata that choose points in batches and are rewarded by the logarithm of the cost."""
+    """Automata that choose points in batches, with rewards by the logarithm of the cost."""
 
     def __init__(self, dimensions: int, rng: np.random.Generator) -> None:
         self.automata = [Automaton() for _ in range(dimensions)]
@@ -55,14 +59,14 @@ class Team:
         self._logs: list[float] = []
 
     def ask(self) -> Floats:
-        """A batch of points, shape (BATCH, dimensions)."""
+        """Choose a batch of points, shape (BATCH, dimensions)."""
         draws = self._rng.random((BATCH, len(self.automata)))
         is_free = self._rng.random(draws.shape) < FLOOR
         columns = [automaton.select(z) for automaton, z in zip(self.automata, draws.T, strict=True)]
         return np.where(is_free, draws, np.column_stack(columns))
 
     def tell(self, points: Floats, costs: Floats) -> None:
-        """What they cost."""
+        """Learn from the costs of the points."""
         logs = np.log(np.clip(costs, 1e-300, LARGEST))
         self._logs += logs[np.isfinite(costs)].tolist()
         if self._logs:
@@ -74,59 +78,59 @@ class Team:
 
 
 class Racer:
-    """A local search from a point, which knows when it has come to its end."""
+    """A local search from a point, with a stopping rule."""
 
     def __init__(self, start: Floats, sigma: float, patience: int, rng: np.random.Generator) -> None:
         import cma  # noqa: PLC0415 - half a second to import, for who searches
 
         options = {"bounds": [0.0, 1.0], "popsize": POPULATION, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
-        options |= {"tolfun": 0.0, "tolfunhist": 0.0, "tolx": 1e-5}  # when it ends is decided here
+        options |= {"tolfun": 0.0, "tolfunhist": 0.0, "tolx": 1e-5}  # this class decides when to stop
         self._strategy = cma.CMAEvolutionStrategy(start, sigma, options)
         self._patience = patience
         self._history: list[float] = []
 
     @property
     def best(self) -> float:
-        """The least cost it has seen."""
+        """Least cost so far."""
         return min(self._history)
 
     @property
     def is_done(self) -> bool:
-        """Whether it gains nothing any more."""
+        """Whether it no longer improves."""
         recent, before = self._history[-self._patience :], self._history[: -self._patience]
         is_stuck = len(before) > self._patience and min(recent) > min(before) * (1.0 - GAIN)
         return is_stuck or bool(self._strategy.stop())
 
     def ask(self) -> Floats:
-        """The points of a generation, shape (POPULATION, dimensions)."""
+        """Choose the points of a generation, shape (POPULATION, dimensions)."""
         return np.array(self._strategy.ask())
 
     def tell(self, points: Floats, costs: Floats) -> None:
-        """What they cost."""
+        """Learn from the costs of the points."""
         self._strategy.tell(list(points), np.minimum(costs, LARGEST).tolist())
         self._history.append(float(costs.min()))
 
     def run(self, objective: Objective) -> None:
-        """One generation."""
+        """Run one generation."""
         points = self.ask()
         self.tell(points, objective(points))
 
 
 def race(objective: Objective, rng: np.random.Generator, team: Team) -> None:
-    """Search until the budget is spent; `team` ends up with what the automata have learnt.
+    """Search until the budget is spent; `team` keeps its automata.
 
     Raises
     ------
     BudgetSpentError
-        At the end.
+        When the budget is spent.
     """
     racers = RACERS
     while True:
-        seen = objective.count
+        begun = objective.count
         for _ in range(LOOK_POINTS // BATCH):
             points = team.ask()
             team.tell(points, objective(points))
-        starts = _apart(objective.cube[seen:], objective.costs[seen:], racers)
+        starts = _apart(objective.cube[begun:], objective.costs[begun:], racers)
         winner = _heats(objective, [Racer(start, SIGMA, PATIENCE, rng) for start in starts])
         while not winner.is_done and winner.best < HOPELESS * objective.costs.min():
             winner.run(objective)
@@ -137,10 +141,10 @@ def race(objective: Objective, rng: np.random.Generator, team: Team) -> None:
 
 
 def _apart(cube: Floats, costs: Floats, count: int) -> list[Floats]:
-    """The best points that are not close to a better one."""
+    """Best points that are not close to a better point."""
     chosen: list[Floats] = []
     for point in cube[np.argsort(costs, kind="stable")]:
-        if all(np.abs(point - other).max() > APART for other in chosen):
+        if all(np.abs(point - start).max() > APART for start in chosen):
             chosen.append(point.copy())
         if len(chosen) == count:
             break
@@ -148,15 +152,15 @@ def _apart(cube: Floats, costs: Floats, count: int) -> list[Floats]:
 
 
 def _heats(objective: Objective, racers: list[Racer]) -> Racer:
-    """Let them run side by side; the better half goes on to the next heat."""
+    """Run the racers side by side, and drop the worse half after each heat."""
     for generations in HEATS:
         for _ in range(generations):
             running = [racer for racer in racers if not racer.is_done]
             if not running:
                 break
-            asked = [racer.ask() for racer in running]
-            costs = objective(np.vstack(asked))
-            for number, (racer, points) in enumerate(zip(running, asked, strict=True)):
+            generations_points = [racer.ask() for racer in running]
+            costs = objective(np.vstack(generations_points))
+            for number, (racer, points) in enumerate(zip(running, generations_points, strict=True)):
                 racer.tell(points, costs[number * POPULATION : (number + 1) * POPULATION])
         racers = sorted(racers, key=lambda racer: racer.best)[: max(1, len(racers) // 2)]
     return racers[0]

@@ -10,7 +10,7 @@ from gyrodrift.arrays import Floats
 
 pytest.importorskip("numba", reason="kernels need the workstation extra")
 from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
-from gyrodrift.evaluation.reference import NOTHING_BESIDE
+from gyrodrift.evaluation.reference import NO_AUXILIARY
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr import HdrCoefficients, HdrState
 from gyrodrift.filters.registry import FILTERS
@@ -40,11 +40,11 @@ def test_stepping_is_what_the_kernel_does(chosen: Filter) -> None:
     both = candidates(chosen)
     for candidate in both:
         assert (
-            stepped.yaw(dt_s, rate_dps, candidate, NOTHING_BESIDE).tolist()
-            == compiled.yaw(dt_s, rate_dps, candidate, NOTHING_BESIDE).tolist()
+            stepped.yaw(dt_s, rate_dps, candidate, NO_AUXILIARY).tolist()
+            == compiled.yaw(dt_s, rate_dps, candidate, NO_AUXILIARY).tolist()
         )
-    ours = stepped.sums(dt_s, rate_dps, reference_deg, both, stepped.prepare(both), NOTHING_BESIDE)
-    theirs = compiled.sums(dt_s, rate_dps, reference_deg, both, compiled.prepare(both), NOTHING_BESIDE)
+    ours = stepped.sums(dt_s, rate_dps, reference_deg, both, stepped.prepare(both), NO_AUXILIARY)
+    theirs = compiled.sums(dt_s, rate_dps, reference_deg, both, compiled.prepare(both), NO_AUXILIARY)
     np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
@@ -58,7 +58,7 @@ def test_a_yaw_that_leaves_the_floats_costs_the_infinite() -> None:
     stepped = kernel_of(replace(FILTERS["hdr"], kernel="", step=endless))
     dt_s, rate_dps = np.array([0.0, 0.01, 0.01]), np.zeros(3)
     both = candidates(FILTERS["hdr"])
-    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None, NOTHING_BESIDE)).all()
+    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None, NO_AUXILIARY)).all()
 
 
 def test_candidates_are_cut_into_groups_of_eight() -> None:

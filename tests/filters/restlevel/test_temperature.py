@@ -7,7 +7,7 @@ from restlevel_reference import reference
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Beside
+from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.restlevel.memory import begun, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
@@ -49,7 +49,7 @@ def test_a_drive_that_warms_up_is_corrected_on_its_way() -> None:
     dt_s = np.r_[0.0, np.full(len(rate_dps) - 1, 1.0 / RATE_HZ)]
     truth = np.cumsum(0.5 * (true_dps + np.r_[0.0, true_dps[:-1]])) / RATE_HZ
     blind, *_ = walk(dt_s, rate_dps, RestlevelParams())
-    warm, _, found_dps = walk(dt_s, rate_dps, RestlevelParams(), Beside(NOBODY, temp_c))
+    warm, _, found_dps = walk(dt_s, rate_dps, RestlevelParams(), Auxiliary(NOBODY, temp_c))
     assert abs(blind - truth)[-1] > 15.0
     assert abs(warm - truth)[-1] < 4.0
     assert found_dps[-1] == pytest.approx(bias_dps[-1], abs=0.03)
@@ -119,7 +119,7 @@ def test_plain_compiled_and_independent_reading_agree() -> None:
     rate_dps = measured(np.r_[true_dps, true_dps[:4500]], np.r_[bias_dps, bias_dps[:4500] + 0.1])
     temp_c = np.r_[temp_c, temp_c[:4500]]
     t_s = np.arange(len(rate_dps)) / RATE_HZ
-    yaw_deg, _, found_dps = walk(np.diff(t_s, prepend=0.0), rate_dps, RestlevelParams(), Beside(NOBODY, temp_c))
+    yaw_deg, _, found_dps = walk(np.diff(t_s, prepend=0.0), rate_dps, RestlevelParams(), Auxiliary(NOBODY, temp_c))
     s = stepped(rate_dps, temp_c)
     assert (s.yaw_deg, s.bias_dps) == (yaw_deg[-1], found_dps[-1])
     read = reference(t_s, rate_dps, RestlevelParams(), temp_c=temp_c)

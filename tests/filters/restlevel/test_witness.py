@@ -6,7 +6,7 @@ from restlevel_reference import reference
 
 from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Beside
+from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 
@@ -32,7 +32,7 @@ def yaw_of(true_dps: Floats) -> Floats:
 def estimated(rate_dps: Floats, still: Floats, p: RestlevelParams | None = None) -> Floats:
     """Yaw, its sigma and the bias."""
     dt_s = np.r_[0.0, np.full(len(rate_dps) - 1, 1.0 / RATE_HZ)]
-    return walk(dt_s, rate_dps, p or RestlevelParams(), Beside(still, NOBODY))
+    return walk(dt_s, rate_dps, p or RestlevelParams(), Auxiliary(still, NOBODY))
 
 
 def stepped(rate_dps: Floats, still: Floats, state: RestlevelState | None = None) -> RestlevelState:
@@ -127,7 +127,7 @@ def test_an_independent_reading_agrees(seed: int) -> None:
     t_s = np.arange(len(rate_dps)) / RATE_HZ
     found = reference(t_s, rate_dps, p, still)
     dt_s = np.diff(t_s, prepend=t_s[:1])
-    yaw_deg, _, bias_dps = walk(dt_s, rate_dps, p, Beside(still, NOBODY))
+    yaw_deg, _, bias_dps = walk(dt_s, rate_dps, p, Auxiliary(still, NOBODY))
     np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
 

@@ -66,7 +66,7 @@ FAULTS = (
     Fault(
         "filters/saved-wrong-type",
         "gyrodrift/filters/saved.py",
-        "elif type(value) is type(held) and abs(value) <= MOST:",
+        "elif type(value) is type(current) and abs(value) <= MOST:",
         "elif abs(value) <= MOST:",
         "A damaged state with a truth value for a number is taken over.",
         (f"{UNITS}/test_memory.py::test_a_state_is_kept_by_what_differs_from_a_new_one",),

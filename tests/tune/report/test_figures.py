@@ -34,6 +34,6 @@ def test_where_the_search_looked_has_the_mean_one() -> None:
 def test_errors_are_enlarged_only_where_that_shows_more() -> None:
     """A tuned filter as bad as plain integration needs one scale; a single bad session does not spoil it."""
     good, bad = curve(), curve_of(112.0, 112.0)
-    assert figures.heights([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
-    assert figures.heights([bad]).zoom_deg is None
-    assert figures.heights([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)
+    assert figures.error_scales([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
+    assert figures.error_scales([bad]).zoom_deg is None
+    assert figures.error_scales([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)

@@ -32,11 +32,11 @@ def test_what_was_saved_is_known_again(tmp_path: Path) -> None:
     journal.save()
     again = Journal(path, "these sessions", is_resumed=True)
     for number, name in enumerate(names, 3):
-        known = again.known(name)
+        known = again.cached(name)
         assert known is not None
         assert np.array_equal(known[0], asked(number).cube)
         assert np.array_equal(known[1], asked(number).costs)
-    assert again.known("seed 1") is None
+    assert again.cached("seed 1") is None
     again.discard()
     assert not path.exists()
 
@@ -47,7 +47,7 @@ def test_without_resume_nothing_is_known(tmp_path: Path) -> None:
     journal = Journal(path, "a", is_resumed=False)
     journal.note("seed 0", asked(3))
     journal.save()
-    assert Journal(path, "a", is_resumed=False).known("seed 0") is None
+    assert Journal(path, "a", is_resumed=False).cached("seed 0") is None
 
 
 def test_a_journal_of_other_sessions_is_refused(tmp_path: Path) -> None:
@@ -63,7 +63,7 @@ def test_a_damaged_journal_is_told(tmp_path: Path, content: bytes) -> None:
     """With what to do."""
     path = tmp_path / "c.progress.npz"
     path.write_bytes(content)
-    with pytest.raises(DataError, match=r"cannot be resumed from: .*; remove it to begin anew"):
+    with pytest.raises(DataError, match=r"cannot be resumed from: .*; remove it to start over"):
         Journal(path, "a", is_resumed=True)
 
 

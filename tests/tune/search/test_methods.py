@@ -74,7 +74,7 @@ def test_it_goes_on_where_an_earlier_run_ended(method: str) -> None:
         fresh.append(len(params))
         return ridge(params)
 
-    objective = Objective(pi, UNIT, 400, known=(whole.cube[:250].copy(), whole.costs[:250].copy()))
+    objective = Objective(pi, UNIT, 400, cached=(whole.cube[:250].copy(), whole.costs[:250].copy()))
     run_to_budget(METHODS[method](), objective, 0)
     assert np.array_equal(objective.cube, whole.cube)
     assert np.array_equal(objective.costs, whole.costs)
@@ -84,7 +84,7 @@ def test_it_goes_on_where_an_earlier_run_ended(method: str) -> None:
 def test_what_was_known_of_another_run_is_not_believed() -> None:
     """Points that differ are worked out."""
     known = (np.full((50, 5), 0.5), np.zeros(50))
-    objective = Objective(ridge, UNIT, 100, known=known)
+    objective = Objective(ridge, UNIT, 100, cached=known)
     run_to_budget(METHODS["random"](), objective, 0)
     assert objective.costs.min() >= 1.0
 
