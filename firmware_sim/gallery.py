@@ -1,6 +1,6 @@
-"""A picture of every effect at its typical size: what the rig gives without it, and with it.
+"""Picture of every effect at its typical size: output of the rig without and with it.
 
-`python -m firmware_sim.gallery --out docs/effects` draws them; matplotlib comes with the workstation extra.
+`python -m firmware_sim.gallery --out docs/effects` draws all pictures; it needs matplotlib from the lab extra.
 """
 
 import argparse
@@ -29,7 +29,7 @@ SEED = 1
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """A run as numbers with units, every array of the shape (n,)."""
+    """Run in physical units; every array has the shape (n,)."""
 
     device_s: Floats
     host_s: Floats
@@ -40,13 +40,13 @@ class Trace:
     true_angle_deg: Floats
 
     def part(self, from_s: float, to_s: float) -> "Trace":
-        """The samples from one device time to another."""
+        """Samples between two device times."""
         kept = (self.device_s >= from_s) & (self.device_s < to_s)
         return Trace(*(getattr(self, name)[kept] for name in self.__slots__))
 
 
 def _turning(rate_dps: Floats) -> Floats:
-    """The rate where it is large enough to divide by, NaN elsewhere."""
+    """Rate if it is large enough for a division, else NaN."""
     return np.where(np.abs(rate_dps) > 10.0, rate_dps, np.nan)
 
 
@@ -68,7 +68,7 @@ HOST_STEP: Axis = ("step of arrival, ms", lambda r: 1e3 * np.diff(r.host_s, prep
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What to look at: part of a motion, one quantity against another, and means over so many samples."""
+    """Scene of a picture: part of a motion, two quantities, and the number of samples per mean."""
 
     profile: str
     from_s: float
@@ -110,15 +110,15 @@ SCENES = {
     "stale_hold": Scene("identify", 440.0, 441.5, TIME, RATE, line=".-"),
 }
 PLAIN = Scene("identify", 0.0, 594.0, TIME, ERROR, 50, "-")
-"""Of an effect that says best by itself what it does."""
+"""Scene of an effect without its own."""
 
 
 def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
-    """Run a rig for a time."""
+    """Run a rig for some seconds."""
     profile = load_profile(profile_name)
     blocks = list(islice(measure(rig, profile, SEED), ceil(seconds * rig.base.sample_rate_hz / BLOCK_SAMPLES)))
     whole = Block(*(np.concatenate([getattr(block, name) for block in blocks]) for name in Block.__slots__))
-    angle_deg, rate_dps = profile.at(whole.seq / rig.base.sample_rate_hz)
+    angle_deg, rate_dps = profile.motion_at(whole.seq / rig.base.sample_rate_hz)
     return Trace(
         device_s=whole.t_device_us / 1e6,
         host_s=whole.t_host_s,
@@ -131,14 +131,14 @@ def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
 
 
 def draw(effect: Effect, path: Path) -> None:
-    """One picture: grey without the effect, red with it."""
+    """Draw a picture: gray without the effect, red with it."""
     scene, shipped = SCENES.get(effect.name, PLAIN), load_rig(None)
     rig = shipped.model_copy(update={"base": shipped.base.model_copy(update={"bias_dps": 0.0})})
     figure, axes = plt.subplots(figsize=(4.2, 2.7), layout="constrained")
-    for colour, shown in ((WITHOUT, rig), (WITH, with_effects(rig, [effect]))):
+    for color, shown in ((WITHOUT, rig), (WITH, with_effects(rig, [effect]))):
         part = record(shown, scene.profile, scene.to_s).part(scene.from_s, scene.to_s)
         x, y = (_means(axis(part), scene.mean_of) for axis in (scene.x[1], scene.y[1]))
-        axes.plot(x, y, scene.line, color=colour, markersize=3, linewidth=1)
+        axes.plot(x, y, scene.line, color=color, markersize=3, linewidth=1)
     parameters = ", ".join(f"{key} {value:g}" for key, value in effect.model_dump(exclude={"name"}).items())
     axes.set_title(f"{effect.name}\n{parameters}", fontsize=9)
     axes.set_xlabel(scene.x[0], fontsize=8)
@@ -156,14 +156,14 @@ def _means(values: Floats, count: int) -> Floats:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Draw them all."""
+    """Draw all pictures, or those of the given effects."""
     parser = argparse.ArgumentParser(prog="python -m firmware_sim.gallery", description=__doc__, allow_abbrev=False)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
     parser.add_argument("names", nargs="*", metavar="NAME", help="effects to draw (default: all)")
     arguments = parser.parse_args(argv)
     unknown = sorted(set(arguments.names) - set(CATALOGUE))
     if unknown:
-        parser.error(f"there is no effect {unknown[0]!r}; known are {', '.join(CATALOGUE)}")
+        parser.error(f"there is no effect {unknown[0]!r}; there are {', '.join(CATALOGUE)}")
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name in arguments.names or CATALOGUE:
         kind = CATALOGUE[name]

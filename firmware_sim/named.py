@@ -1,4 +1,4 @@
-"""Things that a command line picks from a catalogue: `name`, or `name:parameter=value,...`."""
+"""Effects and faults from a command line: `name`, or `name:parameter=value,...`."""
 
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
@@ -12,20 +12,20 @@ from firmware_sim.yaml_file import FileError, Model, problems_of
 def parse_named(
     noun: str, text: str, catalogue: Mapping[str, type[Model]], bare: Callable[[type[Model]], Mapping[str, Any]]
 ) -> Model:
-    """What `--noun text` asks for; `bare` gives the parameters of one that is named and no more.
+    """Effect or fault of `--noun text`; `bare` returns the parameters for a name without any.
 
     Raises
     ------
     FileError
-        Where there is no such thing or parameter, or a value is none or out of range.
+        The name or a parameter is unknown, or a value is invalid.
     """
     name, _, listed = text.partition(":")
     if name not in catalogue:
         nearest = get_close_matches(name, catalogue, n=1)
-        hint = f"did you mean {nearest[0]}?" if nearest else f"known are {', '.join(catalogue)}"
+        hint = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(catalogue)}"
         raise FileError(f"--{noun} {text}: there is no {noun} {name!r}; {hint}")
     kind = catalogue[name]
-    # A kind that a file can state has its own name as a field, which is no parameter.
+    # Kinds in rig files have their name as a field, which is not a parameter.
     defaults = {key: field.default for key, field in kind.model_fields.items() if field.default != name}
     values = {} if listed else dict(bare(kind))
     for pair in filter(None, listed.split(",")):

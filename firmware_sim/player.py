@@ -1,4 +1,4 @@
-"""The pace: frames sent through a pty at their times, or as fast as they are read."""
+"""Send frames through a pty at their times, or as fast as they are read."""
 
 import signal
 import time
@@ -22,12 +22,12 @@ def play(
     Parameters
     ----------
     speed
-        How many device seconds pass in a second; None for as fast as the reader takes them, none lost.
+        Device seconds per second; None for as fast as the reader reads, without loss.
 
     Returns
     -------
     tuple[int, int]
-        Measurements sent, and measurements that found no reader or a reader that was too slow.
+        Measurements sent, and measurements lost without a reader, or with a slow one.
     """
     sent = lost = 0
     origin_s = time.monotonic()
@@ -79,7 +79,7 @@ def _wait_until(due_s: float, is_over: Callable[[], bool]) -> None:
 
 
 def _send_as_read(frame: Frame, device: PtyDevice, is_over: Callable[[], bool]) -> bool | None:
-    """Send at the pace of the reader; False where the cable is out, None where it was over before."""
+    """Send at the pace of the reader; False if the cable is unplugged, None if it is over."""
     if device.is_pulled_at(frame.t_s):
         device.drain()
     device.live_until(frame.t_s)
@@ -92,12 +92,12 @@ def _send_as_read(frame: Frame, device: PtyDevice, is_over: Callable[[], bool]) 
 
 @contextmanager
 def stopped_by_signals() -> Iterator[Callable[[], bool]]:
-    """Whether SIGINT or SIGTERM has come."""
-    came: list[int] = []
+    """Function that is true after SIGINT or SIGTERM."""
+    received: list[int] = []
     numbers = (signal.SIGINT, signal.SIGTERM)
-    old = [signal.signal(number, lambda which, _frame: came.append(which)) for number in numbers]
+    old = [signal.signal(number, lambda number, _frame: received.append(number)) for number in numbers]
     try:
-        yield lambda: bool(came)
+        yield lambda: bool(received)
     finally:
         for number, handler in zip(numbers, old, strict=True):
             signal.signal(number, handler)

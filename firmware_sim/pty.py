@@ -1,8 +1,8 @@
-"""The device on a pty: raw mode, a stable name, readers that come and go.
+"""Device on a pty: raw mode, a stable name, readers that come and go.
 
-Habits of Linux ptys that this file stands on: a master without a reader polls as hung up; in packet mode it is
-told when a reader flushes its input, which is how pyserial ends opening a port; a pty takes about 20 kB before
-it is full; closing the master throws away what the reader has not read yet.
+It depends on the behavior of Linux ptys. A master without a reader polls as hung up. In packet mode it is notified when
+a reader flushes its input, which is the last step of pyserial when it opens a port. A pty buffers about 20 kB. Closing
+the master discards unread bytes.
 """
 
 import fcntl
@@ -23,39 +23,38 @@ from firmware_sim.reservation import reserve
 TIOCPKT = 0x5420
 TIOCPKT_FLUSHREAD = 0x01
 TCGETS2, TERMIOS2 = 0x802C542A, struct.Struct("4I20s2I")
-"""The one call that tells line rates outside the list of POSIX; its last field is the rate in baud."""
+"""ioctl that returns baud rates outside the list of POSIX; its last field is the baud rate."""
 
 OPENING_S = 1.0
-"""A reader that has opened the port and not flushed it by then (cat, screen) is not going to."""
+"""Longest wait for the flush of a new reader, s; cat and screen do not flush."""
 
 DRAIN_S = 2.0
 DRAINED_S = 0.05
 
 
 class LinkInUseError(Exception):
-    """The link's name cannot be made, or is taken by something that is no link to a pty."""
+    """The link cannot be created, or its name is taken."""
 
 
 class Cable:
-    """What lies between device and reader; this one is whole."""
+    """Cable between device and reader, without faults."""
 
     def link_at(self, link: Path, t_s: float) -> Path | None:
-        """The name that a device called `link` has at `t_s`, s since power-on; None while it is unplugged."""
+        """Name of the device `link` at `t_s`, s since power-on; None while it is unplugged."""
         _ = t_s
         return link
 
     def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
-        """What a reader whose line rate is `read_baud()` gets of what is sent at `t_s`."""
+        """Bytes that a reader at `read_baud()` gets from `content`, sent at `t_s`."""
         _ = t_s, read_baud
         return content
 
 
 class PtyDevice:
-    """The master end of a pty whose slave is linked at `link`.
+    """Master end of a pty whose slave is linked at `link`.
 
-    What a reader left unread waits for the next one, as in a real port; pyserial flushes it away when it opens.
-    `greeting` is sent to each reader that has just opened the port, as a board speaks that boots when DTR rises;
-    a frame that is being sent in that very moment may still stand before it.
+    Unread bytes wait for the next reader, as in a real port; pyserial flushes them when it opens. Every new reader gets
+    `greeting`, like from a board that DTR resets; a frame that is being sent may come before it.
     """
 
     def __init__(self, link: Path, greeting: bytes = b"", cable: Cable | None = None) -> None:
@@ -71,11 +70,11 @@ class PtyDevice:
 
     @property
     def is_plugged(self) -> bool:
-        """Whether there is a port at all."""
+        """Whether the port exists."""
         return self.fd >= 0
 
     def live_until(self, t_s: float) -> None:
-        """Let it be `t_s`, s since power-on: the cable may be pulled or put back."""
+        """Set the time to `t_s`, s since power-on: the cable may be unplugged or plugged in."""
         self._t_s = t_s
         link = self._cable.link_at(self._first_link, t_s)
         if link is None:
@@ -84,7 +83,7 @@ class PtyDevice:
             self._plug_in(link)
 
     def is_pulled_at(self, t_s: float) -> bool:
-        """Whether the cable is out at `t_s`."""
+        """Whether the cable is unplugged at `t_s`."""
         return self._cable.link_at(self._first_link, t_s) is None
 
     def _plug_in(self, link: Path) -> None:
@@ -109,7 +108,7 @@ class PtyDevice:
         self.fd = fd
 
     def has_reader(self) -> bool:
-        """Whether somebody has the port open; takes and drops what the reader sends."""
+        """Whether a reader has the port open; bytes from the reader are dropped."""
         if not self.is_plugged:
             return False
         for _, events in self._poller.poll(0):
@@ -121,7 +120,7 @@ class PtyDevice:
         return True
 
     def is_ready(self) -> bool:
-        """Whether a reader has opened the port and is done with it: what is sent then is not flushed away."""
+        """Whether a reader has finished opening the port, so that its flush does not drop new bytes."""
         if not self.has_reader():
             self._opened_s = None
             return False
@@ -134,7 +133,7 @@ class PtyDevice:
             time.sleep(0.005)
 
     def send(self, content: bytes) -> bool:
-        """Send all of it, or none where the reader is too slow or not there. A frame begun is ended later."""
+        """Send all bytes, or none if the reader is slow or missing; the rest of a started frame follows later."""
         if not self.has_reader() or not self._finish():
             return False
         self._unsent = self._carried(content)
@@ -142,7 +141,7 @@ class PtyDevice:
         return True
 
     def send_all(self, content: bytes, is_over: Callable[[], bool]) -> bool:
-        """Send all of it at the pace of the reader; False where there is none that is ready, or where it left."""
+        """Send all bytes at the pace of the reader; False without a ready reader, or if it leaves."""
         if not self.is_ready():
             return False
         self._unsent += self._carried(content)
@@ -155,7 +154,7 @@ class PtyDevice:
         return False
 
     def drain(self) -> None:
-        """Wait until the reader has taken everything, or has left, or has had its time."""
+        """Wait until the reader has read everything, has left, or DRAIN_S have passed."""
         until_s = time.monotonic() + DRAIN_S
         empty_s: float | None = None
         while time.monotonic() < until_s and self.has_reader():
@@ -168,7 +167,7 @@ class PtyDevice:
             time.sleep(0.005)
 
     def close(self) -> None:
-        """Hang up and take the name away."""
+        """Close the pty and remove the link."""
         if not self.is_plugged:
             return
         with suppress(OSError):
@@ -188,7 +187,7 @@ class PtyDevice:
         return self._cable.carry(content, self._t_s, lambda: _line_rate(self.fd))
 
     def _finish(self) -> bool:
-        """Whether nothing is left of what was to be sent."""
+        """Send the rest, and return whether everything is sent."""
         while self._unsent:
             try:
                 sent = os.write(self.fd, self._unsent)
@@ -202,7 +201,9 @@ class PtyDevice:
             heard = os.read(self.fd, 4096)
             if heard and heard[0] & TIOCPKT_FLUSHREAD:
                 self._flushed = True
-                self._unsent = self._carried(self.greeting) + self._unsent  # a frame begun before reads as damaged
+                self._unsent = (
+                    self._carried(self.greeting) + self._unsent
+                )  # an incomplete frame before it counts as damaged
 
     def _reader_is_done(self) -> bool:
         try:
@@ -217,7 +218,7 @@ class PtyDevice:
 
 
 def _line_rate(fd: int) -> int:
-    """The line rate in baud that the reader has set, standard or not."""
+    """Baud rate that the reader has set, standard or not."""
     termios2 = fcntl.ioctl(fd, TCGETS2, bytes(TERMIOS2.size))
     return int(TERMIOS2.unpack(termios2)[-1])
 
@@ -233,7 +234,7 @@ def _reserved(link: Path) -> socket.socket:
 
 
 def _make_link(target: str, link: Path) -> None:
-    """Point the name at the pty in one step, so that a reader finds the old one or the new one."""
+    """Point the link at the pty in one step, so that readers never miss it."""
     fresh = link.with_name(f".{link.name}.{os.getpid()}")
     try:
         if os.path.lexists(link) and not (link.is_symlink() and str(link.readlink()).startswith("/dev/pts/")):

@@ -1,4 +1,4 @@
-"""The rig as its file says it: what gyro, what encoder, what link; a value, like the profile it plays."""
+"""Rig as in its file: gyro, encoder and link."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,12 +13,12 @@ from firmware_sim.motion.profile import config_folder
 from firmware_sim.named import parse_named
 from firmware_sim.yaml_file import Checked, load
 
-ENCODER_CPR_MOST = 2**31 // 360
-"""A count is a 32-bit number on the wire; this leaves room for 360 turns either way."""
+ENCODER_CPR_MAX = 2**31 // 360
+"""A count is a 32-bit number on the wire; this allows 360 turns in either direction."""
 
 
 class Base(Checked):
-    """The ideal device.
+    """Ideal device.
 
     sample_rate_hz
         Samples per second of the device clock, Hz.
@@ -32,23 +32,22 @@ class Base(Checked):
     encoder_cpr
         Counts of the encoder per turn; 0 for a rig without one.
     encoder_absolute
-        Whether the encoder's zero stays where it is between power-ons. An incremental one is zeroed wherever it stands
-        at power-on, so that what happens once per turn has another phase in each session. It is for those who compare
-        sessions; a simulated angle does not depend on it.
+        Whether the zero of the encoder is the same after every power-on. An incremental encoder starts at zero at any
+        angle, so that once-per-turn effects have a free phase in every session. Analyses use it; the simulated angle
+        does not depend on it.
     encoder_phase_deg
-        True angle at which the motion begins, degrees: counts begin there, and so does all that happens once per turn.
+        True angle at the beginning of the motion, degrees, for encoder counts and once-per-turn effects.
     host_delay_s
-        From the moment of a measurement to its bytes on the link, s.
+        Delay from a measurement to its bytes on the link, s.
     host_jitter_s
-        Mean of what the host's scheduler adds to that, s: exponential and independent from sample to sample, but no
-        sample overtakes the one before it.
+        Mean additional delay by the scheduler of the host, s: exponential and independent, but samples stay in order.
     """
 
     sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
     dps_per_lsb: Annotated[float, Field(gt=0.0, le=10.0)] = 0.00763
     noise_dps_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0035
     bias_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
-    encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MOST)] = 36000
+    encoder_cpr: Annotated[int, Field(ge=0, le=ENCODER_CPR_MAX)] = 36000
     encoder_absolute: bool = False
     encoder_phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
@@ -56,7 +55,7 @@ class Base(Checked):
 
 
 def _of_the_catalogue(value: Any, _: object) -> Effect:
-    """What a file says of an effect, as the effect of that name; pydantic's own union would not see later ones."""
+    """Effect from a file, by its name; a pydantic union would not include effects registered later."""
     if isinstance(value, Effect):
         return value
     if not isinstance(value, dict):
@@ -65,9 +64,9 @@ def _of_the_catalogue(value: Any, _: object) -> Effect:
         raise PydanticKnownError("union_tag_not_found", {"discriminator": "'name'"})
     name = value["name"]
     if not isinstance(name, str) or name not in CATALOGUE:
-        known = ", ".join(map(repr, CATALOGUE))
+        names = ", ".join(map(repr, CATALOGUE))
         raise PydanticKnownError(
-            "union_tag_invalid", {"discriminator": "'name'", "tag": str(name), "expected_tags": known}
+            "union_tag_invalid", {"discriminator": "'name'", "tag": str(name), "expected_tags": names}
         )
     return CATALOGUE[name].model_validate(value)
 
@@ -76,41 +75,41 @@ AnyEffect = Annotated[SerializeAsAny[Effect], WrapValidator(_of_the_catalogue)]
 
 
 class Rig(Checked):
-    """A whole rig; `effects` is what it has beyond the ideal, and one of them may stand there more than once."""
+    """Rig: the ideal device and its effects; an effect may be listed several times."""
 
     base: Base = Base()
     effects: Annotated[tuple[AnyEffect, ...], Field(strict=False)] = ()
 
 
 def load_rig(path: Path | None) -> Rig:
-    """The rig of a file, or the shipped one.
+    """Rig of a file, or the shipped one.
 
     Raises
     ------
     FileError
-        With every mistake in the file.
+        The file has mistakes; the message lists all of them.
     """
     return load(path or config_folder() / "rig.yaml", Rig)
 
 
 def parse_effect(text: str) -> Effect:
-    """An effect as a command line says it: `name` for its typical size, or `name:parameter=value,...`.
+    """Effect from a command line: `name` for its typical size, or `name:parameter=value,...`.
 
     Raises
     ------
     FileError
-        Where there is no such effect or parameter, or a value is none or out of range.
+        The effect or a parameter is unknown, or a value is invalid.
     """
     return parse_named("effect", text, CATALOGUE, lambda kind: kind.typical)
 
 
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
-    """The rig with more effects."""
+    """Rig with additional effects."""
     return rig.model_copy(update={"effects": (*rig.effects, *effects)})
 
 
 def with_replaced(rig: Rig, effects: Sequence[Effect]) -> Rig:
-    """The rig with effects in the place of those of the same names, behind all others."""
+    """Rig with effects that replace those of the same names, after all others."""
     names = {effect.name for effect in effects}
     kept = tuple(effect for effect in rig.effects if effect.name not in names)
     return rig.model_copy(update={"effects": (*kept, *effects)})

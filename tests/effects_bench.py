@@ -63,7 +63,7 @@ def record(rig: Rig, profile: Profile, seconds: float, seed: int = 0, block_samp
 
     kept = joined("seq") < count
     t_s = joined("seq")[kept] / rig.base.sample_rate_hz
-    angle_deg, true_dps = profile.at(t_s)
+    angle_deg, true_dps = profile.motion_at(t_s)
     return Record(
         t_s=t_s,
         angle_deg=angle_deg,

@@ -1,1 +1,1 @@
-"""What a real gyro, its surroundings, its encoder and its link add to an ideal measurement; rooms by stage."""
+"""Effects of a real gyro, its environment, its encoder and its link on an ideal measurement, by stage."""

@@ -1,6 +1,6 @@
-"""All effects by name: one entry here, and rig files, command lines and the gallery know an effect.
+"""All effects by name. An entry here makes an effect known to rig files, command lines and the gallery.
 
-The order matters: within a place effects act as they are listed, however a rig file lists them.
+The order matters: within a slot, effects act in the order of this list, not in the order of the rig file.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,16 +19,16 @@ Kind = TypeVar("Kind", bound=Effect)
 _KINDS: dict[str, type[Effect]] = {}
 
 CATALOGUE: Mapping[str, type[Effect]] = MappingProxyType(_KINDS)
-"""Class by name; a view that shows what is registered later too."""
+"""Class by name; a view that includes effects registered later."""
 
 
 def register(kind: type[Kind]) -> type[Kind]:
-    """Add an effect behind all others; as a decorator of its class where that stands outside of this package.
+    """Add an effect after all others; also a decorator for classes outside this package.
 
     Raises
     ------
     ValueError
-        Where another effect has the name.
+        The name is taken.
     """
     name = name_of(kind)
     if name in _KINDS:
@@ -38,17 +38,17 @@ def register(kind: type[Kind]) -> type[Kind]:
 
 
 def unregister(name: str) -> None:
-    """Take an effect away again, as a test does with one of its own."""
+    """Remove an effect, for tests."""
     del _KINDS[name]
 
 
 def name_of(kind: type[Effect]) -> str:
-    """The name that a rig file states."""
+    """Name in a rig file."""
     return str(kind.model_fields["name"].default)
 
 
 def in_acting_order(effects: Sequence[Effect]) -> list[Effect]:
-    """Effects in the order of the catalogue; those of one kind stay as they are listed."""
+    """Effects in the order of the catalogue; several of a kind keep their order."""
     order = {name: number for number, name in enumerate(_KINDS)}
     return sorted(effects, key=lambda effect: order[effect.name])
 

@@ -1,8 +1,7 @@
-"""What an effect is: parameters with bounds and units, a place where it acts, and an act on blocks of numbers.
+"""Base of effects: parameters with bounds and units, a slot in the measurement, and an act on blocks of numbers.
 
-An effect is a value that a rig file states. `begin` gives its act for one session, with whatever state the act
-carries from block to block, and a random generator of its own: switching one effect on leaves the
-realisations of the others as they were.
+An effect is a value from a rig file. `begin` returns its act for one session, which keeps its state between blocks.
+Every effect has its own random generator, so adding one does not change the realizations of others.
 """
 
 from collections.abc import Callable
@@ -19,23 +18,23 @@ Floats = NDArray[np.float64]
 Rng = np.random.Generator
 
 
-class Place(IntEnum):
-    """Where an effect acts, in the order of a measurement; the values that its act is handed stand behind.
+class Slot(IntEnum):
+    """Slot of an effect in the order of a measurement, with the values that its act gets.
 
-    LAG        delay of the motion that the gyro sees: times of seeing, s
-    ANALOGUE   the rate before it is sampled, on the fine grid: deg/s
-    LOW_PASS   the same, with noise and all that was added to it: deg/s
-    RATE       the sampled rate, its gain and its bias: deg/s
-    OUTPUT     the rate as the sensor puts it out, before it is rounded to counts: deg/s
-    HOLD       the rate as the device reads it out: deg/s
-    ENCODER    the angle that the encoder sees: degrees
-    COUNTS     the angle as the encoder counts it: degrees
-    CLOCK      the device's time stamps: s
-    ARRIVAL    when the host has the sample: s, NaN where it never does
+    - LAG: times at which the gyro senses the motion, s
+    - ANALOG: rate before sampling, on the fine grid, deg/s
+    - LOW_PASS: rate before sampling with noise and all additions, deg/s
+    - RATE: sampled rate, for gain and bias, deg/s
+    - OUTPUT: output of the sensor before rounding to counts, deg/s
+    - HOLD: rate that the device reads, deg/s
+    - ENCODER: angle at the encoder, degrees
+    - COUNTS: angle in encoder counts, degrees
+    - CLOCK: time stamps of the device, s
+    - ARRIVAL: arrival at the host, s; NaN for lost samples
     """
 
     LAG = 0
-    ANALOGUE = 1
+    ANALOG = 1
     LOW_PASS = 2
     RATE = 3
     OUTPUT = 4
@@ -48,18 +47,18 @@ class Place(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """The truth at the times of a block; every array has the shape (n,).
+    """True values at the times of a block; every array has the shape (n,).
 
     t_s
-        Time since the session began, s.
+        Time since the beginning of the session, s.
     powered_s
         Time since power-on, s.
     angle_deg, rate_dps
-        True angle of the table, from the rig's phase on, and its rate.
+        True angle of the table, including the phase of the rig, and its rate.
     temp_c
         Temperature of the sensor, °C.
     step_s
-        Distance of the times, s.
+        Step of the times, s.
     """
 
     t_s: Floats
@@ -76,20 +75,20 @@ Act = Callable[[Floats, Moments], Floats]
 class Effect(Checked):
     """Base of all effects.
 
-    `typical` holds the parameters of a usual size, as data sheets and field reports have them, `small` those of a
-    size that still matters for yaw; the gallery and the tests use both.
+    `typical` holds parameters of a usual size from data sheets and field reports, `small` the smallest that matter for
+    yaw. The gallery and the tests use both.
     """
 
     name: str
     stage: ClassVar[str]
-    place: ClassVar[Place]
+    slot: ClassVar[Slot]
     typical: ClassVar[dict[str, float]]
     small: ClassVar[dict[str, float]]
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """The act of this effect over one session whose samples come at `sample_rate_hz`."""
-        raise TypeError(f"{type(self).__name__} says nothing of how it acts")
+        """Act of this effect for a session with a sample rate."""
+        raise TypeError(f"{type(self).__name__} does not define begin")
 
     def finest_step_s(self) -> float:
-        """The coarsest analogue grid that this effect is right on, s; infinite where the samples will do."""
+        """Largest step of the fine grid for this effect, s; infinite if it needs no fine grid."""
         return float("inf")

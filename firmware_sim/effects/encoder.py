@@ -1,22 +1,22 @@
-"""Platform and encoder: errors of the reference, which the gyro knows nothing of."""
+"""Effects of platform and encoder: errors of the reference."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
 from firmware_sim.effects.recursion import Poisson
 
 
 class EncoderEccentricity(Effect):
-    """Angle + A·sin(θ + φ): the disc is off centre. Typical A: 0.1 to 1.4°."""
+    """Angle + A·sin(θ + φ): the disc is off center. Typical A: 0.1 to 1.4°."""
 
     name: Literal["encoder_eccentricity"] = "encoder_eccentricity"
     amplitude_deg: Annotated[float, Field(ge=0.0, le=20.0)]
     phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     stage: ClassVar[str] = "encoder"
-    place: ClassVar[Place] = Place.ENCODER
+    slot: ClassVar[Slot] = Slot.ENCODER
     typical: ClassVar[dict[str, float]] = {"amplitude_deg": 0.5, "phase_deg": 30.0}
     small: ClassVar[dict[str, float]] = {"amplitude_deg": 0.1, "phase_deg": 30.0}
 
@@ -32,12 +32,12 @@ class EncoderSlip(Effect):
     step_deg: Annotated[float, Field(ge=0.0, le=360.0)]
     per_hour: Annotated[float, Field(gt=0.0, le=36000.0)] = 20.0
     stage: ClassVar[str] = "encoder"
-    place: ClassVar[Place] = Place.ENCODER
+    slot: ClassVar[Slot] = Slot.ENCODER
     typical: ClassVar[dict[str, float]] = {"step_deg": 2.0, "per_hour": 20.0}
     small: ClassVar[dict[str, float]] = {"step_deg": 0.3, "per_hour": 20.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Sum of the jumps so far; the way of each is drawn when it comes."""
+        """Sum of the jumps so far; signs are drawn one by one."""
         jumps = Poisson(rng, 3600.0 / self.per_hour)
         ways = np.random.default_rng(rng.integers(1 << 62))
         offsets_deg = [0.0]
@@ -53,17 +53,17 @@ class EncoderSlip(Effect):
 
 
 class Backlash(Effect):
-    """The encoder follows through a play and stays within half of it of the true angle. Typical: 0.02 to 0.5°."""
+    """Play between table and encoder: the encoder stays within half of it of the true angle. Typical: 0.02 to 0.5°."""
 
     name: Literal["backlash"] = "backlash"
     play_deg: Annotated[float, Field(ge=0.0, le=20.0)]
     stage: ClassVar[str] = "platform"
-    place: ClassVar[Place] = Place.ENCODER
+    slot: ClassVar[Slot] = Slot.ENCODER
     typical: ClassVar[dict[str, float]] = {"play_deg": 0.3}
     small: ClassVar[dict[str, float]] = {"play_deg": 0.08}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Play operator, a stretch of one direction at a time; it starts in the middle of the play."""
+        """Play operator, one direction at a time, starting in the middle of the play."""
         state = [float("nan")]
 
         def act(angle: Floats, _: Moments) -> Floats:
@@ -83,15 +83,15 @@ class Backlash(Effect):
 
 
 class EncoderQuantization(Effect):
-    """The encoder has fewer counts per turn than the rig says. Typical: 360 to 4096."""
+    """Fewer counts per turn than the rig states. Typical: 360 to 4096."""
 
     name: Literal["encoder_quantization"] = "encoder_quantization"
     cpr: Annotated[int, Field(ge=1, le=10_000_000)]
     stage: ClassVar[str] = "encoder"
-    place: ClassVar[Place] = Place.COUNTS
+    slot: ClassVar[Slot] = Slot.COUNTS
     typical: ClassVar[dict[str, float]] = {"cpr": 720}
     small: ClassVar[dict[str, float]] = {"cpr": 4096}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Nearest of the coarse counts."""
+        """Nearest coarse count."""
         return lambda angle, _: np.floor(angle / 360.0 * self.cpr + 0.5) * (360.0 / self.cpr)

@@ -1,25 +1,25 @@
-"""Environment: temperature, and what it does. The sensor warms itself by 8 °C over some minutes after power-on."""
+"""Effects of temperature. The sensor heats itself by 8 °C within minutes after power-on."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
 
 REFERENCE_C = 25.0
-"""Where the effects of temperature are zero."""
+"""Temperature at which the effects are zero, °C."""
 
-AT_ONCE = {"fast_share": 0.0, "fast_time_constant_s": 30.0}
-"""Of a warm-up with one decay."""
+SINGLE_DECAY = {"fast_share": 0.0, "fast_time_constant_s": 30.0}
+"""Parameters of a warm-up with a single decay."""
 
 SELF_HEATING_C = 8.0
 SELF_HEATING_S = 240.0
-"""A small board in still air (MPU-6050 field reports: ten to fifteen minutes until it is settled)."""
+"""A small board in still air (MPU-6050 field reports: stable after ten to fifteen minutes)."""
 
 
 def sensor_temperature_c(ambient_c: Floats, powered_s: Floats) -> Floats:
-    """Ambient plus self-heating, °C; of the shape of both."""
+    """Ambient temperature plus self-heating, °C, in the shape of both."""
     return ambient_c + SELF_HEATING_C * (1.0 - np.exp(-powered_s / SELF_HEATING_S))
 
 
@@ -30,7 +30,7 @@ class TempBias(Effect):
     slope_dps_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
     curve_per_c: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
     stage: ClassVar[str] = "environment"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03, "curve_per_c": 0.0}
     small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005, "curve_per_c": 0.0}
 
@@ -51,7 +51,7 @@ class TempScale(Effect):
     name: Literal["temp_scale"] = "temp_scale"
     slope_percent_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
     stage: ClassVar[str] = "environment"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.05}
     small: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.02}
 
@@ -61,7 +61,7 @@ class TempScale(Effect):
 
 
 class Warmup(Effect):
-    """Bias A·exp(−t/τ) after power-on; a share of it may decay sooner, as a die before its package.
+    """Bias A·exp(−t/τ) after power-on; a share may decay faster, like a die inside its package.
 
     Typical: 0.05 to 0.5 deg/s over 30 to 600 s.
     """
@@ -72,19 +72,19 @@ class Warmup(Effect):
     fast_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     fast_time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 30.0
     stage: ClassVar[str] = "environment"
-    place: ClassVar[Place] = Place.RATE
-    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0, **AT_ONCE}
-    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0, **AT_ONCE}
+    slot: ClassVar[Slot] = Slot.RATE
+    typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0, **SINGLE_DECAY}
+    small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0, **SINGLE_DECAY}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """One decay, or two."""
 
         def act(rate: Floats, moments: Moments) -> Floats:
-            left = np.exp(-moments.powered_s / self.time_constant_s)
+            remaining = np.exp(-moments.powered_s / self.time_constant_s)
             if self.fast_share:
                 fast = np.exp(-moments.powered_s / self.fast_time_constant_s)
-                left = left + self.fast_share * (fast - left)
-            changed: Floats = rate + self.amplitude_dps * left
+                remaining = remaining + self.fast_share * (fast - remaining)
+            changed: Floats = rate + self.amplitude_dps * remaining
             return changed
 
         return act

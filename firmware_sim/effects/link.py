@@ -1,28 +1,28 @@
-"""Clock and link: time stamps and delivery. The measurement is right; when it was, or whether it comes, is not."""
+"""Effects of clock and link on time stamps and delivery; measured values stay correct."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
 
 SHORTEST_STEP_S = 1e-6
-"""Device clocks count microseconds, and never stand still."""
+"""Smallest step of a device clock, which counts microseconds, s."""
 
 
 class ClockDrift(Effect):
-    """The device clock runs fast (positive) against the host's. Typical: crystal 20 to 100 ppm, gyro PLL 1 %."""
+    """The device clock runs fast (positive) against the host clock. Typical: crystal 20 to 100 ppm, gyro PLL 1 %."""
 
     name: Literal["clock_drift"] = "clock_drift"
     ppm: Annotated[float, Field(ge=-100000.0, le=100000.0)]
     stage: ClassVar[str] = "clock"
-    place: ClassVar[Place] = Place.CLOCK
+    slot: ClassVar[Slot] = Slot.CLOCK
     typical: ClassVar[dict[str, float]] = {"ppm": 5000.0}
     small: ClassVar[dict[str, float]] = {"ppm": 300.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Time stretched."""
+        """Stretched time."""
         return lambda stamp_s, _: stamp_s * (1.0 + self.ppm * 1e-6)
 
 
@@ -32,12 +32,12 @@ class TimestampJitter(Effect):
     name: Literal["timestamp_jitter"] = "timestamp_jitter"
     sigma_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
     stage: ClassVar[str] = "clock"
-    place: ClassVar[Place] = Place.CLOCK
+    slot: ClassVar[Slot] = Slot.CLOCK
     typical: ClassVar[dict[str, float]] = {"sigma_ms": 1.0}
     small: ClassVar[dict[str, float]] = {"sigma_ms": 0.2}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Scatter, kept in order: a stamp is at least a microsecond after the one before."""
+        """Scattered times in order: every stamp is at least 1 µs after the one before."""
         last_s = [-np.inf]
 
         def act(stamp_s: Floats, _: Moments) -> Floats:
@@ -57,12 +57,12 @@ class UsbBatching(Effect):
     name: Literal["usb_batching"] = "usb_batching"
     interval_ms: Annotated[float, Field(ge=0.01, le=5000.0)]
     stage: ClassVar[str] = "link"
-    place: ClassVar[Place] = Place.ARRIVAL
+    slot: ClassVar[Slot] = Slot.ARRIVAL
     typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0}
     small: ClassVar[dict[str, float]] = {"interval_ms": 16.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """The next tick."""
+        """Next tick."""
         interval_s = self.interval_ms * 1e-3
         return lambda arrival_s, _: np.ceil(arrival_s / interval_s) * interval_s
 
@@ -73,7 +73,7 @@ class SampleDrop(Effect):
     name: Literal["sample_drop"] = "sample_drop"
     share_percent: Annotated[float, Field(ge=0.0, le=90.0)]
     stage: ClassVar[str] = "link"
-    place: ClassVar[Place] = Place.ARRIVAL
+    slot: ClassVar[Slot] = Slot.ARRIVAL
     typical: ClassVar[dict[str, float]] = {"share_percent": 1.0}
     small: ClassVar[dict[str, float]] = {"share_percent": 0.1}
 

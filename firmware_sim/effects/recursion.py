@@ -1,4 +1,4 @@
-"""First-order recursions and slow random tracks over blocks, without a Python step for each sample."""
+"""First-order recursions and slow random tracks over blocks, without a Python step per sample."""
 
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from firmware_sim.effects.effect import Floats, Rng
 
 RUN = 64
-"""Samples that one matrix product takes; the carry between runs is a Python number."""
+"""Samples per matrix product; the carry between runs is a Python number."""
 
 SLOW_STEP_S = 0.1
 SLOW_CHUNK = 1024
@@ -20,7 +20,7 @@ Number = TypeVar("Number", np.float64, np.complex128)
 
 
 class OnePole(Generic[Number]):
-    """y[n] = pole·y[n−1] + x[n], carried from block to block; `last` is y before the first. Real or complex."""
+    """y[n] = pole·y[n−1] + x[n], over blocks; `last` is y before the first sample. Real or complex."""
 
     def __init__(self, pole: Number, last: Number) -> None:
         self.last: Number = last
@@ -31,7 +31,7 @@ class OnePole(Generic[Number]):
         self._decay: NDArray[Number] = powers[1:]
 
     def __call__(self, x: NDArray[Number]) -> NDArray[Number]:
-        """The next values, of the shape of x (n,)."""
+        """Next values, in the shape of x (n,)."""
         runs = -(-len(x) // RUN)
         padded = np.zeros(runs * RUN, x.dtype)
         padded[: len(x)] = x
@@ -50,29 +50,29 @@ class OnePole(Generic[Number]):
 
 
 class SlowTrack:
-    """A random track on a coarse grid, linear between its points; asked for at times that never go back."""
+    """Random track on a coarse grid with linear interpolation; times must not go back."""
 
     def __init__(self, draw: Callable[[int], Floats]) -> None:
         self._draw = draw
         self._values = draw(SLOW_CHUNK)
         self._first = 0
 
-    def at(self, t_s: Floats) -> Floats:
-        """The track at times from 0 on, of their shape."""
-        place = np.maximum(t_s, 0.0) / SLOW_STEP_S
-        while self._first + len(self._values) < place[-1] + 2.0:
+    def values_at(self, t_s: Floats) -> Floats:
+        """Track at times from 0 on, in their shape."""
+        grid_positions = np.maximum(t_s, 0.0) / SLOW_STEP_S
+        while self._first + len(self._values) < grid_positions[-1] + 2.0:
             self._values = np.concatenate([self._values, self._draw(SLOW_CHUNK)])
-        done = int(place[0]) - self._first
+        done = int(grid_positions[0]) - self._first
         if done > SLOW_CHUNK:
             self._values = self._values[done:]
             self._first += done
         grid = self._first + np.arange(len(self._values))
-        track: Floats = np.interp(place, grid, self._values)
+        track: Floats = np.interp(grid_positions, grid, self._values)
         return track
 
 
 class Poisson:
-    """Events at random times, at a mean distance of `mean_s`; asked for at times that never go back."""
+    """Random events with a mean interval of `mean_s`; times must not go back."""
 
     def __init__(self, rng: Rng, mean_s: float) -> None:
         self._rng = rng
@@ -82,7 +82,7 @@ class Poisson:
         self._forgotten = 0
 
     def count_until(self, t_s: Floats) -> Floats:
-        """How many events have come until each time, of its shape."""
+        """Number of events up to every time, in its shape."""
         while self._reached_s <= t_s[-1]:
             gaps_s = self._rng.exponential(self._mean_s, 64)
             self._times_s = np.concatenate([self._times_s, self._reached_s + np.cumsum(gaps_s)])

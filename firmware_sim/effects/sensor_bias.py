@@ -1,4 +1,4 @@
-"""Sensor: what the bias does by itself, and what turning and tilting do to it."""
+"""Effects on the bias of the sensor: noise processes, rate and tilt."""
 
 from collections.abc import Sequence
 from math import log, pi, sqrt
@@ -7,13 +7,15 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Rng, Slot
 from firmware_sim.effects.recursion import SLOW_STEP_S, OnePole, Poisson, SlowTrack
 
 FLICKER_RATIO = 3.0
 FLICKER_TAUS_S = tuple(2.7 * FLICKER_RATIO**power for power in range(8))
-"""Time constants, 2.7 s to 1.6 h, whose sum has a spectrum of 1/f between their ends. Quicker ones follow, each drawn
-from sample to sample, down to QUICKEST of a sample period, where what folds down is nearly white."""
+"""Time constants, 2.7 s to 1.6 h, whose sum has a 1/f spectrum between them.
+
+Faster ones, drawn for every sample, follow down to QUICKEST of a sample period; their aliases are almost white.
+"""
 
 QUICKEST = 0.25
 
@@ -21,28 +23,28 @@ QUICKEST = 0.25
 class BiasInstability(Effect):
     """1/f noise of two-sided density B²/(2πf), as a sum of first-order Markov processes.
 
-    Their variance is B²·ln(ratio of time constants)/π each. The Allan deviation is flat at √(2·ln 2/π)·B = 0.664·B
-    (IEEE Std 952). Typical B: 4 to 40 deg/h.
+    Every process has the variance B²·ln(ratio of time constants)/π. The Allan deviation is flat at √(2·ln 2/π)·B =
+    0.664·B (IEEE Std 952). Typical B: 4 to 40 deg/h.
     """
 
     name: Literal["bias_instability"] = "bias_instability"
     floor_dph: Annotated[float, Field(ge=0.0, le=10000.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"floor_dph": 40.0}
     small: ClassVar[dict[str, float]] = {"floor_dph": 10.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Slow track, and what is quicker."""
+        """Slow track plus faster processes."""
         sigma_dps = self.floor_dph / 3600.0 * sqrt(log(FLICKER_RATIO) / pi)
         slow = _processes(rng, sigma_dps, SLOW_STEP_S, FLICKER_TAUS_S)
         quick = _processes(rng, sigma_dps, 1.0 / sample_rate_hz, _quick_taus_s(sample_rate_hz))
         track = SlowTrack(lambda count: _sum(slow, count))
-        return lambda rate, moments: rate + track.at(moments.t_s) + _sum(quick, len(rate))
+        return lambda rate, moments: rate + track.values_at(moments.t_s) + _sum(quick, len(rate))
 
 
 class _Markov:
-    """A process of first order, of a standard deviation, whose steps are so many time constants."""
+    """First-order Markov process with a standard deviation, and a step in time constants."""
 
     def __init__(self, rng: Rng, sigma_dps: float, step: float) -> None:
         pole = np.exp(-step)
@@ -63,9 +65,9 @@ def _quick_taus_s(sample_rate_hz: float) -> list[float]:
 
 
 def _processes(rng: Rng, sigma_dps: float, step_s: float, taus_s: Sequence[float]) -> list[_Markov]:
-    """Each with random numbers of its own: how many are drawn at once does not matter."""
-    own = rng.spawn(len(taus_s))
-    return [_Markov(each, sigma_dps, step_s / tau_s) for each, tau_s in zip(own, taus_s, strict=True)]
+    """Processes with separate generators, so that the block size does not matter."""
+    generators = rng.spawn(len(taus_s))
+    return [_Markov(generator, sigma_dps, step_s / tau_s) for generator, tau_s in zip(generators, taus_s, strict=True)]
 
 
 def _sum(processes: Sequence[_Markov], count: int) -> Floats:
@@ -81,7 +83,7 @@ class RateRandomWalk(Effect):
     name: Literal["rate_random_walk"] = "rate_random_walk"
     density_dps_rts: Annotated[float, Field(ge=0.0, le=1.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"density_dps_rts": 0.005}
     small: ClassVar[dict[str, float]] = {"density_dps_rts": 0.001}
 
@@ -90,7 +92,7 @@ class RateRandomWalk(Effect):
         walk = OnePole(np.float64(1.0), np.float64(0.0))
         step_dps = self.density_dps_rts * sqrt(SLOW_STEP_S)
         track = SlowTrack(lambda count: walk(step_dps * rng.standard_normal(count)))
-        return lambda rate, moments: rate + track.at(moments.t_s)
+        return lambda rate, moments: rate + track.values_at(moments.t_s)
 
 
 class Popcorn(Effect):
@@ -100,7 +102,7 @@ class Popcorn(Effect):
     step_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     dwell_s: Annotated[float, Field(ge=0.01, le=1e5)] = 20.0
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"step_dps": 0.2, "dwell_s": 20.0}
     small: ClassVar[dict[str, float]] = {"step_dps": 0.03, "dwell_s": 20.0}
 
@@ -116,7 +118,7 @@ class VibrationRectification(Effect):
     name: Literal["vibration_rectification"] = "vibration_rectification"
     bias_dps_at_100_dps: Annotated[float, Field(ge=-50.0, le=50.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.2}
     small: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.05}
 
@@ -132,7 +134,7 @@ class GSensitivity(Effect):
     amplitude_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.1, "phase_deg": 30.0}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.03, "phase_deg": 30.0}
 

@@ -1,14 +1,14 @@
-"""Sensor: the static curve from rate to output. Gain, its asymmetry and bend, dead band, end of range, coarse steps."""
+"""Static curve of the sensor: gain, asymmetry, nonlinearity, dead band, saturation, quantization."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Rng, Slot
 
 FULL_SCALE_DPS = 250.0
-"""The range at which a cubic is stated: the finest one of an MPU-6050."""
+"""Full scale of the nonlinearity, deg/s: the finest range of an MPU-6050."""
 
 
 class ScaleFactor(Effect):
@@ -17,7 +17,7 @@ class ScaleFactor(Effect):
     name: Literal["scale_factor"] = "scale_factor"
     error_percent: Annotated[float, Field(ge=-20.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent": 1.5}
     small: ClassVar[dict[str, float]] = {"error_percent": 0.2}
 
@@ -27,12 +27,12 @@ class ScaleFactor(Effect):
 
 
 class ScaleAsymmetry(Effect):
-    """Rate + e·abs(rate): too large one way, too small the other. Typical e: 0.1 to 0.5 %."""
+    """Rate + e·abs(rate): too large in one direction, too small in the other. Typical e: 0.1 to 0.5 %."""
 
     name: Literal["scale_asymmetry"] = "scale_asymmetry"
     error_percent: Annotated[float, Field(ge=-20.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent": 0.4}
     small: ClassVar[dict[str, float]] = {"error_percent": 0.1}
 
@@ -47,7 +47,7 @@ class Nonlinearity(Effect):
     name: Literal["nonlinearity"] = "nonlinearity"
     error_percent_fs: Annotated[float, Field(ge=-10.0, le=10.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.RATE
+    slot: ClassVar[Slot] = Slot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent_fs": 0.2}
     small: ClassVar[dict[str, float]] = {"error_percent_fs": 0.05}
 
@@ -63,7 +63,7 @@ class Deadband(Effect):
     name: Literal["deadband"] = "deadband"
     width_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.OUTPUT
+    slot: ClassVar[Slot] = Slot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"width_dps": 0.5}
     small: ClassVar[dict[str, float]] = {"width_dps": 0.1}
 
@@ -73,12 +73,12 @@ class Deadband(Effect):
 
 
 class Saturation(Effect):
-    """Output ends at ± a limit, and the device does not say so. Typical: a range of 125 to 2000 deg/s."""
+    """Output clipped at ± a limit, without a flag. Typical: a range of 125 to 2000 deg/s."""
 
     name: Literal["saturation"] = "saturation"
     limit_dps: Annotated[float, Field(ge=1.0, le=4000.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.OUTPUT
+    slot: ClassVar[Slot] = Slot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"limit_dps": 125.0}
     small: ClassVar[dict[str, float]] = {"limit_dps": 170.0}
 
@@ -88,12 +88,12 @@ class Saturation(Effect):
 
 
 class Quantization(Effect):
-    """Output comes in steps coarser than a count. Typical: 1/131 to 1/16 deg/s, × 16 on a 12-bit path."""
+    """Output in steps coarser than a count. Typical: 1/131 to 1/16 deg/s, × 16 on a 12-bit path."""
 
     name: Literal["quantization"] = "quantization"
     step_dps: Annotated[float, Field(ge=1e-6, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.OUTPUT
+    slot: ClassVar[Slot] = Slot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"step_dps": 0.25}
     small: ClassVar[dict[str, float]] = {"step_dps": 0.0625}
 

@@ -1,4 +1,4 @@
-"""Sensor: what depends on how fast the rate changes. Low-pass, delay, vibration. These act in continuous time."""
+"""Dynamics of the sensor in continuous time: low-pass, delay, vibration."""
 
 from math import pi, sqrt
 from typing import Annotated, ClassVar, Generic, Literal
@@ -6,46 +6,48 @@ from typing import Annotated, ClassVar, Generic, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
 from firmware_sim.effects.recursion import Number, OnePole
 
 STEPS_PER_TIME_CONSTANT = 10.0
 STEPS_PER_PERIOD = 25.0
-"""Steps of the analogue grid in one time constant of a low-pass, and in one period of a tone before it: straight lines
-between so many points weaken the tone by half a percent."""
+"""Steps of the fine grid per time constant of a low-pass, and per period of a tone.
+
+Linear interpolation weakens the tone by half a percent.
+"""
 
 
 class Latency(Effect):
-    """The gyro sees the motion of a fixed time ago. Typical: 1 to 20 ms (internal filters, bus, firmware)."""
+    """The gyro senses the motion with a fixed delay. Typical: 1 to 20 ms (internal filters, bus, firmware)."""
 
     name: Literal["latency"] = "latency"
     delay_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.LAG
+    slot: ClassVar[Slot] = Slot.LAG
     typical: ClassVar[dict[str, float]] = {"delay_ms": 20.0}
     small: ClassVar[dict[str, float]] = {"delay_ms": 3.0}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Earlier times; the motion is known in closed form between samples too."""
+        """Earlier times; the motion between samples is known in closed form."""
         return lambda t_s, _: t_s - self.delay_ms * 1e-3
 
 
 class Vibration(Effect):
     """A tone A·sin(2πft + φ) in the rate, φ random. Typical: 0.01 to 1 deg/s at 10 to 300 Hz (motors, fans).
 
-    It is there before sampling: above half the sample rate it aliases.
+    It acts before sampling, so it aliases above half the sample rate.
     """
 
     name: Literal["vibration"] = "vibration"
     amplitude_dps: Annotated[float, Field(ge=0.0, le=500.0)]
     frequency_hz: Annotated[float, Field(gt=0.0, le=5000.0)]
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.ANALOGUE
+    slot: ClassVar[Slot] = Slot.ANALOG
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.5, "frequency_hz": 73.0}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "frequency_hz": 23.0}
 
     def finest_step_s(self) -> float:
-        """Part of a period, where a low-pass follows; sampled as it is, a tone needs no grid."""
+        """Fraction of a period, for a low-pass after it; without one, a tone needs no fine grid."""
         return 1.0 / self.frequency_hz / STEPS_PER_PERIOD
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
@@ -60,16 +62,19 @@ class Bandwidth(Effect):
     H = 1 / (1 + jf/f_c), or 1 / (1 + j√2·f/f_c − (f/f_c)²). Typical f_c: 5 to 256 Hz.
 
     The output is the real part of z, where dz/dt = s·(z − g·x): one pole is s = −ω with g = 1, and two are
-    s = ω·exp(3jπ/4) with g = 1 − j and the conjugates of both. Exact for input that is linear between the points of the
-    analogue grid (first-order hold):
-    z[n] = p·z[n−1] + a·x[n] + b·x[n−1] with p = exp(s·h), c = (p − 1)/(s·h), a = g·(1 − c), b = g·(c − p).
+    s = ω·exp(3jπ/4) with g = 1 − j and the conjugates of both. It is exact for input that is linear on the fine
+    grid (first-order hold):
+
+    z[n] = p·z[n−1] + a·x[n] + b·x[n−1];
+    p = exp(s·h), c = (p − 1)/(s·h);
+    a = g·(1 − c), b = g·(c − p).
     """
 
     name: Literal["bandwidth"] = "bandwidth"
     cutoff_hz: Annotated[float, Field(ge=0.05, le=2000.0)]
     order: Annotated[int, Field(ge=1, le=2)] = 1
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.LOW_PASS
+    slot: ClassVar[Slot] = Slot.LOW_PASS
     typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0, "order": 1}
     small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0, "order": 1}
 
@@ -78,16 +83,16 @@ class Bandwidth(Effect):
         return 1.0 / (2.0 * pi * self.cutoff_hz) / STEPS_PER_TIME_CONSTANT
 
     def delay_s(self) -> float:
-        """By which slow changes come late, s."""
+        """Delay of slow changes, s."""
         return sqrt(self.order) / (2.0 * pi * self.cutoff_hz)
 
     def power_passed(self, frequency_hz: Floats) -> Floats:
-        """What is left of the power at frequencies, of their shape."""
-        left: Floats = 1.0 / (1.0 + np.power(frequency_hz / self.cutoff_hz, 2 * self.order))
-        return left
+        """Transmitted share of the power at frequencies, in their shape."""
+        passed_power: Floats = 1.0 / (1.0 + np.power(frequency_hz / self.cutoff_hz, 2 * self.order))
+        return passed_power
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Recursion over the analogue grid, settled on the first value."""
+        """Recursion over the fine grid, in steady state at the first value."""
         omega = 2.0 * pi * self.cutoff_hz
         if self.order == 1:
             return _LowPass(np.float64(-omega), np.float64(1.0))
@@ -109,7 +114,7 @@ class _LowPass(Generic[Number]):
             kept = np.exp(along)
             c = (kept - 1.0) / along
             self._a, self._b = self._gain * (1.0 - c), self._gain * (c - kept)
-            self._x_before = float(moments.rate_dps[0])  # settled on the motion, before any noise
+            self._x_before = float(moments.rate_dps[0])  # steady state of the motion without noise
             self._recursion = OnePole(kept, self._gain * self._x_before)
         before = np.concatenate([[self._x_before], rate[:-1]])
         self._x_before = float(rate[-1])

@@ -1,11 +1,11 @@
-"""Sensor: what goes wrong between measurement and register. Wild samples, and samples that repeat the one before."""
+"""Effects of the readout: spikes, and samples that repeat the one before."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Place, Rng
+from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
 
 SharePercent = Annotated[float, Field(ge=0.0, le=50.0)]
 
@@ -17,12 +17,12 @@ class Spikes(Effect):
     height_dps: Annotated[float, Field(ge=0.0, le=4000.0)]
     share_percent: SharePercent = 0.1
     stage: ClassVar[str] = "sensor"
-    place: ClassVar[Place] = Place.OUTPUT
+    slot: ClassVar[Slot] = Slot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"height_dps": 50.0, "share_percent": 0.1}
     small: ClassVar[dict[str, float]] = {"height_dps": 5.0, "share_percent": 0.1}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Independent from sample to sample; one draw decides whether and which way."""
+        """Independent spikes; one draw per sample decides on a spike and its sign."""
 
         def act(rate: Floats, _: Moments) -> Floats:
             draws, half = rng.random(len(rate)), self.share_percent / 200.0
@@ -37,20 +37,20 @@ class StaleHold(Effect):
     name: Literal["stale_hold"] = "stale_hold"
     share_percent: SharePercent
     stage: ClassVar[str] = "link"
-    place: ClassVar[Place] = Place.HOLD
+    slot: ClassVar[Slot] = Slot.HOLD
     typical: ClassVar[dict[str, float]] = {"share_percent": 2.0}
     small: ClassVar[dict[str, float]] = {"share_percent": 0.2}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """The last fresh sample stands until the next fresh one."""
+        """Last fresh value until the next fresh one."""
         last = [float("nan")]
 
         def act(rate: Floats, _: Moments) -> Floats:
             fresh = rng.random(len(rate)) >= self.share_percent / 100.0
-            fresh[0] |= last[0] != last[0]  # there is nothing to repeat at the very first
+            fresh[0] |= last[0] != last[0]  # the first sample has nothing to repeat
             values = np.concatenate([last, rate])
-            held = values[np.maximum.accumulate(np.where(fresh, np.arange(1, len(values)), 0))]
-            last[0] = float(held[-1])
-            return held
+            output = values[np.maximum.accumulate(np.where(fresh, np.arange(1, len(values)), 0))]
+            last[0] = float(output[-1])
+            return output
 
         return act

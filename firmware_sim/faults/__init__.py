@@ -1,1 +1,1 @@
-"""What goes wrong between a gyro and its reader, scripted in time; rooms by level: measurements, frames, cable."""
+"""Scripted faults between a gyro and its reader, by level: measurements, frames, cable."""

@@ -1,4 +1,4 @@
-"""Faults of cable and port: a reader at another line rate, and a plug that is pulled."""
+"""Faults of cable and port: a wrong baud rate, and an unplugged cable."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,14 +13,14 @@ from firmware_sim.measure import Block
 from firmware_sim.wire.encoder import Frame
 
 BITS_OF_A_BYTE = 10
-"""A start bit (0), eight data bits, the lowest first, a stop bit (1)."""
+"""A start bit (0), eight data bits, lowest first, and a stop bit (1)."""
 
 
 class WrongBaud(Lasting):
-    """The device sends at a line rate that is its own: what a reader gets at another one is garbage.
+    """The device sends at a fixed baud rate; a reader with another one gets garbage.
 
     baud
-        Line rate of the device; a reader that has set it gets every byte as it is.
+        Baud rate of the device.
     """
 
     fault: ClassVar[str] = "wrong_baud"
@@ -28,22 +28,22 @@ class WrongBaud(Lasting):
     baud: Annotated[int, Field(ge=50, le=4_000_000)] = 9600
 
     def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
-        """The same line, sampled by the clock of the reader."""
-        if not self.is_on(t_s) or (heard_baud := read_baud()) in (0, self.baud):
+        """Bytes that the reader gets from the line at its own baud rate."""
+        if not self.is_on(t_s) or (reader_baud := read_baud()) in (0, self.baud):
             return content
-        return heard_at(content, self.baud, heard_baud)
+        return received_at(content, self.baud, reader_baud)
 
 
 class Unplug(Fault):
-    """The plug is pulled and put back: a loose connector, a hub that switches a port off.
+    """The plug is pulled and put back: a loose connector, or a hub that switches a port off.
 
     seconds
-        How long the port is gone, s.
+        Time without a port, s.
     name
-        same: it comes back under its name, as one in /dev/serial/by-id does. other: its name stays gone and it
-        comes back as NAME-1 (at the next time NAME-2), as ttyUSB0 becomes ttyUSB1 while a reader holds it.
+        same: it returns under its name, like names in /dev/serial/by-id. other: it returns as NAME-1 (then NAME-2),
+        like ttyUSB0 that becomes ttyUSB1 while a reader holds it.
     power_lost
-        1 where the device lives on the power of the plug and boots anew, 0 where it goes on measuring.
+        1 if the device loses power and boots again, 0 if it keeps measuring.
     """
 
     fault: ClassVar[str] = "unplug"
@@ -53,22 +53,22 @@ class Unplug(Fault):
 
     @property
     def back_s(self) -> float:
-        """When it is put back, s."""
+        """Time of the return, s."""
         return self.from_s + self.seconds
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Without power nothing is measured."""
+        """No measurements without power."""
         return Reset(from_s=self.from_s, silent_s=self.seconds).on_blocks(blocks) if self.power_lost else blocks
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """Both moments as frames of nothing, so that the device meets them on time."""
+        """Frames with two empty ones, so that the device acts at both times."""
         _ = rng
         for moment_s in (self.from_s, self.back_s):
             frames = at_moment(frames, moment_s, lambda t_s: Frame(t_s, b"", 0))
         return frames
 
     def link_at(self, link: Path, t_s: float) -> Path | None:
-        """Its name, its next name, or none."""
+        """Present name of the link, or None."""
         if self.from_s <= t_s < self.back_s:
             return None
         if self.name == "same" or t_s < self.from_s:
@@ -77,25 +77,25 @@ class Unplug(Fault):
         return link.with_name(f"{stem}-{int(number) + 1}" if stem and number.isdecimal() else f"{link.name}-1")
 
 
-def heard_at(content: bytes, sent_baud: int, read_baud: int) -> bytes:
-    """What a receiver at `read_baud` makes of bytes sent one after the other at `sent_baud`.
+def received_at(content: bytes, sent_baud: int, read_baud: int) -> bytes:
+    """Bytes of a receiver at `read_baud` from consecutive bytes at `sent_baud`.
 
-    It waits for a falling edge, samples the middle of each of eight bits by its own clock, and waits for the stop
-    bit to end. The line rests at 1.
+    It waits for a falling edge, samples the middle of eight bits with its own clock, and waits for the end of the stop
+    bit. The idle line is 1.
     """
-    line = [bit for byte in content for bit in (0, *(byte >> place & 1 for place in range(8)), 1)]
+    line = [bit for byte in content for bit in (0, *(byte >> bit & 1 for bit in range(8)), 1)]
     step = sent_baud / read_baud
     heard = bytearray()
-    at = 0
-    while at < len(line):
-        if line[at]:
-            at += 1
+    position = 0
+    while position < len(line):
+        if line[position]:
+            position += 1
             continue
-        samples = (int(at + step * (place + 1.5)) for place in range(8))
-        heard.append(sum(_level(line, sample) << place for place, sample in enumerate(samples)))
-        at = max(at + 1, int(at + step * (BITS_OF_A_BYTE - 0.5)))
+        samples = (int(position + step * (bit + 1.5)) for bit in range(8))
+        heard.append(sum(_level(line, sample) << bit for bit, sample in enumerate(samples)))
+        position = max(position + 1, int(position + step * (BITS_OF_A_BYTE - 0.5)))
     return bytes(heard)
 
 
-def _level(line: list[int], at: int) -> int:
-    return line[at] if at < len(line) else 1
+def _level(line: list[int], position: int) -> int:
+    return line[position] if position < len(line) else 1

@@ -1,4 +1,4 @@
-"""All faults by name, and how several act at once: in the order of the catalogue, however they were given."""
+"""All faults by name; several faults act in the order of the catalogue."""
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -53,31 +53,31 @@ _KINDS: tuple[type[Fault], ...] = (
 )
 
 FAULTS: dict[str, type[Fault]] = {kind.fault: kind for kind in _KINDS}
-"""Class by name, in the order in which they act: what happens first on the way from sensor to reader is first."""
+"""Class by name, in the order of action from sensor to reader."""
 
-_ORDER = {name: place for place, name in enumerate(FAULTS)}
+_ORDER = {name: index for index, name in enumerate(FAULTS)}
 
 
 def parse_fault(text: str) -> Fault:
-    """A fault as a command line says it: `name`, or `name:parameter=value,...`.
+    """Fault from a command line: `name`, or `name:parameter=value,...`.
 
     Raises
     ------
     FileError
-        Where there is no such fault or parameter, or a value is none or out of range.
+        The fault or a parameter is unknown, or a value is invalid.
     """
     return parse_named("fault", text, FAULTS, lambda _: {})
 
 
 def faulty_blocks(blocks: Iterator[Block], faults: Sequence[Fault]) -> Iterator[Block]:
-    """The measurements of a device that has these faults."""
+    """Measurements of a device with these faults."""
     for fault in _in_order(faults):
         blocks = fault.on_blocks(blocks)
     return blocks
 
 
 def faulty_frames(frames: Iterator[Frame], faults: Sequence[Fault], seed: int) -> Iterator[Frame]:
-    """What such a device sends; each fault has a random generator of its own."""
+    """Frames of a device with these faults; every fault has its own random generator."""
     twins: dict[str, int] = {}
     for fault in _in_order(faults):
         twins[fault.fault] = twins.get(fault.fault, 0) + 1
@@ -87,25 +87,25 @@ def faulty_frames(frames: Iterator[Frame], faults: Sequence[Fault], seed: int) -
 
 
 class FaultyCable(Cable):
-    """A cable that has what these faults do to one."""
+    """Cable with these faults."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self._faults = _in_order(faults)
 
     def link_at(self, link: Path, t_s: float) -> Path | None:
-        """The name that the faults leave it."""
+        """Present name of the link, or None."""
         name: Path | None = link
         for fault in self._faults:
             name = None if name is None else fault.link_at(name, t_s)
         return name
 
     def carry(self, content: bytes, t_s: float, read_baud: Callable[[], int]) -> bytes:
-        """What the faults let through."""
+        """Bytes after all faults."""
         for fault in self._faults:
             content = fault.carry(content, t_s, read_baud)
         return content
 
 
 def _in_order(faults: Sequence[Fault]) -> list[Fault]:
-    """Of one kind the earlier is first: resets count on from each other."""
+    """Faults in the order of the catalogue; of a kind, the earlier one comes first."""
     return sorted(faults, key=lambda fault: (_ORDER[fault.fault], fault.from_s))

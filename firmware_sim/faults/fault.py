@@ -1,7 +1,7 @@
-"""What a fault is: a scenario with parameters and a time, which acts on measurements, frames or the cable.
+"""Base of faults: a scenario with parameters and a time, which acts on measurements, frames or the cable.
 
-Its times are those of the device since its very first power-on: a clock that restarts or steps does not move them.
-A fault that is not at work leaves everything as it is, to the bit.
+Times count from the first power-on; a clock that restarts or steps does not move them. An inactive fault changes
+no bit.
 """
 
 from collections.abc import Iterator
@@ -21,52 +21,52 @@ Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
 
 
 class Fault(Checked, Cable):
-    """Base of all faults; by itself it changes nothing, neither what is sent nor the cable.
+    """Base of all faults; it changes nothing.
 
     from_s
-        When it begins, s since power-on.
+        Beginning, s since power-on.
     """
 
     fault: ClassVar[str]
     from_s: Seconds = 2.0
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """The measurements that are taken."""
+        """Measurements with this fault."""
         return blocks
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """The frames that leave."""
+        """Frames with this fault."""
         _ = rng
         return frames
 
 
 class Lasting(Fault):
-    """Base of the faults that end again.
+    """Base of faults with an end.
 
     to_s
-        When it ends, s since power-on; for ever where nothing is said.
+        End, s since power-on; None for never.
     """
 
     to_s: Annotated[float | None, Field(ge=0.0, le=1e9)] = None
 
     @field_validator("to_s")
     @classmethod
-    def _end_comes_after_the_beginning(cls, to_s: float | None, others: ValidationInfo) -> float | None:
-        from_s = others.data.get("from_s", 0.0)
+    def _end_comes_after_the_beginning(cls, to_s: float | None, info: ValidationInfo) -> float | None:
+        from_s = info.data.get("from_s", 0.0)
         if to_s is not None and to_s <= from_s:
             raise PydanticCustomError("window", "Expected more than from_s, which is {from_s}", {"from_s": from_s})
         return to_s
 
     @property
     def end_s(self) -> float:
-        """When it ends, s; infinite where it does not."""
+        """End, s; infinite without one."""
         return float("inf") if self.to_s is None else self.to_s
 
     def is_on(self, t_s: float) -> bool:
-        """Whether it is at work at `t_s`."""
+        """Whether it is active at `t_s`."""
         return self.from_s <= t_s < self.end_s
 
     def is_on_at(self, block: Block) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Whether it is at work, for each measurement of a block."""
+        """Whether it is active, for every measurement of a block."""
         on: np.ndarray[tuple[int], np.dtype[np.bool_]] = (block.t_host_s >= self.from_s) & (block.t_host_s < self.end_s)
         return on

@@ -1,4 +1,4 @@
-"""Faults of the bytes on their way: damaged, missing, too many, or late."""
+"""Faults of the bytes on the line: damaged, missing, repeated, or late."""
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
@@ -26,112 +26,112 @@ load:0x40078000,len:13964\r
 load:0x40080400,len:3600\r
 entry 0x400805f0\r
 """
-"""What the boot loader of an ESP32 prints at 115200 baud before anybody's firmware runs."""
+"""Output of the ESP32 boot loader at 115200 baud, before the firmware runs."""
 
 
 class Damage(Lasting):
-    """Base of the faults that change the bytes of a frame."""
+    """Base of faults that change the bytes of a frame."""
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """Each frame that leaves while it is at work, damaged."""
+        """Frames, damaged while the fault is active."""
         for frame in frames:
             yield frame._replace(content=self.damaged(frame, rng)) if self.is_on(frame.t_s) else frame
 
     @abstractmethod
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """What is left of the bytes of one frame."""
+        """Damaged bytes of a frame."""
 
 
 class BitFlips(Damage):
-    """Bits turn over, one by one: a long cable without a shield beside a motor.
+    """Single bits flip: a long unshielded cable next to a motor.
 
     per_kilobyte
-        Turned bits in 1000 bytes, on average.
+        Mean number of flipped bits in 1000 bytes.
     """
 
     fault: ClassVar[str] = "bit_flips"
     per_kilobyte: PerKilobyte = 1.0
 
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """Each bit for itself."""
+        """Independent flips of all bits."""
         content = frame.content
         flips = np.packbits(rng.random(8 * len(content)) < self.per_kilobyte / KILOBYTE / 8.0)
         return (np.frombuffer(content, np.uint8) ^ flips).tobytes()
 
 
 class DroppedBytes(Damage):
-    """Bytes are missing: a receiver that overflows because nobody fetched them in time.
+    """Bytes are missing: a receiver that overflows.
 
     per_kilobyte
-        Missing bytes in 1000, on average.
+        Mean number of missing bytes in 1000.
     """
 
     fault: ClassVar[str] = "dropped_bytes"
     per_kilobyte: PerKilobyte = 1.0
 
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """Each byte for itself."""
+        """Independent changes of all bytes."""
         kept = rng.random(len(frame.content)) >= self.per_kilobyte / KILOBYTE
         return np.frombuffer(frame.content, np.uint8)[kept].tobytes()
 
 
 class DuplicatedBytes(Damage):
-    """Bytes come twice: a driver that repeats a transfer whose end it did not see.
+    """Bytes are repeated: a driver that repeats a transfer.
 
     per_kilobyte
-        Doubled bytes in 1000, on average.
+        Mean number of repeated bytes in 1000.
     """
 
     fault: ClassVar[str] = "duplicated_bytes"
     per_kilobyte: PerKilobyte = 1.0
 
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """Each byte for itself."""
+        """Independent changes of all bytes."""
         times = 1 + (rng.random(len(frame.content)) < self.per_kilobyte / KILOBYTE)
         return np.repeat(np.frombuffer(frame.content, np.uint8), times).tobytes()
 
 
 class MergedFrames(Damage):
-    """The end of a frame is lost and it runs into the next: two tasks of a firmware write to one port.
+    """A frame loses its end and runs into the next one: two tasks of a firmware write to a port.
 
     share_percent
-        Frames without their end: delimiter, line end, or the last byte where a protocol has neither.
+        Share of frames without their end: delimiter, line end, or last byte.
     """
 
     fault: ClassVar[str] = "merged_frames"
     share_percent: Percent = 5.0
 
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """All but its end."""
+        """Bytes without the end."""
         return _split_end(frame)[0] if rng.random() < self.share_percent / 100.0 else frame.content
 
 
 class TruncatedFrames(Damage):
-    """A frame ends too soon, and its end mark still comes: a firmware whose line buffer is too short.
+    """A frame is cut, but keeps its end mark: a firmware with a short line buffer.
 
     share_percent
-        Frames that have lost a tail of any length.
+        Share of frames that lose a tail of random length.
     """
 
     fault: ClassVar[str] = "truncated_frames"
     share_percent: Percent = 5.0
 
     def damaged(self, frame: Frame, rng: Rng) -> bytes:
-        """Some of its head, and its end mark where the protocol has one."""
+        """Part of the head, and the end mark if the protocol has one."""
         if rng.random() >= self.share_percent / 100.0:
             return frame.content
         head, end = _split_end(frame)
-        left = head[: int(rng.integers(max(1, len(head))))]
-        return left + end if frame.end_mark else left
+        kept = head[: int(rng.integers(max(1, len(head))))]
+        return kept + end if frame.end_mark else kept
 
 
 class Zeros(Lasting):
-    """A run of zero bytes cuts through a frame: a break on the line, as when a plug is touched.
+    """A run of zero bytes inside a frame: a break on the line, like a touched plug.
 
     length_bytes
         Length of the run.
     every_s
-        Time between two runs, s.
+        Interval of the runs, s.
     """
 
     fault: ClassVar[str] = "zeros"
@@ -139,37 +139,37 @@ class Zeros(Lasting):
     every_s: Annotated[float, Field(gt=0.0, le=1e6)] = 1.0
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """The first frame of each interval is cut."""
+        """Frames with a run of zeros in the first frame of every interval."""
         runs = -1
         for frame in frames:
             now = int((frame.t_s - self.from_s) // self.every_s)
             if self.is_on(frame.t_s) and now > runs:
                 runs = now
-                at = int(rng.integers(1, max(2, len(frame.content))))
-                content = frame.content[:at] + bytes(self.length_bytes) + frame.content[at:]
+                position = int(rng.integers(1, max(2, len(frame.content))))
+                content = frame.content[:position] + bytes(self.length_bytes) + frame.content[position:]
                 yield frame._replace(content=content)
             else:
                 yield frame
 
 
 class BootBanner(Fault):
-    """Text that is no measurement stands in the stream: the boot loader of an ESP32 tells its log."""
+    """Foreign text in the stream: the log of the ESP32 boot loader."""
 
     fault: ClassVar[str] = "boot_banner"
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """Once, before the first frame from then on."""
+        """Frames with the banner before the first frame from `from_s` on."""
         _ = rng
         return at_moment(frames, self.from_s, lambda t_s: Frame(t_s, BANNER, 0))
 
 
 class Stall(Lasting):
-    """Frames are held, then come in one burst: a host whose USB driver sleeps, a radio link that repeats.
+    """Frames wait, then arrive in a burst: a sleeping USB driver, or a radio link that repeats.
 
     seconds
-        How long they are held, s.
+        Length of a stall, s.
     every_s
-        Time from one stall to the next, s; only one where nothing is said.
+        Interval of the stalls, s; None for a single one.
     """
 
     fault: ClassVar[str] = "stall"
@@ -178,26 +178,26 @@ class Stall(Lasting):
 
     @field_validator("every_s")
     @classmethod
-    def _stalls_end(cls, every_s: float | None, others: ValidationInfo) -> float | None:
-        seconds = others.data.get("seconds", 0.0)
+    def _stalls_end(cls, every_s: float | None, info: ValidationInfo) -> float | None:
+        seconds = info.data.get("seconds", 0.0)
         if every_s is not None and every_s <= seconds:
             raise PydanticCustomError("stalls", "Expected more than seconds, which is {seconds}", {"seconds": seconds})
         return every_s
 
     def on_frames(self, frames: Iterator[Frame], rng: Rng) -> Iterator[Frame]:
-        """Held until the stall is over; what is held is not lost."""
+        """Frames, delayed until the end of the stall; none is lost."""
         _ = rng
         for frame in frames:
             begun_s = self.from_s
             if self.every_s is not None:
                 begun_s += (frame.t_s - self.from_s) // self.every_s * self.every_s
             over_s = begun_s + self.seconds
-            is_held = self.is_on(begun_s) and begun_s <= frame.t_s < over_s
-            yield frame._replace(t_s=over_s) if is_held else frame
+            is_delayed = self.is_on(begun_s) and begun_s <= frame.t_s < over_s
+            yield frame._replace(t_s=over_s) if is_delayed else frame
 
 
 def at_moment(frames: Iterator[Frame], t_s: float, frame_at: Callable[[float], Frame]) -> Iterator[Frame]:
-    """The frames, with one more where `t_s` is reached."""
+    """Frames with an additional one at `t_s`."""
     is_due = True
     for frame in frames:
         if is_due and frame.t_s >= t_s:
@@ -207,6 +207,6 @@ def at_moment(frames: Iterator[Frame], t_s: float, frame_at: Callable[[float], F
 
 
 def _split_end(frame: Frame) -> tuple[bytes, bytes]:
-    """The bytes of a frame and its end: its end mark, or simply the last byte."""
+    """Bytes of a frame, and its end: the end mark, or the last byte."""
     length = len(frame.end_mark) if frame.end_mark and frame.content.endswith(frame.end_mark) else 1
     return frame.content[:-length], frame.content[-length:]

@@ -1,4 +1,4 @@
-"""Faults of the device itself: measurements that are not taken, not true, or not at their time."""
+"""Faults of the device: measurements that are missing, wrong, or at a wrong time."""
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -8,40 +8,40 @@ import numpy as np
 from pydantic import Field
 
 from firmware_sim.faults.fault import Fault, Lasting, Seconds
-from firmware_sim.measure import COUNTS_MOST, Block
+from firmware_sim.measure import COUNTS_MAX, Block
 
 
 class DoubleRate(Lasting):
-    """The device samples at twice the rate that HELLO tells: firmware and its configuration do not match.
+    """The device samples at twice the rate of HELLO: firmware and configuration differ.
 
-    Between each two measurements stands one more, on the straight line through them.
+    An additional measurement is interpolated between every two.
     """
 
     fault: ClassVar[str] = "double_rate"
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """One more before each; the counter counts it."""
+        """Measurements with the interpolated ones, which are counted, too."""
         last: Block | None = None
-        more = 0
+        inserted = 0
         for block in blocks:
             if not len(block.seq):
                 continue
             before = _joined(last if last is not None else _row(block, 0), block)
             halfway = _halfway(before, block)
             has_one = self.is_on_at(halfway) & (np.diff(before.seq) == 1)
-            counted = replace(block, seq=block.seq + more + np.cumsum(has_one))
+            counted = replace(block, seq=block.seq + inserted + np.cumsum(has_one))
             between = replace(halfway.only(has_one), seq=counted.seq[has_one] - 1)
-            last, more = _row(block, -1), more + int(has_one.sum())
+            last, inserted = _row(block, -1), inserted + int(has_one.sum())
             yield _inserted(counted, between, np.flatnonzero(has_one))
 
 
 class StuckValue(Lasting):
-    """The rate repeats, and all else goes on: the sensor hangs on its bus and the firmware does not look."""
+    """The rate is constant, while everything else goes on: the sensor hangs, and the firmware does not check."""
 
     fault: ClassVar[str] = "stuck_value"
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """The last rate before it began; the first one of all where it began with power-on."""
+        """Measurements with the last rate before the fault, or with the first rate of all."""
         raw, is_clipped = np.int16(0), np.bool_(False)
         is_fresh = True
         for block in blocks:
@@ -50,8 +50,8 @@ class StuckValue(Lasting):
                 free = np.flatnonzero(~stuck)
                 before = free[block.t_host_s[free] < self.from_s]
                 if len(before) or is_fresh:
-                    at = before[-1] if len(before) else 0
-                    raw, is_clipped = block.rate_raw[at], block.is_clipped[at]
+                    index = before[-1] if len(before) else 0
+                    raw, is_clipped = block.rate_raw[index], block.is_clipped[index]
                 is_fresh = False
                 yield replace(
                     block,
@@ -61,35 +61,35 @@ class StuckValue(Lasting):
 
 
 class FullScale(Lasting):
-    """The rate stands at its rail and says so: a broken sensor element, or a turn far beyond the range.
+    """The rate is at full scale and marked as clipped: a broken sensor, or a turn beyond the range.
 
     sign
-        Which rail: 1 for counter-clockwise, -1 for clockwise.
+        1 for counter-clockwise, -1 for clockwise.
     """
 
     fault: ClassVar[str] = "full_scale"
     sign: Literal[1, -1] = 1
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Full scale, flagged as clipped."""
+        """Measurements at full scale, marked as clipped."""
         for block in blocks:
             on = self.is_on_at(block)
-            raw = np.where(on, self.sign * COUNTS_MOST, block.rate_raw).astype(np.int16)
+            raw = np.where(on, self.sign * COUNTS_MAX, block.rate_raw).astype(np.int16)
             yield replace(block, rate_raw=raw, is_clipped=block.is_clipped | on)
 
 
 class RateChange(Fault):
-    """Only every so many measurements are taken from a moment on: a firmware that saves power, or was set anew.
+    """The sample rate drops: a firmware that saves power, or has a new setting.
 
     divide
-        One measurement in so many is taken; the counter has no holes.
+        Factor by which the rate drops; the counter has no gaps.
     """
 
     fault: ClassVar[str] = "rate_change"
     divide: Annotated[int, Field(ge=2, le=1000)] = 2
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """The first one of the new rate is the first one from then on."""
+        """Every `divide`-th measurement from `from_s` on."""
         first: int | None = None
         for block in blocks:
             after = block.t_host_s >= self.from_s
@@ -105,17 +105,17 @@ class RateChange(Fault):
 
 
 class ClockStep(Fault):
-    """The device clock jumps: firmware that sets it by a host, or counts its overflows wrongly.
+    """The device clock jumps: firmware that sets it from a host, or counts overflows wrongly.
 
     step_s
-        How far, s; backward where it is negative.
+        Step, s; negative for backward.
     """
 
     fault: ClassVar[str] = "clock_step"
     step_s: Annotated[float, Field(ge=-1e6, le=1e6)] = 30.0
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Time stamps moved."""
+        """Measurements with shifted time stamps."""
         for block in blocks:
             step_us = np.where(block.t_host_s >= self.from_s, round(self.step_s * 1e6), 0)
             yield replace(block, t_device_us=block.t_device_us + step_us)
@@ -128,24 +128,24 @@ class MillisecondClock(Fault):
     from_s: Seconds = 0.0
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Whole milliseconds in the place of microseconds."""
+        """Measurements with whole milliseconds as microseconds."""
         for block in blocks:
             has_it = block.t_host_s >= self.from_s
             yield replace(block, t_device_us=np.where(has_it, block.t_device_us // 1000, block.t_device_us))
 
 
 class Reset(Fault):
-    """The device boots anew, as on a brown-out, a watchdog or a DTR line: silence, then all counts from 0.
+    """The device boots again, after a brown-out, a watchdog or DTR: silence, then all counts from 0.
 
     silent_s
-        How long nothing is measured, s.
+        Time without measurements, s.
     """
 
     fault: ClassVar[str] = "reset"
     silent_s: Annotated[float, Field(ge=0.0, le=1e6)] = 0.5
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Counter, clock and encoder begin at the first measurement after the silence."""
+        """Measurements whose counter, clock and encoder restart after the silence."""
         back_s = self.from_s + self.silent_s
         zero: Block | None = None
         for block in blocks:
@@ -164,9 +164,9 @@ class Reset(Fault):
             )
 
 
-def _row(block: Block, at: int) -> Block:
-    """One measurement as a block of its own."""
-    return Block(*(getattr(block, field.name)[at:][:1] for field in fields(Block)))
+def _row(block: Block, index: int) -> Block:
+    """Block of one measurement."""
+    return Block(*(getattr(block, field.name)[index:][:1] for field in fields(Block)))
 
 
 def _joined(first: Block, then: Block) -> Block:
@@ -175,7 +175,7 @@ def _joined(first: Block, then: Block) -> Block:
 
 
 def _halfway(before: Block, block: Block) -> Block:
-    """Halfway from each of `before` to the next; whole numbers round down."""
+    """Block of the means of consecutive measurements of `before`, rounded down."""
 
     def mean(name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         values = getattr(before, name).astype(np.float64)
@@ -192,6 +192,6 @@ def _halfway(before: Block, block: Block) -> Block:
     )
 
 
-def _inserted(block: Block, more: Block, places: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Block:
+def _inserted(block: Block, inserted: Block, indices: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Block:
     names = [field.name for field in fields(Block)]
-    return Block(*(np.insert(getattr(block, name), places, getattr(more, name)) for name in names))
+    return Block(*(np.insert(getattr(block, name), indices, getattr(inserted, name)) for name in names))

@@ -1,6 +1,6 @@
-"""What the turntable does: a profile is a list of segments, each with a rate and the exact angle that belongs to it.
+"""Motion profile of the turntable: a list of segments with rates and exact angles.
 
-Profiles live in `config/profiles/`. A device runs for ever, so a profile starts again when it is over.
+Profiles are files in `config/profiles/`. A profile starts again when it is over.
 """
 
 from functools import cached_property
@@ -21,23 +21,23 @@ Segment = Annotated[Rest | Ramp | Hold | Steps | Sine | Chirp | Multisine | Driv
 
 
 class Ambient(Checked):
-    """The air around the sensor is at `temp_c` at `at_s` into the profile, and in between on a straight line."""
+    """Air temperature `temp_c` at the time `at_s` of the profile, with linear interpolation."""
 
     at_s: Annotated[float, Field(ge=0.0, le=1e6)]
     temp_c: Annotated[float, Field(ge=-60.0, le=150.0)]
 
 
 class Profile(Checked):
-    """A motion of the turntable, with its surroundings.
+    """Motion of the turntable, with its air temperature.
 
     about
-        What it is for.
+        Description.
     segments
-        What happens, one after the other.
+        Segments in order.
     powered_s
-        How long the device has been on when it begins, s: 0 is a cold start.
+        Time since power-on at the beginning, s: 0 is a cold start.
     ambient
-        Temperature of the air; 25 °C where nothing is said.
+        Air temperature; 25 °C by default.
     """
 
     about: str
@@ -49,12 +49,12 @@ class Profile(Checked):
     def _times_rise(self) -> "Profile":
         times_s = [point.at_s for point in self.ambient]
         if any(later <= earlier for earlier, later in pairwise(times_s)):
-            raise ValueError("the times of ambient have to rise")
+            raise ValueError("the times of ambient must increase")
         return self
 
     @cached_property
     def _table(self) -> tuple[Floats, list[float], Floats]:
-        """Start of each segment in s, its rate in deg/s and its angle in degrees, with the end as a last entry."""
+        """Starts of the segments, s, rates, deg/s, and angles, degrees, with the end as last entry."""
         starts_s, rates_dps, angles_deg = [0.0], [0.0], [0.0]
         for segment in self.segments:
             end_s = np.array([segment.seconds])
@@ -68,8 +68,8 @@ class Profile(Checked):
         """Length of one pass, s."""
         return float(self._table[0][-1])
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """True angle in degrees and rate in deg/s at the times `t_s`, both of its shape; before 0 the table rests."""
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """True angle, degrees, and rate, deg/s, at `t_s`, in its shape; before 0 the table rests."""
         starts_s, rates_dps, angles_deg = self._table
         passes, within_s = np.divmod(np.maximum(t_s, 0.0), starts_s[-1])
         which = np.clip(np.searchsorted(starts_s, within_s, side="right") - 1, 0, len(self.segments) - 1)
@@ -84,39 +84,39 @@ class Profile(Checked):
         return angle_deg, rate_dps
 
     def ambient_at(self, t_s: Floats) -> Floats:
-        """Temperature of the air in °C at the times `t_s`, of its shape."""
+        """Air temperature at `t_s`, °C, in its shape."""
         within_s = np.mod(np.maximum(t_s, 0.0), self.seconds)
         points = ([point.at_s for point in self.ambient], [point.temp_c for point in self.ambient])
         temps_c: Floats = np.interp(within_s, *points)
         return temps_c
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
-        """Temperature of the sensor in °C at the times `t_s`, of its shape."""
+        """Temperature of the sensor at `t_s`, °C, in its shape."""
         return sensor_temperature_c(self.ambient_at(t_s), np.maximum(t_s, 0.0) + self.powered_s)
 
 
 def config_folder() -> Path:
-    """Where rigs and profiles are: beside the package in a checkout, inside it when installed from a wheel."""
+    """Folder of rigs and profiles: next to the package in a checkout, inside it in a wheel."""
     installed = Path(__file__).parent.parent / "config"
     return installed if installed.is_dir() else Path(__file__).parent.parent.parent / "config"
 
 
 def shipped_profiles() -> list[str]:
-    """Names of the profiles that come with the simulator."""
+    """Names of the shipped profiles."""
     return sorted(path.stem for path in (config_folder() / "profiles").glob("*.yaml"))
 
 
 def load_profile(name: str) -> Profile:
-    """A profile by its path, or by the name of a shipped one.
+    """Profile by its path, or by the name of a shipped one.
 
     Raises
     ------
     FileError
-        Where there is none, or it has mistakes.
+        It does not exist, or has mistakes.
     """
     if Path(name).is_file():
         return load(Path(name), Profile)
     if name not in shipped_profiles():
-        known = ", ".join(shipped_profiles())
-        raise FileError(f"{name}: there is no such profile; shipped are {known}, or give a file")
+        names = ", ".join(shipped_profiles())
+        raise FileError(f"{name}: there is no such profile; shipped are {names}, or give a file")
     return load(config_folder() / "profiles" / f"{name}.yaml", Profile)

@@ -1,7 +1,7 @@
-"""The kinds of segments that a motion is made of; chirp and multisine stand in `waves`.
+"""Segments of a motion; chirp and multisine are in `waves`.
 
-Each gives its rate and the angle gained since its start, in closed form or as the exact integral of straight lines.
-Every segment takes the rate at which the one before ended.
+A segment has a rate and the angle gained since its start, in closed form, or as the exact integral of straight lines.
+It starts at the final rate of the previous segment.
 """
 
 from functools import cached_property
@@ -20,7 +20,7 @@ FrequencyHz = Annotated[float, Field(gt=0.0, le=1000.0)]
 
 
 class Rest(Checked):
-    """Standing still for `seconds`."""
+    """Rest for `seconds`."""
 
     kind: Literal["rest"]
     seconds: Seconds
@@ -39,7 +39,7 @@ class Rest(Checked):
 
 
 class Ramp(Checked):
-    """From the present rate to `to_dps` at constant acceleration."""
+    """Change from the present rate to `to_dps` at constant acceleration."""
 
     kind: Literal["ramp"]
     seconds: Seconds
@@ -59,7 +59,7 @@ class Ramp(Checked):
 
 
 class Hold(Checked):
-    """Going on at the present rate."""
+    """Constant rate."""
 
     kind: Literal["hold"]
     seconds: Seconds
@@ -78,7 +78,7 @@ class Hold(Checked):
 
 
 class Sine(Checked):
-    """The present rate plus a sine of `amplitude_dps` at `frequency_hz`."""
+    """Present rate plus a sine of `amplitude_dps` at `frequency_hz`."""
 
     kind: Literal["sine"]
     seconds: Seconds
@@ -100,10 +100,10 @@ class Sine(Checked):
 
 
 class _Lines(Checked):
-    """Base of segments whose rate runs straight from knot to knot; the angle is the exact integral."""
+    """Base of segments with linear rates between knots; the angle is the exact integral."""
 
     def _knots(self) -> tuple[list[float], list[float]]:
-        """Times in s and rates in deg/s, the first of them at 0 s."""
+        """Times, s, and rates, deg/s; the first knot is at 0 s."""
         raise TypeError("a segment of straight lines has knots")
 
     @cached_property
@@ -138,7 +138,7 @@ class _Lines(Checked):
 
 
 class Steps(_Lines):
-    """Each of `rates_dps`, on top of the present rate, for `hold_seconds`, with ramps of `ramp_seconds`."""
+    """All `rates_dps` in turn, added to the present rate, for `hold_seconds`, with ramps of `ramp_seconds`."""
 
     kind: Literal["steps"]
     rates_dps: Annotated[tuple[RateDps, ...], Field(min_length=1, strict=False)]
@@ -154,10 +154,10 @@ class Steps(_Lines):
 
 
 class Drive(_Lines):
-    """A vehicle: gentle curves of random rate, one after the other, with short stops now and then.
+    """Vehicle: smooth curves of random rates, with short stops.
 
-    Every `curve_seconds` the rate heads for another value, normal with `rms_dps`; a share of them is 0 and the
-    vehicle stands for that long. The same `seed` is the same drive.
+    Every `curve_seconds` the rate approaches another value, normal with `rms_dps`. A share of the values is 0, and the
+    vehicle stops for that time. The same `seed` gives the same drive.
     """
 
     kind: Literal["drive"]

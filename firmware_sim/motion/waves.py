@@ -1,4 +1,4 @@
-"""The kinds of segments whose angle has no closed form: integrated once, on a grid fine enough for 1e-9 degrees."""
+"""Segments whose angle has no closed form: integrated once, on a grid for errors below 1e-9 degrees."""
 
 from functools import cached_property
 from math import pi
@@ -12,18 +12,18 @@ from firmware_sim.motion.segments import FrequencyHz, RateDps, Seconds
 from firmware_sim.yaml_file import Checked
 
 FADE_S = 1.0
-"""Chirps and multisines fade in and out over this time, so that the rate never jumps."""
+"""Time of fading in and out, s, so that the rate never jumps."""
 
 GRID_PER_PERIOD = 200.0
 
 
 class _Integrated(Checked):
-    """Base of segments whose angle has no closed form: integrated once by Simpson's rule, read by cubic Hermite."""
+    """Base of segments whose angle has no closed form: Simpson's rule, with cubic Hermite interpolation."""
 
     seconds: Seconds
 
     def _wave_dps(self, t_s: Floats) -> Floats:
-        """The rate that is added to the present one, before fading, deg/s."""
+        """Rate that is added to the present one, before fading, deg/s."""
         raise TypeError("an integrated segment has a wave")
 
     def _highest_hz(self) -> float:
@@ -36,7 +36,7 @@ class _Integrated(Checked):
 
     @cached_property
     def _angles(self) -> tuple[float, Floats, Floats]:
-        """Step of the grid in s, rates and angles at its points."""
+        """Step of the grid, s, and rates and angles at its points."""
         steps = int(np.ceil(self.seconds * max(self._highest_hz(), 1.0) * GRID_PER_PERIOD))
         grid_s = np.linspace(0.0, self.seconds, steps + 1)
         rates = self._faded_dps(grid_s)
@@ -66,7 +66,7 @@ class _Integrated(Checked):
 
 
 class Chirp(_Integrated):
-    """A sine of `amplitude_dps` whose frequency runs from `from_hz` to `to_hz` at a constant pace."""
+    """Sine of `amplitude_dps` whose frequency changes linearly from `from_hz` to `to_hz`."""
 
     kind: Literal["chirp"]
     amplitude_dps: RateDps
@@ -82,9 +82,9 @@ class Chirp(_Integrated):
 
 
 class Multisine(_Integrated):
-    """`tones` sines, evenly spaced in log frequency from `from_hz` to `to_hz`, of `rms_dps` together.
+    """`tones` sines, evenly spaced in log frequency from `from_hz` to `to_hz`, with a total of `rms_dps`.
 
-    Phases after Schroeder (1970), which keep the peaks low.
+    Phases of Schroeder (1970), for low peaks.
     """
 
     kind: Literal["multisine"]

@@ -13,10 +13,10 @@ from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
 
 PERIOD_S = 0.01
 MOST_DPS = 1e6
-"""Of a rate that is played; far beyond what the chip can measure, and no sum of them is infinite."""
+"""Largest rate that is played, far beyond the range of the chip, so that no sum is infinite."""
 GRAVITY_MG = 1000
 Rated = tuple[float, int, float]
-"""When the host has it in s, counter, and rate in deg/s."""
+"""Arrival, s, counter, and rate, deg/s."""
 
 
 def rvc_frame(index: int, yaw: int, pitch: int, roll: int, x_mg: int, y_mg: int, z_mg: int) -> bytes:
@@ -26,7 +26,7 @@ def rvc_frame(index: int, yaw: int, pitch: int, roll: int, x_mg: int, y_mg: int,
 
 
 def _spoken(rated: Iterable[Rated]) -> Iterator[Frame]:
-    """Yaw at power-on, and then where each measurement has taken it."""
+    """Yaw at power-on, then after every measurement."""
     yaw_deg, last = 0.0, None
     for t_s, seq, rate_dps in rated:
         if last is None:
@@ -43,13 +43,13 @@ def _level(seq: int, yaw_deg: float) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A frame for each measurement."""
+    """A frame per measurement."""
     rows = (row for block in blocks for row in block.rows())
     return _spoken((t_host_s, seq, rate_raw * base.dps_per_lsb) for seq, _, t_host_s, rate_raw, *_ in rows)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     return _spoken((m.due_s, m.seq, m.rate_dps) for m in measurements if isfinite(m.rate_dps))
 
 

@@ -1,4 +1,4 @@
-"""The csv protocol: text lines, as a hobby sketch prints them."""
+"""The csv protocol: text lines of a hobby sketch."""
 
 from collections.abc import Iterable, Iterator
 from math import floor, log10
@@ -14,7 +14,7 @@ BANNER = b"# t_us,rate_dps,encoder_deg,temp_c" + LINE_END
 def csv_line(
     t_us: int, rate_dps: float, encoder_deg: float | None, temp_c: float | None, still: float | None = None
 ) -> bytes:
-    """A line with the fewest digits that tell each number from all others; what is absent before a value is nan."""
+    """Line with the fewest digits that keep every number; a missing value before another one is nan."""
     values = [rate_dps, encoder_deg, temp_c, still]
     while values[-1] is None:
         values.pop()
@@ -23,27 +23,27 @@ def csv_line(
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A banner, then a line for each measurement."""
+    """Banner, then a line per measurement."""
     yield Frame(0.0, BANNER, 0, LINE_END)
     deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
     rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
     for block in blocks:
         for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts, still in block.rows():
             angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
-            said = None if still < 0 else float(still)
+            still_value = None if still < 0 else float(still)
             line = csv_line(
-                t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0, said
+                t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0, still_value
             )
             yield Frame(t_host_s, line, 1, LINE_END)
 
 
 def _digits(step: float) -> int:
-    """Decimals that tell every multiple of a step from the next, with one to spare."""
+    """Decimals that separate multiples of a step, plus one."""
     return max(4, 2 - floor(log10(step)))
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """A line for each sample, with every digit."""
+    """A line per sample, with every digit."""
     for m in measurements:
         yield Frame(m.due_s, csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c, m.still), 1, LINE_END)
 

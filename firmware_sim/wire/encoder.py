@@ -1,20 +1,20 @@
-"""What an encoder is: one record a protocol, which turns measurements into frames."""
+"""Encoder of a protocol: a record that turns measurements into frames."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from firmware_sim.measure import COUNTS_MOST, Block
+from firmware_sim.measure import COUNTS_MAX, Block
 from firmware_sim.rig import Base
 
 
 class Frame(NamedTuple):
-    """Bytes that leave together; `t_s` is when the host has them, in s since power-on.
+    """Bytes that are sent together; `t_s` is their arrival at the host, s since power-on.
 
     rows
-        How many measurements are in it: 0 for HELLO.
+        Number of measurements; 0 for HELLO.
     end_mark
-        Bytes by which a reader knows that a frame is over; none where a protocol has no such mark.
+        Bytes that end a frame; empty if the protocol has none.
     """
 
     t_s: float
@@ -24,18 +24,18 @@ class Frame(NamedTuple):
 
 
 class Measurement(NamedTuple):
-    """One sample of a recording, in physical units.
+    """Sample of a recording in physical units.
 
     due_s
-        When it is due, s after the first; it never goes back.
+        Time of sending, s after the first sample; it never goes back.
     t_us, seq
-        Device clock in µs and counter, neither of them wrapped.
+        Device clock, µs, and counter, both not wrapped.
     rate_dps
-        Yaw rate, deg/s, with all its digits; it may be no finite number.
+        Yaw rate, deg/s; it may be infinite or NaN.
     encoder_deg, temp_c
-        Reference angle in degrees and temperature in °C; None, or NaN, where there is none.
+        Reference angle, degrees, and temperature, °C; None or NaN if missing.
     still
-        What is said of rest beside the rate: 1 stands still, 0 moves; likewise.
+        Reported rest: 1 at rest, 0 in motion; None or NaN if missing.
     """
 
     due_s: float
@@ -47,43 +47,43 @@ class Measurement(NamedTuple):
     still: float | None = None
 
 
-MOST_32_BITS = 2**31 - 1
-MOST_FLOAT32 = 3.4028234e38
+INT32_MAX = 2**31 - 1
+FLOAT32_MAX = 3.4028234e38
 
 
 def in_16_bits(value: float) -> int:
-    """The nearest that a signed register of 16 bits can say, which is the same in both directions."""
-    return round(max(-COUNTS_MOST, min(COUNTS_MOST, value)))
+    """Nearest value of a signed 16-bit register with a symmetric range."""
+    return round(max(-COUNTS_MAX, min(COUNTS_MAX, value)))
 
 
 def in_32_bits(value: float) -> int:
-    """The same of 32 bits, as counters of an encoder have."""
-    return round(max(-MOST_32_BITS, min(MOST_32_BITS, value)))
+    """Nearest value of a signed 32-bit register with a symmetric range."""
+    return round(max(-INT32_MAX, min(INT32_MAX, value)))
 
 
 def in_float32(value: float) -> float:
-    """The nearest number that a float of four bytes can say."""
-    return max(-MOST_FLOAT32, min(MOST_FLOAT32, value))
+    """Nearest 32-bit float."""
+    return max(-FLOAT32_MAX, min(FLOAT32_MAX, value))
 
 
 def no_hello(_base: Base) -> bytes:
-    """The greeting of a protocol that has none."""
+    """Empty greeting."""
     return b""
 
 
 @dataclass(frozen=True, slots=True)
 class WireEncoder:
-    """A protocol as a device speaks it.
+    """Protocol of a device.
 
     name
-        What `--protocol` calls it.
+        Name for `--protocol`.
     frames
-        From the blocks of a rig that measures without end, and its base, to frames.
+        Function from the endless blocks of a rig, and its base, to frames.
     recorded
-        The same from the samples of a recording: `gyrodrift replay` plays them. `dps_per_lsb` and `encoder_cpr` of
-        the base say how fine a protocol of whole counts is to be; any other keeps every digit.
+        Function from the samples of a recording to frames, for `gyrodrift replay`. Protocols with counts use
+        `dps_per_lsb` and `encoder_cpr` of the base; others keep every digit.
     hello
-        What greets a reader that has just opened the port, from the base of the rig.
+        Function from the base of the rig to the greeting of a new reader.
     """
 
     name: str

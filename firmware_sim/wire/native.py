@@ -1,10 +1,10 @@
-"""The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for each measurement."""
+"""Native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE per measurement."""
 
 import struct
 from collections.abc import Iterable, Iterator
 from math import isfinite
 
-from firmware_sim.measure import COUNTS_MOST, Block
+from firmware_sim.measure import COUNTS_MAX, Block
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits, in_32_bits
 
@@ -47,7 +47,7 @@ def native_frame(payload: bytes) -> bytes:
 
 
 def hello_frame(base: Base) -> bytes:
-    """HELLO, which tells the scale of everything else."""
+    """HELLO with the scales."""
     return native_frame(
         struct.pack(
             "<BBHfI16s",
@@ -62,21 +62,21 @@ def hello_frame(base: Base) -> bytes:
 
 
 def sample_frame(flags: int, seq: int, t_us: int, rate_raw: int, temp_centi_c: int, encoder_counts: int) -> bytes:
-    """SAMPLE; counter, clock and encoder wrap as the device's registers do."""
+    """SAMPLE; counter, clock and encoder wrap like registers of the device."""
     counts = (encoder_counts + 0x80000000) % 0x100000000 - 0x80000000
     fields = (SAMPLE_TYPE, flags, seq & 0xFFFF, t_us & 0xFFFFFFFF, rate_raw, temp_centi_c, counts)
     return native_frame(struct.pack("<BBHIhhi", *fields))
 
 
 def still_flags(still: float) -> int:
-    """What is said of rest, as flags: 1 stands still, 0 moves, anything else is not said."""
+    """Flags of the reported rest: 1 at rest, 0 in motion, anything else is not reported."""
     if still == 1:
         return STILL_VALID | STILL
     return STILL_VALID if still == 0 else 0
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """HELLO at power-on, once a second, and where the clock has begun anew; SAMPLE for each measurement."""
+    """HELLO at power-on, once a second, and after a clock restart; SAMPLE per measurement."""
     hello = hello_frame(base)
     next_hello_s = last_us = 0.0
     for block in blocks:
@@ -91,7 +91,7 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 
 
 def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]:
-    """HELLO once a second and a SAMPLE each; rates that are not finite cannot be said and are left out."""
+    """HELLO once a second, and SAMPLE per sample with a finite rate."""
     hello = hello_frame(base)
     next_hello_s = 0.0
     for m in measurements:
@@ -104,7 +104,7 @@ def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]
 
 def _recorded_sample(m: Measurement, base: Base) -> bytes:
     raw = m.rate_dps / base.dps_per_lsb
-    flags = RATE_CLIPPED if abs(raw) >= COUNTS_MOST + 0.5 else 0
+    flags = RATE_CLIPPED if abs(raw) >= COUNTS_MAX + 0.5 else 0
     flags |= still_flags(-1.0 if m.still is None else m.still)
     counts = temp_centi_c = 0
     if m.encoder_deg is not None and isfinite(m.encoder_deg):

@@ -19,19 +19,19 @@ def sentence(body: str) -> bytes:
 
 
 def rate_of_turn(rate_dps: float, status: str = "A") -> bytes:
-    """To port is counter-clockwise, and negative; to a hundredth of a deg/min."""
+    """Rate of turn in hundredths of a deg/min, negative to port (counter-clockwise)."""
     return sentence(f"HEROT,{round(-60.0 * rate_dps, 2) + 0.0:.2f},{status}")
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A sentence for each measurement."""
+    """A sentence per measurement."""
     for block in blocks:
         for _, _, t_host_s, rate_raw, *_ in block.rows():
             yield Frame(t_host_s, rate_of_turn(rate_raw * base.dps_per_lsb), 1, LINE_END)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             yield Frame(m.due_s, rate_of_turn(m.rate_dps), 1, LINE_END)

@@ -1,4 +1,4 @@
-"""The protocols that the device speaks, by name: every module of this package that has an `ENCODER`."""
+"""Encoders by name: every module of this package with an `ENCODER`."""
 
 from importlib import import_module
 from pkgutil import iter_modules
@@ -7,16 +7,16 @@ import firmware_sim.wire
 from firmware_sim.wire.encoder import WireEncoder
 
 ENCODERS: dict[str, WireEncoder] = {}
-"""In alphabetical order as shipped; `--protocol` of `python -m firmware_sim` and `gyrodrift replay` follow it."""
+"""Encoders in alphabetical order, for `--protocol` of `simulated-device` and `replay`."""
 
 
 def register(encoder: WireEncoder) -> None:
-    """Let the device speak one protocol more.
+    """Add a protocol.
 
     Raises
     ------
     ValueError
-        Where the name is taken.
+        The name is taken.
     """
     if encoder.name in ENCODERS:
         raise ValueError(f"there is an encoder {encoder.name!r} already")
@@ -24,7 +24,7 @@ def register(encoder: WireEncoder) -> None:
 
 
 def unregister(name: str) -> None:
-    """Take a protocol away again."""
+    """Remove a protocol."""
     del ENCODERS[name]
 
 

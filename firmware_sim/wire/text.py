@@ -9,11 +9,11 @@ from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bit
 
 LINE_END = b"\r\n"
 COUNTS_PER_DPS = 131.0
-"""Of an MPU-6050 at ±250 deg/s (register map RM-MPU-6000A, 4.19)."""
+"""Counts per deg/s of an MPU-6050 at ±250 deg/s (register map RM-MPU-6000A, 4.19)."""
 
 
 def text_line(t_us: int, rate_dps: float) -> bytes:
-    """Time in ms, to the microsecond where it is none of whole ms, and rates about three axes; two of them rest."""
+    """Time in ms, with decimals if needed, and rates about three axes, two of them at rest."""
     counts = in_16_bits(rate_dps * COUNTS_PER_DPS)
     whole_ms, rest_us = divmod(t_us, 1000)
     t_ms = f"{whole_ms}.{rest_us:03d}" if rest_us else f"{whole_ms}"
@@ -21,14 +21,14 @@ def text_line(t_us: int, rate_dps: float) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A line for each measurement."""
+    """A line per measurement."""
     for block in blocks:
         for _, t_us, t_host_s, rate_raw, *_ in block.rows():
             yield Frame(t_host_s, text_line(t_us, rate_raw * base.dps_per_lsb), 1, LINE_END)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             yield Frame(m.due_s, text_line(m.t_us, m.rate_dps), 1, LINE_END)

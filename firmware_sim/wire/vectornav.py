@@ -39,7 +39,7 @@ def vectornav_sample(t_us: int, rate_dps: float, temp_c: float) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A frame for each measurement."""
+    """A frame per measurement."""
     for block in blocks:
         for _, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             sample = vectornav_sample(t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0)
@@ -47,7 +47,7 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0

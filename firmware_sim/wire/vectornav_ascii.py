@@ -19,14 +19,14 @@ def vnimu(rate_dps: float, temp_c: float) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A message for each measurement."""
+    """A message per measurement."""
     for block in blocks:
         for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, vnimu(rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1, LINE_END)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0

@@ -30,14 +30,14 @@ def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """Three frames for each measurement."""
+    """Three frames per measurement."""
     for block in blocks:
         for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             temp_c = m.temp_c if m.temp_c is not None and isfinite(m.temp_c) else 0.0

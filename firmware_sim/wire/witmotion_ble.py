@@ -16,14 +16,14 @@ def ble_frame(rate_dps: float) -> bytes:
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A frame for each measurement."""
+    """A frame per measurement."""
     for block in blocks:
         for _, _, t_host_s, rate_raw, *_ in block.rows():
             yield Frame(t_host_s, ble_frame(rate_raw * base.dps_per_lsb), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             yield Frame(m.due_s, ble_frame(m.rate_dps), 1)

@@ -34,14 +34,14 @@ def xsens_sample(seq: int, t_us: int, rate_dps: float, temp_c: float | None) -> 
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """A message for each measurement."""
+    """A message per measurement."""
     for block in blocks:
         for seq, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
             yield Frame(t_host_s, xsens_sample(seq, t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
-    """The same for each sample; rates that are not finite cannot be said and are left out."""
+    """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
         if isfinite(m.rate_dps):
             yield Frame(m.due_s, xsens_sample(m.seq, m.t_us, m.rate_dps, m.temp_c), 1)

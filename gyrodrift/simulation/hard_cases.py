@@ -88,10 +88,10 @@ class Later:
         """Time since power-on at the start, s."""
         return self.profile.powered_s
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle in deg, 0 at the start, and rate in deg/s."""
-        angle_deg, rate_dps = self.profile.at(t_s + self.start_s)
-        return angle_deg - self.profile.at(np.array([self.start_s]))[0], rate_dps
+        angle_deg, rate_dps = self.profile.motion_at(t_s + self.start_s)
+        return angle_deg - self.profile.motion_at(np.array([self.start_s]))[0], rate_dps
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
         """Temperature of the sensor, °C."""
@@ -217,4 +217,4 @@ def _under_way_s(profile: Profile) -> float:
     if isinstance(profile.segments[0], Ramp):
         return RAMP_S
     t_s = np.arange(0.0, profile.seconds, 0.1)
-    return float(t_s[np.argmax(np.abs(profile.at(t_s)[1]) > MOVES_DPS)])
+    return float(t_s[np.argmax(np.abs(profile.motion_at(t_s)[1]) > MOVES_DPS)])

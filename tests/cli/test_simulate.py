@@ -132,7 +132,7 @@ def test_a_rig_with_mistakes_is_told_line_by_line(tmp_path: Path, capsys: pytest
     )
     assert main(["simulate", "--out", str(tmp_path / "s"), "--rig", str(rig)]) == 2
     told = capsys.readouterr().err
-    assert f"{rig}:3:5 effects.0: 'wobble' is not known; known are " in told
+    assert f"{rig}:3:5 effects.0: 'wobble' is not known; there are " in told
     assert f"{rig}:4:21 effects.1.delay: is not known here" in told
     assert f"{rig}:4:5 effects.1.delay_ms: is missing" in told
     assert f"{rig}:5:21 effects.2.delay_ms: is -3; " in told

@@ -13,10 +13,10 @@ import pytest
 import serial
 from support import PATIENCE_S, Command, never
 
-from firmware_sim.faults.cable import heard_at
+from firmware_sim.faults.cable import received_at
 from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
 from firmware_sim.faults.frames import BANNER
-from firmware_sim.measure import COUNTS_MOST, Block, measure
+from firmware_sim.measure import COUNTS_MAX, Block, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.player import play
 from firmware_sim.pty import PtyDevice
@@ -254,7 +254,7 @@ def test_a_stuck_value_is_the_last_one_before() -> None:
 def test_full_scale_is_at_the_rail_and_says_so(sign: int) -> None:
     """In native frames as in blocks."""
     bad = measured(5.0, f"full_scale:to_s=3,sign={sign}")
-    assert {(row[3], row[4]) for row in bad[200:300]} == {(sign * COUNTS_MOST, True)}
+    assert {(row[3], row[4]) for row in bad[200:300]} == {(sign * COUNTS_MAX, True)}
     assert not any(row[4] for row in bad[:200] + bad[300:])
 
 
@@ -280,14 +280,14 @@ def test_the_double_rate_measures_twice_as_often_as_hello_tells() -> None:
 
 def test_a_receiver_at_the_right_rate_hears_every_byte() -> None:
     """The line model is right where nothing is wrong."""
-    assert heard_at(bytes(range(256)), 9600, 9600) == bytes(range(256))
+    assert received_at(bytes(range(256)), 9600, 9600) == bytes(range(256))
 
 
 @pytest.mark.parametrize("read_baud", [4800, 19200, 115200])
 def test_a_receiver_at_another_rate_hears_garbage(read_baud: int) -> None:
     """About as many bytes as its rate has room for, and none of the frames."""
     sent = content_of(spoken("csv", 2.0))
-    heard = heard_at(sent, 9600, read_baud)
+    heard = received_at(sent, 9600, read_baud)
     assert b"," not in heard or heard.count(b",") != sent.count(b",")
     assert 0.3 * len(sent) * min(1.0, read_baud / 9600) < len(heard) < 10 * len(sent)
 
@@ -360,7 +360,7 @@ def test_a_device_without_power_begins_anew(power_lost: int, first_us: int) -> N
     ("text", "words"),
     [
         ("bit_flip", "there is no fault 'bit_flip'; did you mean bit_flips?"),
-        ("gremlins", "there is no fault 'gremlins'; known are double_rate, stuck_value,"),
+        ("gremlins", "there is no fault 'gremlins'; there are double_rate, stuck_value,"),
         ("reset:silence=3", "silence is not known here (parameters: from_s, silent_s)"),
         ("bit_flips:per_kilobyte=-1", "per_kilobyte is -1; input should be greater than or equal to 0"),
         ("bit_flips:per_kilobyte=x", "per_kilobyte is 'x'; expected a number"),

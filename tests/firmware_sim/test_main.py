@@ -251,5 +251,5 @@ def test_with_reset_the_device_is_off_until_a_reader_opens_the_port(link: Path) 
 def test_whole_turns_are_whole() -> None:
     """Every stop of the profile is a multiple of 360 degrees, for three turns each way."""
     profile = load_profile("whole-turns")
-    stops_deg = profile.at(np.array([11.9, *(16.0 + 5.0 * index for index in range(6))]))[0]
+    stops_deg = profile.motion_at(np.array([11.9, *(16.0 + 5.0 * index for index in range(6))]))[0]
     assert stops_deg == pytest.approx([0.0, 360.0, 0.0, 360.0, 0.0, 360.0, 0.0])

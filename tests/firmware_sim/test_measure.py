@@ -8,9 +8,9 @@ from effects_bench import REST, Record, once_per_turn, profile_of, put_in, recor
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_sim.measure import COUNTS_MOST, HALF_A_COUNT, measure
+from firmware_sim.measure import COUNTS_MAX, HALF_A_COUNT, measure
 from firmware_sim.motion.profile import Profile, load_profile
-from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, parse_effect
+from firmware_sim.rig import ENCODER_CPR_MAX, Base, Rig, parse_effect
 
 NOISY = Rig(base=Base(noise_dps_rthz=0.02, bias_dps=0.3))
 IDEAL = Rig(base=Base(noise_dps_rthz=0.0))
@@ -136,15 +136,15 @@ def test_a_slowly_rising_rate_climbs_in_steps_of_one_count() -> None:
 def test_a_rate_out_of_range_is_clipped_and_says_so(sign: int) -> None:
     """Both ends of the range are a true value; beyond them the end is given with a flag."""
     base = Base(sample_rate_hz=1.0, dps_per_lsb=1e-3, noise_dps_rthz=0.0)
-    steps = [COUNTS_MOST - 1, COUNTS_MOST, COUNTS_MOST + 1, 10 * COUNTS_MOST]
+    steps = [COUNTS_MAX - 1, COUNTS_MAX, COUNTS_MAX + 1, 10 * COUNTS_MAX]
     motion = {"kind": "steps", "rates_dps": [sign * count * 1e-3 for count in steps]}
     profile = profile_of(motion | {"ramp_seconds": 1.0, "hold_seconds": 1.0})
     block = next(measure(rig_of(base=base), profile, 0, block_samples=8))
-    assert block.rate_raw[1::2].tolist() == [sign * min(count, COUNTS_MOST) for count in steps]
+    assert block.rate_raw[1::2].tolist() == [sign * min(count, COUNTS_MAX) for count in steps]
     assert block.is_clipped[1::2].tolist() == [False, False, True, True]
 
 
-@given(st.floats(-4000.0, 4000.0), st.integers(1, ENCODER_CPR_MOST))
+@given(st.floats(-4000.0, 4000.0), st.integers(1, ENCODER_CPR_MAX))
 def test_a_count_of_the_encoder_is_never_more_than_half_a_count_off(to_dps: float, cpr: int) -> None:
     """Counts times 360 over the counts of a turn is the angle, to the resolution of the encoder."""
     turn = record(rig_of(base=Base(encoder_cpr=cpr)), spinning(to_dps), 10.0)

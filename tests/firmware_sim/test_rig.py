@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from firmware_sim.motion.profile import config_folder
-from firmware_sim.rig import ENCODER_CPR_MOST, Base, Rig, load_rig, parse_effect, with_effects
+from firmware_sim.rig import ENCODER_CPR_MAX, Base, Rig, load_rig, parse_effect, with_effects
 from firmware_sim.yaml_file import FileError
 
 
@@ -50,7 +50,7 @@ def test_a_file_sets_what_it_names(tmp_path: Path) -> None:
         ("bias_dps", "on"),
         ("encoder_cpr", "-1"),
         ("encoder_cpr", "1.5"),
-        ("encoder_cpr", str(ENCODER_CPR_MOST + 1)),
+        ("encoder_cpr", str(ENCODER_CPR_MAX + 1)),
         ("host_delay_s", "-1"),
         ("host_delay_s", "true"),
         ("host_jitter_s", "-1e-6"),
@@ -100,7 +100,7 @@ def test_an_effect_of_the_command_line_has_its_typical_size_or_the_one_given() -
     ("text", "words"),
     [
         ("scale_facto", "did you mean scale_factor"),
-        ("gremlins", "known are scale_factor, "),
+        ("gremlins", "there are scale_factor, "),
         ("scale_factor:error_percent=99", "less than or equal to 20"),
         ("scale_factor:error_percent=much", "expected a number"),
         ("scale_factor:error=1", "parameters: error_percent"),
@@ -125,4 +125,4 @@ def test_what_is_said_of_an_effect_is_short(text: str) -> None:
 
 def test_the_finest_encoder_has_room_for_180_turns_either_way() -> None:
     """Its counts over that many turns fit the 32 bits of the wire."""
-    assert 180 * ENCODER_CPR_MOST < 2**31
+    assert 180 * ENCODER_CPR_MAX < 2**31

@@ -260,7 +260,11 @@ def test_witmotion_says_three_frames_for_each_measurement() -> None:
     """Acceleration, rates and angles leave together, at the time of their measurement."""
     base = Base()
     for number, frame in enumerate(islice(witmotion.frames(blocks_of(base), base), 600)):
-        assert [frame.content[at : at + 2] for at in (0, 11, 22)] == [b"\x55\x51", b"\x55\x52", b"\x55\x53"]
+        assert [frame.content[motion_at : motion_at + 2] for motion_at in (0, 11, 22)] == [
+            b"\x55\x51",
+            b"\x55\x52",
+            b"\x55\x53",
+        ]
         assert (len(frame.content), frame.rows) == (33, 1)
         assert frame.t_s == pytest.approx(number * 0.01 + base.host_delay_s)
 
@@ -274,7 +278,7 @@ def test_a_device_that_is_told_to_says_whether_it_stands_still(word: StillWord) 
         return measure(Rig(base=base), profile, 0, block_samples=512, still=word)
 
     block = next(blocks())
-    _, rate_dps = profile.at(block.seq / 20.0)
+    _, rate_dps = profile.motion_at(block.seq / 20.0)
     true = {StillWord.NONE: rate_dps * 0 - 1, StillWord.ALWAYS: rate_dps * 0 + 1, StillWord.NEVER: rate_dps * 0}
     expected = true.get(word, (rate_dps == 0.0) * 1.0).tolist()
     assert len(set(expected)) == (2 if word is StillWord.TRUE else 1)

@@ -194,9 +194,9 @@ def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[" * 50_000, "blocks within blocks"),
-        ("{a: " * 40 + "}" * 40, "blocks within blocks"),
-        ("- " * 30_000, "blocks within blocks"),
+        ("[" * 50_000, "nested blocks"),
+        ("{a: " * 40 + "}" * 40, "nested blocks"),
+        ("- " * 30_000, "nested blocks"),
         ("a" * 5_000_000, "is longer than"),
     ],
 )
@@ -209,7 +209,7 @@ def test_a_file_that_was_made_to_hurt_is_refused(tmp_path: Path, text: str, said
 def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
     """A pipe would wait for a writer."""
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(FileError, match="is no ordinary file"):
+    with pytest.raises(FileError, match="is not an ordinary file"):
         load(tmp_path / "pipe", Desk)
 
 

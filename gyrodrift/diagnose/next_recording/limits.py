@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import pi
 
-from firmware_sim.measure import COUNTS_MOST
+from firmware_sim.measure import COUNTS_MAX
 from firmware_sim.rig import Base
 
 SHARE_OF_RANGE, FASTEST_DPS = 0.9, 300.0
@@ -37,7 +37,7 @@ class MotionLimits:
 
 def limits_of(base: Base) -> MotionLimits:
     """Of a gyro and an encoder as a rig states them."""
-    rate_dps = min(SHARE_OF_RANGE * COUNTS_MOST * base.dps_per_lsb, FASTEST_DPS)
+    rate_dps = min(SHARE_OF_RANGE * COUNTS_MAX * base.dps_per_lsb, FASTEST_DPS)
     swing_deg = COUNTS_PER_SWING * 360.0 / max(1, base.encoder_cpr)
     # From end to end a rate of amplitude a swings the angle by 2a / (2 pi f).
     resolvable_hz = min(WAVE_DPS, rate_dps) / (pi * swing_deg)

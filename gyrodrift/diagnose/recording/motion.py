@@ -40,7 +40,7 @@ class ReplayedMotion:
     sensor_c: Floats = field(repr=False)
     powered_s: float
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle in degrees and rate in deg/s at times from the first sample on; cubic between the points."""
         if self._is_grid(t_s):
             return self.angle_deg, self.rate_dps

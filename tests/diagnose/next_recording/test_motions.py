@@ -35,9 +35,9 @@ def test_a_manoeuvre_fills_its_time_from_rest_to_rest(manoeuvre: Manoeuvre, minu
     profile = profile_of((manoeuvre,), minutes, LIMITS)
     assert profile.seconds == pytest.approx(60.0 * minutes, abs=1e-6)
     t_s = np.arange(0.0, profile.seconds, 0.01)
-    rate_dps = profile.at(t_s)[1]
+    rate_dps = profile.motion_at(t_s)[1]
     assert abs(rate_dps[0]) < 1e-9
-    assert profile.at(np.array([profile.seconds - 1e-6]))[1] == pytest.approx(0.0, abs=0.01)
+    assert profile.motion_at(np.array([profile.seconds - 1e-6]))[1] == pytest.approx(0.0, abs=0.01)
     is_random = manoeuvre.name in {"drive", "multisine"}
     assert np.abs(rate_dps).max() <= (4.0 * 40.0 if is_random else LIMITS.rate_dps + 1e-9)
 
@@ -46,7 +46,7 @@ def test_a_manoeuvre_fills_its_time_from_rest_to_rest(manoeuvre: Manoeuvre, minu
 def test_turns_are_whole(name: str) -> None:
     """The angle comes back, after a multiple of 360 degrees."""
     profile = profile_of((NAMED[name],), 2.0, LIMITS)
-    angle_deg = profile.at(np.arange(0.0, profile.seconds, 0.01))[0]
+    angle_deg = profile.motion_at(np.arange(0.0, profile.seconds, 0.01))[0]
     turns = angle_deg.max() / 360.0
     assert turns == pytest.approx(round(turns), abs=1e-3)
     assert turns >= 1.0
@@ -73,9 +73,9 @@ def test_a_motion_at_random_is_as_long_as_asked(seed: int) -> None:
     profile = random_profile(2.0, LIMITS, seed)
     assert profile.seconds == pytest.approx(120.0, abs=1e-6)
     t_s = np.arange(0.0, 120.0, 0.01)
-    rate_dps = profile.at(t_s)[1]
+    rate_dps = profile.motion_at(t_s)[1]
     assert 0.0 < np.abs(rate_dps).max() <= LIMITS.rate_dps
-    assert not np.array_equal(rate_dps, random_profile(2.0, LIMITS, seed + 1).at(t_s)[1])
+    assert not np.array_equal(rate_dps, random_profile(2.0, LIMITS, seed + 1).motion_at(t_s)[1])
 
 
 def test_what_is_too_short_is_refused() -> None:

@@ -65,8 +65,8 @@ def test_rate_and_angle_are_of_one_curve() -> None:
     """Between the points too: the rate is the slope of the angle."""
     motion = rebuilt()
     t_s = np.linspace(5.0, 195.0, 5001)
-    later, earlier = motion.at(t_s + 1e-5)[0], motion.at(t_s - 1e-5)[0]
-    assert np.allclose((later - earlier) / 2e-5, motion.at(t_s)[1], atol=1e-3)
+    later, earlier = motion.motion_at(t_s + 1e-5)[0], motion.motion_at(t_s - 1e-5)[0]
+    assert np.allclose((later - earlier) / 2e-5, motion.motion_at(t_s)[1], atol=1e-3)
 
 
 def test_the_temperature_is_smoothed_and_known_between_samples() -> None:
@@ -84,6 +84,6 @@ def test_without_a_temperature_it_is_that_of_the_room() -> None:
 def test_before_the_first_sample_it_rests() -> None:
     """At the angle of the first sample; after the last it stays there."""
     motion = rebuilt()
-    angle_deg, rate_dps = motion.at(np.array([-1.0, 1e6]))
+    angle_deg, rate_dps = motion.motion_at(np.array([-1.0, 1e6]))
     assert rate_dps[0] == 0.0
     assert angle_deg == pytest.approx(motion.angle_deg[[0, -1]], abs=1e-3)

@@ -29,7 +29,7 @@ PIECES = [("identify", 60.0), ("turntable", 100.0), ("drive", 400.0)]
 class Course(Protocol):
     """Angle and rate, and temperature, at any time."""
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle and rate."""
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
@@ -43,9 +43,9 @@ class Piece(NamedTuple):
     first_s: float
     powered_s: float = 0.0
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle and rate."""
-        return self.profile.at(t_s + self.first_s)
+        return self.profile.motion_at(t_s + self.first_s)
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
         """Temperature."""
@@ -58,9 +58,9 @@ class Begun(NamedTuple):
     course: Course
     first_deg: float
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle and rate."""
-        angle_deg, rate_dps = self.course.at(t_s)
+        angle_deg, rate_dps = self.course.motion_at(t_s)
         return angle_deg + self.first_deg, rate_dps
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
@@ -94,7 +94,7 @@ def seen(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float 
     base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr).model_copy(update=gyro)
     rig = Rig(base=base, effects=tuple(map(parse_effect, effects)))
     recording = recording_of(Simulation(rig, motion, 3, 0, seconds / 60.0).whole(), round(seconds * rate_hz))
-    return Seen(recording, *motion.at(np.arange(len(recording.rate_dps)) / rate_hz))
+    return Seen(recording, *motion.motion_at(np.arange(len(recording.rate_dps)) / rate_hz))
 
 
 def piece(name: str, first_s: float) -> Piece:
@@ -224,7 +224,7 @@ class Shaken(NamedTuple):
 
     still_s: float = 5.0
 
-    def at(self, t_s: Floats) -> tuple[Floats, Floats]:
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """Angle and rate."""
         moving_s = np.maximum(t_s - self.still_s, 0.0)
         angle_deg, rate_dps = np.zeros(len(t_s)), np.zeros(len(t_s))

@@ -49,7 +49,7 @@ def test_a_rig_with_it_simulates() -> None:
         next(measure(Rig(base=ideal, effects=effects), MOTION, seed=1))
         for effects in ((parse_effect("motor_bias"),), ())
     )
-    turns = MOTION.at(block.seq / ideal.sample_rate_hz)[1] > 1.0
+    turns = MOTION.motion_at(block.seq / ideal.sample_rate_hz)[1] > 1.0
     added = block.rate_raw - plain_block.rate_raw
     assert added[turns].min() >= 9  # a rounding apart
     assert added[turns].max() <= 11

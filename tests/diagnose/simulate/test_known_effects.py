@@ -57,7 +57,7 @@ def apart_deg(one: float, other: float) -> float:
 
 def off_deg(subject: Subject) -> float:
     """Root mean square of the error of the rebuilt angle."""
-    true_deg = MOTION.at(np.arange(subject.design.samples) / RATE_HZ)[0]
+    true_deg = MOTION.motion_at(np.arange(subject.design.samples) / RATE_HZ)[0]
     return float(np.std(subject.posterior.mean.angle_deg - true_deg))
 
 
@@ -144,7 +144,7 @@ def test_behind_a_low_pass_of_the_rig_noise_is_no_motion_and_motion_is_whole(ord
     base = BASE.model_copy(update={"encoder_cpr": 512, "noise_dps_rthz": 0.01})
     session = Simulation(Rig(base=base, effects=(effect,)), MOTION, seed=2, minutes=MOTION.seconds / 60.0).whole()
     known, unknown = (subject_of(recording_of(session), Rig(base=base, effects=has)) for has in ((effect,), ()))
-    true_dps = MOTION.at(np.arange(known.design.samples) / RATE_HZ)[1]
+    true_dps = MOTION.motion_at(np.arange(known.design.samples) / RATE_HZ)[1]
     at_rest = true_dps == 0.0
     off_dps = [one.posterior.mean.rate_dps - true_dps for one in (known, unknown)]
     for regime, share in ((at_rest, 0.5), (~at_rest, 0.95)):

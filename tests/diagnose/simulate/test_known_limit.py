@@ -40,7 +40,9 @@ def test_blocks_at_a_limit_that_the_rig_knows_say_nothing(seed: int) -> None:
     rig = rig_of(limit_dps, dice.choice([512, 1024, 4096]))
     one = seen_of(rig, seed, rig)
     left, silent = block_residuals_of(one.seen, one.design), one.design.is_silent
-    true_dps = load_profile("turntable").at(np.arange(one.design.samples, dtype=np.float64) * one.design.period_s)[1]
+    true_dps = load_profile("turntable").motion_at(
+        np.arange(one.design.samples, dtype=np.float64) * one.design.period_s
+    )[1]
     beyond = np.abs(true_dps) > limit_dps + 1.0
     whole = len(silent) * one.design.block
     assert silent[np.flatnonzero(beyond[:whole]) // one.design.block].all()
@@ -56,8 +58,8 @@ def test_a_rig_that_has_a_limit_is_as_its_simulation(seed: int) -> None:
     one = seen_of(rig, seed, rig)
     found, runs = one.measured(), np.array([one.base_run(run).values for run in range(4)])
     for name in ("rate", "abs_rate", "rate_cubed", "rate_squared"):
-        at = NUMBER[name]
-        assert abs(found.values[at] - runs[:, at].mean()) < found.thresholds[at]
+        motion_at = NUMBER[name]
+        assert abs(found.values[motion_at] - runs[:, motion_at].mean()) < found.thresholds[motion_at]
 
 
 def test_a_limit_that_the_rig_does_not_know_shows() -> None:

@@ -25,7 +25,7 @@ def test_the_motion_is_the_same_however_late_the_gyro_is(counts: int, delay_ms: 
     late = rig.model_copy(update={"effects": (parse_effect(f"latency:delay_ms={delay_ms:g}"),)})
     seen = cleaned(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
     t_s: Floats = np.arange(len(seen.rate_dps), dtype=np.float64) * seen.recording.period_s
-    true_dps = profile.at(t_s)[1]
+    true_dps = profile.motion_at(t_s)[1]
 
     def off_dps(rate_dps: Floats) -> float:
         return float(np.sqrt(np.mean(np.square(rate_dps - true_dps)[50:-50])))

@@ -33,7 +33,7 @@ LINEAR_FEATURES = ("rate", "abs_rate", "rate_cubed", "turn_sine", "turn_cosine",
 
 def true_dps() -> Floats:
     """The rate of the table at the samples."""
-    rate_dps: Floats = MOTION.at(np.arange(plain().design.samples) / RATE_HZ)[1]
+    rate_dps: Floats = MOTION.motion_at(np.arange(plain().design.samples) / RATE_HZ)[1]
     return rate_dps
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from firmware_sim.measure import COUNTS_MOST
+from firmware_sim.measure import COUNTS_MAX
 from firmware_sim.rig import Base, Rig
 
 MOTION = profile_of(
@@ -88,7 +88,7 @@ def test_every_number_is_one_and_within_its_range(rig: Rig) -> None:
     """There is no NaN and no infinity, and no rate beyond the counts."""
     run = played(rig)
     assert all(np.isfinite(array).all() for array in arrays(run))
-    assert (np.abs(run.rate_dps) <= COUNTS_MOST * rig.base.dps_per_lsb * (1.0 + 1e-12)).all()
+    assert (np.abs(run.rate_dps) <= COUNTS_MAX * rig.base.dps_per_lsb * (1.0 + 1e-12)).all()
 
 
 @few

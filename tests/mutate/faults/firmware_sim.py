@@ -14,7 +14,7 @@ FAULTS = (
     Fault(
         "firmware_sim/clip-wraps",
         "firmware_sim/measure.py",
-        "rate_raw=np.clip(counts, -COUNTS_MOST, COUNTS_MOST).astype(np.int16),",
+        "rate_raw=np.clip(counts, -COUNTS_MAX, COUNTS_MAX).astype(np.int16),",
         "rate_raw=counts.astype(np.int64).astype(np.int16),",
         "A rate beyond the range wraps around to the other sign.",
         ("tests/firmware_sim/test_measure.py",),
