@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_sim.effects.catalogue import in_acting_order
-from firmware_sim.effects.effect import Act, Floats, Moments, Slot
+from firmware_sim.effects.effect import Act, EffectSlot, Floats, Moments
 from firmware_sim.rig import Rig
 
 BLOCK_SAMPLES = 4096
@@ -142,20 +142,20 @@ class _Bench:
     def __init__(self, rig: Rig, motion: Motion, seed: int, session: int, still: StillWord) -> None:
         self._base, self._motion, self._still_word = rig.base, motion, still
         self._rate_hz = rig.base.sample_rate_hz
-        self._acts: dict[Slot, list[Act]] = {slot: [] for slot in Slot}
+        self._acts: dict[EffectSlot, list[Act]] = {slot: [] for slot in EffectSlot}
         twins: dict[str, int] = {}
         for effect in in_acting_order(rig.effects):
             twins[effect.name] = twins.get(effect.name, 0) + 1
             stream = _random_stream(seed, session, crc32(effect.name.encode()), twins[effect.name])
             self._acts[effect.slot].append(effect.begin(stream, self._rate_hz))
-        has_low_pass = bool(self._acts[Slot.LOW_PASS])
+        has_low_pass = bool(self._acts[EffectSlot.LOW_PASS])
         finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
         self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
         sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
         self._jitter = _random_stream(seed, session, HOST_JITTER)
         self._last_arrival_s = -np.inf
         noise = _random_stream(seed, session)
-        self._acts[Slot.ANALOG].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
+        self._acts[EffectSlot.ANALOG].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
         angle_deg, rate_dps = self._motion.motion_at(t_s)
@@ -173,7 +173,7 @@ class _Bench:
         self._last_arrival_s = float(ordered_s[-1])
         return ordered_s
 
-    def _through(self, slot: Slot, values: Floats, moments: Moments) -> Floats:
+    def _through(self, slot: EffectSlot, values: Floats, moments: Moments) -> Floats:
         for act in self._acts[slot]:
             values = act(values, moments)
         return values
@@ -184,9 +184,9 @@ class _Bench:
         truth = self._moments(seq / self._rate_hz, 1.0 / self._rate_hz)
         rate_dps = self._rate(first, count, truth)
         counts = np.rint(rate_dps / self._base.dps_per_lsb)
-        angle_deg = self._through(Slot.COUNTS, self._through(Slot.ENCODER, truth.angle_deg, truth), truth)
-        stamp_s = self._through(Slot.CLOCK, truth.t_s, truth)
-        arrival_s = self._through(Slot.ARRIVAL, self._at_host(truth.t_s), truth)
+        angle_deg = self._through(EffectSlot.COUNTS, self._through(EffectSlot.ENCODER, truth.angle_deg, truth), truth)
+        stamp_s = self._through(EffectSlot.CLOCK, truth.t_s, truth)
+        arrival_s = self._through(EffectSlot.ARRIVAL, self._at_host(truth.t_s), truth)
         arrived = ~np.isnan(arrival_s)
         block = Block(
             seq=seq,
@@ -212,10 +212,10 @@ class _Bench:
 
     def _sensed(self, fine: Moments) -> tuple[Floats, Floats]:
         """Rate with all effects in continuous time, and the sensed motion, at the samples of the fine grid."""
-        seen_s = self._through(Slot.LAG, fine.t_s, fine)
+        seen_s = self._through(EffectSlot.LAG, fine.t_s, fine)
         motion_dps = fine.rate_dps if seen_s is fine.t_s else self._motion.motion_at(seen_s)[1]
         moments = replace(fine, rate_dps=motion_dps)
-        rate_dps = self._through(Slot.LOW_PASS, self._through(Slot.ANALOG, motion_dps, moments), moments)
+        rate_dps = self._through(EffectSlot.LOW_PASS, self._through(EffectSlot.ANALOG, motion_dps, moments), moments)
         return rate_dps[self._fine - 1 :: self._fine], motion_dps[self._fine - 1 :: self._fine]
 
     def _fine_moments(self, first: int, count: int) -> Iterator[Moments]:
@@ -234,8 +234,8 @@ class _Bench:
         rate_dps, motion_dps = (np.concatenate(column) for column in zip(*parts, strict=True))
         # Effects of the rate use the sensed rate, not the true one.
         sensed = replace(truth, rate_dps=motion_dps)
-        rate_dps = self._through(Slot.RATE, rate_dps, sensed) + self._base.bias_dps
-        return self._through(Slot.HOLD, self._through(Slot.OUTPUT, rate_dps, sensed), sensed)
+        rate_dps = self._through(EffectSlot.RATE, rate_dps, sensed) + self._base.bias_dps
+        return self._through(EffectSlot.HOLD, self._through(EffectSlot.OUTPUT, rate_dps, sensed), sensed)
 
 
 def _random_stream(seed: int, *branch: int) -> np.random.Generator:

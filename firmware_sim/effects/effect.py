@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Rng = np.random.Generator
 
 
-class Slot(IntEnum):
+class EffectSlot(IntEnum):
     """Slot of an effect in the order of a measurement, with the values that its act gets.
 
     - LAG: times at which the gyro senses the motion, s
@@ -81,7 +81,7 @@ class Effect(Checked):
 
     name: str
     stage: ClassVar[str]
-    slot: ClassVar[Slot]
+    slot: ClassVar[EffectSlot]
     typical: ClassVar[dict[str, float]]
     small: ClassVar[dict[str, float]]
 

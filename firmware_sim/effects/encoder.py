@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Moments, Rng
 from firmware_sim.effects.recursion import Poisson
 
 
@@ -16,7 +16,7 @@ class EncoderEccentricity(Effect):
     amplitude_deg: Annotated[float, Field(ge=0.0, le=20.0)]
     phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     stage: ClassVar[str] = "encoder"
-    slot: ClassVar[Slot] = Slot.ENCODER
+    slot: ClassVar[EffectSlot] = EffectSlot.ENCODER
     typical: ClassVar[dict[str, float]] = {"amplitude_deg": 0.5, "phase_deg": 30.0}
     small: ClassVar[dict[str, float]] = {"amplitude_deg": 0.1, "phase_deg": 30.0}
 
@@ -32,7 +32,7 @@ class EncoderSlip(Effect):
     step_deg: Annotated[float, Field(ge=0.0, le=360.0)]
     per_hour: Annotated[float, Field(gt=0.0, le=36000.0)] = 20.0
     stage: ClassVar[str] = "encoder"
-    slot: ClassVar[Slot] = Slot.ENCODER
+    slot: ClassVar[EffectSlot] = EffectSlot.ENCODER
     typical: ClassVar[dict[str, float]] = {"step_deg": 2.0, "per_hour": 20.0}
     small: ClassVar[dict[str, float]] = {"step_deg": 0.3, "per_hour": 20.0}
 
@@ -58,7 +58,7 @@ class Backlash(Effect):
     name: Literal["backlash"] = "backlash"
     play_deg: Annotated[float, Field(ge=0.0, le=20.0)]
     stage: ClassVar[str] = "platform"
-    slot: ClassVar[Slot] = Slot.ENCODER
+    slot: ClassVar[EffectSlot] = EffectSlot.ENCODER
     typical: ClassVar[dict[str, float]] = {"play_deg": 0.3}
     small: ClassVar[dict[str, float]] = {"play_deg": 0.08}
 
@@ -88,7 +88,7 @@ class EncoderQuantization(Effect):
     name: Literal["encoder_quantization"] = "encoder_quantization"
     cpr: Annotated[int, Field(ge=1, le=10_000_000)]
     stage: ClassVar[str] = "encoder"
-    slot: ClassVar[Slot] = Slot.COUNTS
+    slot: ClassVar[EffectSlot] = EffectSlot.COUNTS
     typical: ClassVar[dict[str, float]] = {"cpr": 720}
     small: ClassVar[dict[str, float]] = {"cpr": 4096}
 

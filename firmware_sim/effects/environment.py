@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Moments, Rng
 
 REFERENCE_C = 25.0
 """Temperature at which the effects are zero, °C."""
@@ -30,7 +30,7 @@ class TempBias(Effect):
     slope_dps_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
     curve_per_c: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0
     stage: ClassVar[str] = "environment"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.03, "curve_per_c": 0.0}
     small: ClassVar[dict[str, float]] = {"slope_dps_per_c": 0.005, "curve_per_c": 0.0}
 
@@ -51,7 +51,7 @@ class TempScale(Effect):
     name: Literal["temp_scale"] = "temp_scale"
     slope_percent_per_c: Annotated[float, Field(ge=-2.0, le=2.0)]
     stage: ClassVar[str] = "environment"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.05}
     small: ClassVar[dict[str, float]] = {"slope_percent_per_c": 0.02}
 
@@ -72,7 +72,7 @@ class Warmup(Effect):
     fast_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     fast_time_constant_s: Annotated[float, Field(ge=1.0, le=1e5)] = 30.0
     stage: ClassVar[str] = "environment"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.3, "time_constant_s": 120.0, **SINGLE_DECAY}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "time_constant_s": 120.0, **SINGLE_DECAY}
 

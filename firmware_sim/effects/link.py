@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Moments, Rng
 
 SHORTEST_STEP_S = 1e-6
 """Smallest step of a device clock, which counts microseconds, s."""
@@ -17,7 +17,7 @@ class ClockDrift(Effect):
     name: Literal["clock_drift"] = "clock_drift"
     ppm: Annotated[float, Field(ge=-100000.0, le=100000.0)]
     stage: ClassVar[str] = "clock"
-    slot: ClassVar[Slot] = Slot.CLOCK
+    slot: ClassVar[EffectSlot] = EffectSlot.CLOCK
     typical: ClassVar[dict[str, float]] = {"ppm": 5000.0}
     small: ClassVar[dict[str, float]] = {"ppm": 300.0}
 
@@ -32,7 +32,7 @@ class TimestampJitter(Effect):
     name: Literal["timestamp_jitter"] = "timestamp_jitter"
     sigma_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
     stage: ClassVar[str] = "clock"
-    slot: ClassVar[Slot] = Slot.CLOCK
+    slot: ClassVar[EffectSlot] = EffectSlot.CLOCK
     typical: ClassVar[dict[str, float]] = {"sigma_ms": 1.0}
     small: ClassVar[dict[str, float]] = {"sigma_ms": 0.2}
 
@@ -57,7 +57,7 @@ class UsbBatching(Effect):
     name: Literal["usb_batching"] = "usb_batching"
     interval_ms: Annotated[float, Field(ge=0.01, le=5000.0)]
     stage: ClassVar[str] = "link"
-    slot: ClassVar[Slot] = Slot.ARRIVAL
+    slot: ClassVar[EffectSlot] = EffectSlot.ARRIVAL
     typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0}
     small: ClassVar[dict[str, float]] = {"interval_ms": 16.0}
 
@@ -73,7 +73,7 @@ class SampleDrop(Effect):
     name: Literal["sample_drop"] = "sample_drop"
     share_percent: Annotated[float, Field(ge=0.0, le=90.0)]
     stage: ClassVar[str] = "link"
-    slot: ClassVar[Slot] = Slot.ARRIVAL
+    slot: ClassVar[EffectSlot] = EffectSlot.ARRIVAL
     typical: ClassVar[dict[str, float]] = {"share_percent": 1.0}
     small: ClassVar[dict[str, float]] = {"share_percent": 0.1}
 

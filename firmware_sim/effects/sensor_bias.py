@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Rng
 from firmware_sim.effects.recursion import SLOW_STEP_S, OnePole, Poisson, SlowTrack
 
 FLICKER_RATIO = 3.0
@@ -30,7 +30,7 @@ class BiasInstability(Effect):
     name: Literal["bias_instability"] = "bias_instability"
     floor_dph: Annotated[float, Field(ge=0.0, le=10000.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"floor_dph": 40.0}
     small: ClassVar[dict[str, float]] = {"floor_dph": 10.0}
 
@@ -83,7 +83,7 @@ class RateRandomWalk(Effect):
     name: Literal["rate_random_walk"] = "rate_random_walk"
     density_dps_rts: Annotated[float, Field(ge=0.0, le=1.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"density_dps_rts": 0.005}
     small: ClassVar[dict[str, float]] = {"density_dps_rts": 0.001}
 
@@ -102,7 +102,7 @@ class Popcorn(Effect):
     step_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     dwell_s: Annotated[float, Field(ge=0.01, le=1e5)] = 20.0
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"step_dps": 0.2, "dwell_s": 20.0}
     small: ClassVar[dict[str, float]] = {"step_dps": 0.03, "dwell_s": 20.0}
 
@@ -118,7 +118,7 @@ class VibrationRectification(Effect):
     name: Literal["vibration_rectification"] = "vibration_rectification"
     bias_dps_at_100_dps: Annotated[float, Field(ge=-50.0, le=50.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.2}
     small: ClassVar[dict[str, float]] = {"bias_dps_at_100_dps": 0.05}
 
@@ -134,7 +134,7 @@ class GSensitivity(Effect):
     amplitude_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.1, "phase_deg": 30.0}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.03, "phase_deg": 30.0}
 

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Rng
 
 FULL_SCALE_DPS = 250.0
 """Full scale of the nonlinearity, deg/s: the finest range of an MPU-6050."""
@@ -17,7 +17,7 @@ class ScaleFactor(Effect):
     name: Literal["scale_factor"] = "scale_factor"
     error_percent: Annotated[float, Field(ge=-20.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent": 1.5}
     small: ClassVar[dict[str, float]] = {"error_percent": 0.2}
 
@@ -32,7 +32,7 @@ class ScaleAsymmetry(Effect):
     name: Literal["scale_asymmetry"] = "scale_asymmetry"
     error_percent: Annotated[float, Field(ge=-20.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent": 0.4}
     small: ClassVar[dict[str, float]] = {"error_percent": 0.1}
 
@@ -47,7 +47,7 @@ class Nonlinearity(Effect):
     name: Literal["nonlinearity"] = "nonlinearity"
     error_percent_fs: Annotated[float, Field(ge=-10.0, le=10.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.RATE
     typical: ClassVar[dict[str, float]] = {"error_percent_fs": 0.2}
     small: ClassVar[dict[str, float]] = {"error_percent_fs": 0.05}
 
@@ -63,7 +63,7 @@ class Deadband(Effect):
     name: Literal["deadband"] = "deadband"
     width_dps: Annotated[float, Field(ge=0.0, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.OUTPUT
+    slot: ClassVar[EffectSlot] = EffectSlot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"width_dps": 0.5}
     small: ClassVar[dict[str, float]] = {"width_dps": 0.1}
 
@@ -78,7 +78,7 @@ class Saturation(Effect):
     name: Literal["saturation"] = "saturation"
     limit_dps: Annotated[float, Field(ge=1.0, le=4000.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.OUTPUT
+    slot: ClassVar[EffectSlot] = EffectSlot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"limit_dps": 125.0}
     small: ClassVar[dict[str, float]] = {"limit_dps": 170.0}
 
@@ -93,7 +93,7 @@ class Quantization(Effect):
     name: Literal["quantization"] = "quantization"
     step_dps: Annotated[float, Field(ge=1e-6, le=20.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.OUTPUT
+    slot: ClassVar[EffectSlot] = EffectSlot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"step_dps": 0.25}
     small: ClassVar[dict[str, float]] = {"step_dps": 0.0625}
 

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Generic, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Moments, Rng
 from firmware_sim.effects.recursion import Number, OnePole
 
 STEPS_PER_TIME_CONSTANT = 10.0
@@ -23,7 +23,7 @@ class Latency(Effect):
     name: Literal["latency"] = "latency"
     delay_ms: Annotated[float, Field(ge=0.0, le=1000.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.LAG
+    slot: ClassVar[EffectSlot] = EffectSlot.LAG
     typical: ClassVar[dict[str, float]] = {"delay_ms": 20.0}
     small: ClassVar[dict[str, float]] = {"delay_ms": 3.0}
 
@@ -42,7 +42,7 @@ class Vibration(Effect):
     amplitude_dps: Annotated[float, Field(ge=0.0, le=500.0)]
     frequency_hz: Annotated[float, Field(gt=0.0, le=5000.0)]
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.ANALOG
+    slot: ClassVar[EffectSlot] = EffectSlot.ANALOG
     typical: ClassVar[dict[str, float]] = {"amplitude_dps": 0.5, "frequency_hz": 73.0}
     small: ClassVar[dict[str, float]] = {"amplitude_dps": 0.05, "frequency_hz": 23.0}
 
@@ -74,7 +74,7 @@ class Bandwidth(Effect):
     cutoff_hz: Annotated[float, Field(ge=0.05, le=2000.0)]
     order: Annotated[int, Field(ge=1, le=2)] = 1
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.LOW_PASS
+    slot: ClassVar[EffectSlot] = EffectSlot.LOW_PASS
     typical: ClassVar[dict[str, float]] = {"cutoff_hz": 10.0, "order": 1}
     small: ClassVar[dict[str, float]] = {"cutoff_hz": 40.0, "order": 1}
 

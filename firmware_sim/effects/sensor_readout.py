@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from firmware_sim.effects.effect import Act, Effect, Floats, Moments, Rng, Slot
+from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Moments, Rng
 
 SharePercent = Annotated[float, Field(ge=0.0, le=50.0)]
 
@@ -17,7 +17,7 @@ class Spikes(Effect):
     height_dps: Annotated[float, Field(ge=0.0, le=4000.0)]
     share_percent: SharePercent = 0.1
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[Slot] = Slot.OUTPUT
+    slot: ClassVar[EffectSlot] = EffectSlot.OUTPUT
     typical: ClassVar[dict[str, float]] = {"height_dps": 50.0, "share_percent": 0.1}
     small: ClassVar[dict[str, float]] = {"height_dps": 5.0, "share_percent": 0.1}
 
@@ -37,7 +37,7 @@ class StaleHold(Effect):
     name: Literal["stale_hold"] = "stale_hold"
     share_percent: SharePercent
     stage: ClassVar[str] = "link"
-    slot: ClassVar[Slot] = Slot.HOLD
+    slot: ClassVar[EffectSlot] = EffectSlot.HOLD
     typical: ClassVar[dict[str, float]] = {"share_percent": 2.0}
     small: ClassVar[dict[str, float]] = {"share_percent": 0.2}
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.effects.catalogue import in_acting_order
-from firmware_sim.effects.effect import Effect, Moments, Slot
+from firmware_sim.effects.effect import Effect, EffectSlot, Moments
 from firmware_sim.effects.encoder import EncoderQuantization
 from firmware_sim.effects.sensor_curve import Deadband, Quantization, Saturation
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
@@ -26,7 +26,7 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
 """Effects with a phase, by the names of their amplitudes."""
 
-OF_THE_RATE = (Slot.LOW_PASS, Slot.RATE, Slot.OUTPUT)
+OF_THE_RATE = (EffectSlot.LOW_PASS, EffectSlot.RATE, EffectSlot.OUTPUT)
 """Where an effect that leaves nothing to chance gives the same error of the rate for the same motion."""
 
 NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
@@ -224,7 +224,7 @@ def error_dps(rig: Rig, motion: ReplayedMotion, without: Collection[str] = ("qua
     seen_s = moments.t_s
     effects = [one for one in in_acting_order(rig.effects) if _leaves_no_chance(one) and one.name not in without]
     for effect in effects:
-        if effect.slot is Slot.LAG:
+        if effect.slot is EffectSlot.LAG:
             seen_s = effect.begin(none, rate_hz)(seen_s, moments)
     rate_dps: Floats = np.interp(seen_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
     for place in OF_THE_RATE:
@@ -248,4 +248,4 @@ def moments_of(motion: ReplayedMotion) -> Moments:
 
 def _of_encoder(rig: Rig) -> list[Effect]:
     """Those whose errors follow from the motion: jumps come by chance, and are taken out as what they are."""
-    return [effect for effect in rig.effects if effect.slot is Slot.ENCODER and effect.name != "encoder_slip"]
+    return [effect for effect in rig.effects if effect.slot is EffectSlot.ENCODER and effect.name != "encoder_slip"]

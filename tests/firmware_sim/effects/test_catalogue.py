@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from firmware_sim.effects.effect import Effect, Slot
+from firmware_sim.effects.effect import Effect, EffectSlot
 
 STAGES = {
     "sensor": "scale_factor scale_asymmetry nonlinearity deadband saturation quantization bandwidth latency "
@@ -30,7 +30,7 @@ def test_every_effect_says_what_is_typical(kind: type[Effect]) -> None:
     """Its docstring has a sentence on usual sizes, and it knows where it acts."""
     assert kind.__doc__ is not None
     assert "Typical" in kind.__doc__
-    assert isinstance(kind.slot, Slot)
+    assert isinstance(kind.slot, EffectSlot)
 
 
 @pytest.mark.parametrize("size", ["small", "typical"])
