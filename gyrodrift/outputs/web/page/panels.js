@@ -35,7 +35,8 @@ export function showNumbers(history) {
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
   byId("main-value").textContent = words.angle(hasNorth ? last("heading_deg") : last("yaw_deg"));
-  const scale = Number.isFinite(scaleSigmaDeg) ? `, scale ${words.number(scaleSigmaDeg, 2)}°` : "";
+  const scaleDeg = Math.min(scaleSigmaDeg, last("yaw_sigma_deg")); // a share that is a second old may exceed the whole
+  const scale = Number.isFinite(scaleDeg) ? `, scale ${words.number(scaleDeg, 2)}°` : "";
   byId("main-sigma").textContent = words.margin(last("yaw_sigma_deg"), 2, `° (1σ${scale})`);
   const errorDeg = last("yaw_deg") - last("encoder_deg");
   byId("error").hidden = !Number.isFinite(errorDeg);
