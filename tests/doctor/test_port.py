@@ -82,7 +82,7 @@ def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest
 @pytest.mark.parametrize(
     ("rate_hz", "severity", "says"),
     [
-        (800, "error", "The line is used to 1"),
+        (800, "error", "The line uses 1"),
         (400, "note", "are 70% of 115200 baud: little is left."),
     ],
 )
@@ -160,7 +160,7 @@ def test_without_a_port_it_is_looked_for(
     with speaking_on(ports[0]), speaking_on(ports[1]):
         status, found = doctor(capsys, "--timeout", "0.5")
     assert status == 3
-    says = "No gyro speaks here." if count else "No serial port is plugged in."
+    says = "No gyro found." if count else "No serial port is plugged in."
     assert_findings(found, [("port", "error", says)])
     assert all(str(name) in found["port"]["do"] for name in ports[:count])
 
