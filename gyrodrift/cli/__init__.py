@@ -9,7 +9,7 @@ from types import ModuleType
 
 from gyrodrift.cli.parser import Parser, unknown
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
-from gyrodrift.errors import GyrodriftError, UsageError
+from gyrodrift.errors import GyrodriftError, UsageError, visible
 from gyrodrift.secret import mentions_secret, shown_words
 
 COMMANDS = {
@@ -68,7 +68,7 @@ def main(argv: list[str] | None = None) -> int:
             return _run(name, arguments[1:])
         return _outside_of_commands(arguments, name)
     except GyrodriftError as error:
-        for line in str(error).splitlines():
+        for line in _on_one_line(str(error), arguments).splitlines():
             print(f"gyrodrift: {line}", file=sys.stderr)
         return error.exit_status
     except KeyboardInterrupt:
@@ -81,6 +81,15 @@ def main(argv: list[str] | None = None) -> int:
         print(f"gyrodrift: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
         _forget_stdout()
         return UsageError.exit_status
+
+
+def _on_one_line(message: str, arguments: list[str]) -> str:
+    r"""Message with the line feeds of quoted arguments as `\x0a`, so that a mistake stays one line."""
+    for word in arguments:
+        for quoted in (word, word.partition("=")[2]):
+            if "\n" in quoted:
+                message = message.replace(visible(quoted), visible(quoted).replace("\n", "\\x0a"))
+    return message
 
 
 def _is_stdout_closed() -> bool:

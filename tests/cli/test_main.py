@@ -124,6 +124,23 @@ def test_what_is_unknown_gets_the_nearest_before_anything_else_is_said(
     assert capsys.readouterr().err.startswith(f"gyrodrift: {expected}")
 
 
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        (["info", "a\nb.csv"], "a\\x0ab.csv: there is no such session or folder"),
+        (["record", "--out", "s", "--port=no\nport"], "no\\x0aport: there is no such port; "),
+        (["serve", "--port", "x", "--protocol", "a\nb"], "--protocol a\\x0ab: there are auto, "),
+    ],
+)
+def test_a_line_feed_in_an_argument_keeps_the_message_on_one_line(
+    words: list[str], shown: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is shown as an escape, like other control characters."""
+    assert main(words) in (2, 3, 4)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"gyrodrift: {shown}")
+
+
 def test_every_unknown_option_is_told_at_once(capsys: pytest.CaptureFixture[str]) -> None:
     """A line each; what stands behind -- and negative numbers are none."""
     assert main(["filter", "--otu", "a", "--configg", "b", "--", "--session"]) == 2
