@@ -1,6 +1,5 @@
 """Listen to a device like `serve`, and keep all samples."""
 
-import select
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -20,6 +19,7 @@ from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.progress import OnProgress
 from gyrodrift.sample import Sample
 from gyrodrift.session.session import Session
+from gyrodrift.waiting import POLLIN, new_poller
 
 BITS_PER_BYTE = 10
 SURE_PPM = 100.0
@@ -101,10 +101,10 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
 
 
 def _wait(link: Link) -> None:
-    poller = select.poll()
+    poller = new_poller()
     fd = link.fileno()
     if fd is not None:
-        poller.register(fd, select.POLLIN)
+        poller.register(fd, POLLIN)
     poller.poll(min(link.wake_s(), 0.1) * 1e3)
 
 

@@ -23,7 +23,7 @@ def look_at_port(path: str) -> PortEvidence | None:
     return PortEvidence(
         port=ports.get(device, SerialPort(stable_name(path), device)),
         holder=holder_of(path),
-        is_pty=os.major(status.st_rdev) in PTY_SLAVE_MAJORS,
+        is_pty=hasattr(os, "major") and os.major(status.st_rdev) in PTY_SLAVE_MAJORS,
         access=f"{stat.filemode(status.st_mode)} {_owner(status.st_uid)}:{_group(status.st_gid)}",
         driver=_driver(device),
         latency_ms=latency_ms(device),
@@ -33,7 +33,7 @@ def look_at_port(path: str) -> PortEvidence | None:
 def latency_ms(device: str) -> int | None:
     """Present latency timer of the adapter, ms; None without one. Opening a port for low latency changes it."""
     try:
-        return int((_of_sysfs(device) / "latency_timer").read_text())
+        return int((_of_sysfs(device) / "latency_timer").read_text(encoding="ascii"))
     except (OSError, ValueError):
         return None
 

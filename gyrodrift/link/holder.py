@@ -47,20 +47,22 @@ def _by_descriptor(device: str) -> PortHolder | None:
 
 def _by_lock(device: str) -> PortHolder | None:
     with suppress(OSError, ValueError):
-        pid = int((LOCKS / f"LCK..{Path(device).name}").read_text())
+        pid = int((LOCKS / f"LCK..{Path(device).name}").read_text(encoding="ascii"))
         return _process(pid) if pid != os.getpid() else None
     return None  # no lock file, an invalid one, or its process is gone
 
 
 def _by_console(device: str) -> PortHolder | None:
     with suppress(OSError):
-        if Path(device).parent == Path("/dev") and Path(device).name in CONSOLES.read_text().split():
+        if Path(device).parent == Path("/dev") and Path(device).name in CONSOLES.read_text(encoding="ascii").split():
             return PortHolder("the kernel's console", None)
     return None
 
 
 def _process(pid: int) -> PortHolder:
-    return PortHolder(Path(f"/proc/{pid}/comm").read_text(errors="replace").strip(), pid)  # a process may have any name
+    return PortHolder(
+        Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip(), pid
+    )  # a process may have any name
 
 
 def _points_to(link: Path, device: str) -> bool:

@@ -38,6 +38,6 @@ def has_uart(device: str) -> bool:
     if not name.startswith(BUILT_IN):
         return True
     try:
-        return (TERMINALS / name / "type").read_text().strip() != NO_UART
+        return (TERMINALS / name / "type").read_text(encoding="ascii").strip() != NO_UART
     except OSError:
         return False

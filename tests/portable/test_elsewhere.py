@@ -111,6 +111,17 @@ def test_serve_survives_an_unplugged_port(tmp_path: Path) -> None:
                 assert serve.stop() == 0
 
 
+def test_doctor_listens_to_a_port(tmp_path: Path) -> None:
+    """It has no error to tell of the simulated device."""
+    link = tmp_path / "gyro"
+    with Command("--link", link, module="firmware_sim") as device:
+        device.until(lambda _: link.exists(), "link")
+        done = run_elsewhere("gyrodrift", "doctor", "--port", link, "--seconds", "1", "--json")
+        device.stop()
+    assert done.returncode == 0, done.stderr
+    assert "error" not in {finding["severity"] for finding in json.loads(done.stdout)["findings"]}
+
+
 def test_what_needs_posix_says_so(tmp_path: Path) -> None:
     """One sentence and status 2, no traceback."""
     commands = [

@@ -35,7 +35,7 @@ def permission(evidence: DeviceEvidence) -> DeviceFinding | None:
         return of_error(_without_name(evidence))
     if evidence.port is None or isinstance(evidence.failure, PortBusyError):
         return None
-    if os.geteuid() == ROOT:
+    if hasattr(os, "geteuid") and os.geteuid() == ROOT:
         return ok(f"Root may open every port; other users have {evidence.port.access}.")
     return ok(f"You may open the port: {evidence.port.access}.")
 

@@ -3,7 +3,6 @@
 The link finds the line rate, and the protocol if it is a known one. Its interpretation of text is ignored.
 """
 
-import select
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -20,6 +19,7 @@ from gyrodrift.link.link import Link, LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.silence import why_silent
 from gyrodrift.sample import Sample
+from gyrodrift.waiting import POLLIN, new_poller
 
 TEXTS = frozenset({"csv", "text"})
 """Protocols of text, which have columns."""
@@ -162,9 +162,9 @@ class TurnListener:
 
     def _read(self) -> None:
         link = self._link
-        poller = select.poll()
+        poller = new_poller()
         if (fd := link.fileno()) is not None:
-            poller.register(fd, select.POLLIN)
+            poller.register(fd, POLLIN)
         poller.poll(min(link.wake_s(), 0.1) * 1e3)
         samples: Sequence[Sample] = ()
         with suppress(UnitError):  # the turn finds the units
