@@ -10,7 +10,7 @@ from gyrodrift.filters.registry import DEFAULT
 
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
-    from gyrodrift.link.link import EventHandler, LinkOptions
+    from gyrodrift.link.options import EventHandler, LinkOptions
     from gyrodrift.link.port import Port
 
 
@@ -30,7 +30,7 @@ def link_target(
 
     `columns` and `send` come from the config. The options --columns, --protocol and --send take precedence.
     """
-    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.options import LinkOptions
 
     spec = columns if reads_columns_of_config(arguments) else arguments.columns
     stated = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, spec, arguments.send or send)

@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """List the ports; 0 even without any."""
-    from gyrodrift.link.link import LinkOptions
     from gyrodrift.link.listening import listen_at, look_at
+    from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
 
     ports = [*serial_ports(), *_simulated()]

@@ -120,7 +120,7 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
     """Evidence from the named port, or from the port of the gyro that is plugged in."""
     from gyrodrift.doctor.evidence import DeviceEvidence
     from gyrodrift.doctor.listen import listen
-    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
 

@@ -10,7 +10,7 @@ from gyrodrift.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.doctor.turn.heard import TurnResult
-    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.options import LinkOptions
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,7 +65,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _target(arguments: argparse.Namespace) -> "LinkOptions":
     """Named port, or the only port of this machine."""
-    from gyrodrift.link.link import LinkOptions
+    from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
 
     protocol = "auto" if arguments.protocol == "text" else arguments.protocol

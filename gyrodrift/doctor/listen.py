@@ -13,7 +13,8 @@ from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
 from gyrodrift.doctor.look import latency_ms, look_at_port
 from gyrodrift.errors import LinkError, UnitError
 from gyrodrift.link.clocks.device import DeviceClock
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.progress import OnProgress

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Self
 from gyrodrift.waiting import POLLIN, new_poller
 
 if TYPE_CHECKING:
-    from gyrodrift.link.link import EventHandler, Link, LinkCounters
+    from gyrodrift.link.link import Link
+    from gyrodrift.link.options import EventHandler, LinkCounters
     from gyrodrift.sample import Sample
 
 
@@ -129,7 +130,8 @@ def open_link(
     LinkError
         If the port cannot be opened.
     """
-    from gyrodrift.link.link import Link, LinkOptions
+    from gyrodrift.link.link import Link
+    from gyrodrift.link.options import LinkOptions
 
     tell: Callable[..., Any] = on_event or _untold
     return LinkReader(Link(LinkOptions(str(port), baud, protocol, timeout_s, columns, send), tell))

@@ -7,12 +7,13 @@ events and `LinkCounters`, separately from the samples.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import cycle
 from math import isnan
 from typing import Any
 
 from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
+from gyrodrift.link.backoff import Backoff
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
@@ -20,12 +21,13 @@ from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.opening import Opening
+from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
-from gyrodrift.link.protocols.registry import AUTO, candidates
+from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.sample import Reading, Sample
@@ -41,47 +43,6 @@ CHOOSE_TALKER = (
     "the first talker is used; --columns 'TIROT 1=rate:lsb/60:-' chooses another one, here the rate of TI, "
     "and --columns 'HEHDT 1=yaw:deg:-' the heading of HE"
 )
-
-BACKOFF_FIRST_S = 0.05
-BACKOFF_LONGEST_S = 2.0
-
-EventHandler = Callable[..., Any]
-"""Function that gets the name and the fields of a link event: `on_event("gap", missing=3, seconds=0.04)`."""
-
-
-@dataclass(slots=True)
-class LinkCounters:
-    """Counters since the link was opened."""
-
-    bytes: int = 0
-    samples: int = 0
-    gaps: int = 0
-    missing: int = 0
-    device_resets: int = 0
-    reconnects: int = 0
-    gone_s: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class LinkOptions:
-    """Options of a link.
-
-    baud
-        Baud rate; None to find it.
-    timeout_s
-        Longest time without a decodable sample after the start, s; 0 to wait forever.
-    columns
-        Columns of the text protocol; None for other protocols.
-    send
-        Bytes that are sent to the device after its port was opened.
-    """
-
-    port: str
-    baud: int | None = None
-    protocol: str = AUTO
-    timeout_s: float = 10.0
-    columns: str | None = None
-    send: bytes = b""
 
 
 def open_port(path: str, baud: int) -> Port:
@@ -147,8 +108,7 @@ class Link:
         self._is_angle_told = False
         self._opened_s = self._heard_s = monotonic()
         self._trial_s: float | None = None
-        self._backoff_s = BACKOFF_FIRST_S
-        self._retry_s = 0.0
+        self._backoff = Backoff()
         self.port: Port | None = port or open_port(self.name, self.baud)
         self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
         self._opening = Opening(options.send, on_event)
@@ -163,7 +123,7 @@ class Link:
         """Longest time to wait before the next `read`, s."""
         now_s = self._monotonic()
         if self.port is None:
-            return max(0.0, self._retry_s - now_s)
+            return self._backoff.remaining_s(now_s)
         return 0.1 if not self._spoke else 1.0
 
     def read(self) -> list[Sample]:
@@ -344,19 +304,17 @@ class Link:
 
     def _lose(self) -> None:
         self.close()
-        self._backoff_s = BACKOFF_FIRST_S
-        self._retry_s = self._monotonic() + self._backoff_s
+        self._backoff.begin(self._monotonic())
         self._on_event("link_lost", port=self.name)
 
     def _reopen(self) -> None:
         now_s = self._monotonic()
-        if now_s < self._retry_s:
+        if self._backoff.remaining_s(now_s):
             return
         try:
             self.port = open_port(self.name, self.baud)
         except (LinkError, UsageError) as error:  # an adapter refuses its line rate while it is being plugged in
-            self._backoff_s = min(2.0 * self._backoff_s, BACKOFF_LONGEST_S)
-            self._retry_s = now_s + self._backoff_s
+            self._backoff.fail(now_s)
             if not isinstance(error, PortMissingError):
                 self._on_event("link_refused", port=self.name, reason=str(error))
             return

@@ -12,7 +12,8 @@ from typing import Any
 
 from gyrodrift.errors import LinkError
 from gyrodrift.link.holder import PortHolder, holder_of
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.sample import Sample

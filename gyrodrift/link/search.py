@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gyrodrift.errors import PortMissingError, UsageError
-from gyrodrift.link.link import EventHandler, LinkOptions
 from gyrodrift.link.listening import HeardPort, Speech, listen_at
+from gyrodrift.link.options import EventHandler, LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
 

@@ -18,11 +18,11 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 from firmware_sim.wire import native
 from firmware_sim.wire.native import sample_frame
-from gyrodrift.link.protocols.native import LEAST_DPS_PER_LSB, MOST_DPS_PER_LSB, NativeDecoder
+from gyrodrift.link.protocols.native import DPS_PER_LSB_MAX, DPS_PER_LSB_MIN, NativeDecoder
 
 i16 = st.integers(-(2**15), 2**15 - 1)
 i32 = st.integers(-(2**31), 2**31 - 1)
-SCALES = (float(np.nextafter(np.float32(LEAST_DPS_PER_LSB), np.float32(1.0))), MOST_DPS_PER_LSB)
+SCALES = (float(np.nextafter(np.float32(DPS_PER_LSB_MIN), np.float32(1.0))), DPS_PER_LSB_MAX)
 """Of a count, that a decoder believes; a float of four bytes."""
 
 u16 = st.integers(0, 2**16 - 1)

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 from support import near, never, speaking_on
 
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap

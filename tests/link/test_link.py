@@ -20,7 +20,8 @@ from firmware_sim.rig import Rig
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import DeviceSilentError, UsageError
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.sample import Sample
 

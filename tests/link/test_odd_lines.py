@@ -8,7 +8,8 @@ import pytest
 from support import Command, never, speaking_on
 
 from gyrodrift.errors import DeviceSilentError
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 
 ODD = (
     b"{[]: 1}\n",

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from support import Command
 
 from gyrodrift.errors import DeviceSilentError
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
 from gyrodrift.link.opening import SEND_LONGEST_BYTES, bytes_to_send
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.sample import Sample
 
 PROMPT = b"Send any character to begin: \r\n"

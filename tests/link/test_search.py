@@ -8,7 +8,8 @@ from support import Command
 
 from gyrodrift.errors import UsageError
 from gyrodrift.link import link as link_module
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.search import find_gyro
 from gyrodrift.link.serial_port import SerialPort

@@ -16,7 +16,8 @@ from support import speaking_on
 
 from firmware_sim.pty import PtyDevice
 from gyrodrift.errors import DeviceSilentError
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.unread import FAILED_MAX, UNREAD, spoken
 
 

@@ -14,7 +14,8 @@ from disk_support import fill, small_disk
 from mcap.reader import make_reader
 from support import PATIENCE_S, speaking_on
 
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording import disk, recorder
 from gyrodrift.recording.disk import DiskFile, RecordingError
 from gyrodrift.recording.names import recording_path

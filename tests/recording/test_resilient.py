@@ -13,7 +13,8 @@ from disk_support import wait_for_disks
 from support import PATIENCE_S, speaking_on
 
 from gyrodrift.link.events import LinkEvents
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording import disk
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.disk import ChangedFileError, RecordingError

@@ -146,7 +146,7 @@ def _yaw(story: Story, known: list[int | None]) -> dict[float, float]:
             continue
         newest = number
         if last is not None and at_s - last[0] > UNSEEN_S:
-            angles_deg, rates_dps = motion.at(np.array([last[0], at_s]) - BASE.host_delay_s)
+            angles_deg, rates_dps = motion.motion_at(np.array([last[0], at_s]) - BASE.host_delay_s)
             bridged_deg = rates_dps.mean() * (sample.t_device_s - last[1].t_device_s)
             unseen_deg += float(angles_deg[1] - angles_deg[0] - bridged_deg)
         last = at_s, sample

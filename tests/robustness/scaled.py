@@ -16,7 +16,8 @@ from firmware_sim.rig import Base, Rig
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.errors import UnitError
-from gyrodrift.link.link import Link, LinkCounters, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkCounters, LinkOptions
 from gyrodrift.sample import Sample
 from robustness.identity import numbered
 

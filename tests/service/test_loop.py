@@ -9,7 +9,8 @@ import structlog
 from support import never, speaking_on
 
 from gyrodrift.link.events import LinkEvents
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
 from gyrodrift.service.filtering import Filtering
@@ -114,10 +115,10 @@ def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
         events("gap", missing=missing, seconds=0.01 * missing)
         now[0] += 0.05
     now[0] += 1.0
-    events.report_held()
+    events.report_pending()
     gaps = [(event["holes"], event["missing"], event["longest_s"]) for event in logged]
     assert gaps == [(1, 1, 0.01), (9, 54, 0.1)]
-    events.report_held()
+    events.report_pending()
     assert len(logged) == 2
 
 
@@ -131,8 +132,8 @@ def test_a_device_that_boots_over_and_over_fills_no_log(logged: list[Any]) -> No
         events("device_reset", clock_step_s=-float(number), gone_s=0.0)
         now[0] += 0.01
     now[0] += 1.0
-    events.report_held()
-    events.report_held()
+    events.report_pending()
+    events.report_pending()
     told = [entry for entry in logged if entry["event"] == "device_reset"]
     assert told[0] == {"event": "device_reset", "log_level": "warning", "clock_step_s": 0.0, "gone_s": 0.0}
     assert sum(entry.get("times", 1) for entry in told) == 300

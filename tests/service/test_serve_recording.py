@@ -13,7 +13,8 @@ from support import PATIENCE_S, Command, never, speaking_on
 
 from firmware_sim.wire.csv import csv_line
 from gyrodrift.link.events import LinkEvents
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.recorder import RecordOptions
 from gyrodrift.recording.resilient import ResilientRecorder

@@ -15,7 +15,8 @@ from gyrodrift.doctor.turn.series import LineTimes, TextTable
 from gyrodrift.doctor.turn.verdict import judge
 from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.heard import Heard
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.silence import why_silent
 from gyrodrift.sample import Sample

@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import speaking_on
 
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.angles import ANGLES_BEFORE, yaw_of
 from gyrodrift.link.protocols.navx import NavxDecoder
 from gyrodrift.link.protocols.nmea import AskedNmeaDecoder, NmeaDecoder

@@ -19,7 +19,8 @@ from firmware_sim.wire import registry as spoken
 from gyrodrift.cli import options, replay
 from gyrodrift.errors import UsageError
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols import registry as read
 
 RIG = Rig(base=Base(bias_dps=0.5, noise_dps_rthz=0.0))

@@ -8,7 +8,8 @@ import pytest
 from support import speaking_on
 
 from gyrodrift.errors import UnitError
-from gyrodrift.link.link import Link, LinkOptions
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.sample import Sample
 
 
