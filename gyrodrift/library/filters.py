@@ -221,9 +221,9 @@ class Restlevel(DriftFilter):
     quiet : float, default 5.0
         Variance of a block above that of the noise, in standard errors, up to which the block counts as rest.
     turn_on_dps : float, default 0.5
-        Standard deviation of the bias at power-on, deg/s. 0: the sensor subtracts its own bias.
+        Standard deviation of the bias at power-on, deg/s (0.5 is 1800 °/h). 0: the sensor subtracts its own bias.
     walk_dps_rts : float, default 0.0005
-        Random walk of the bias, deg/s/√s.
+        Random walk of the bias, deg/s/√s (0.0005 is 108 °/h/√h).
     drift_dps_s : float, default 0.004
         Fastest drift of the bias, deg/s².
     still_start : float, default 0.99

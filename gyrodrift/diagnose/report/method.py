@@ -9,6 +9,7 @@ from gyrodrift.diagnose.report.text import fixed
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, table, text
 from gyrodrift.html.numbers import even, significant
+from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 
 class BaseUnit(NamedTuple):
@@ -108,13 +109,17 @@ def _table(sessions: Sequence[DiagnosedSession]) -> str:
         even([session.sample_rate_hz for session in sessions]),
         even([session.bias_dps for session in sessions]),
         even([session.noise_dps_rthz for session in sessions]),
+        even([session.noise_dps_rthz * ROOT_SECONDS_PER_ROOT_HOUR for session in sessions]),
     ]
     columns = zip(*numbers, strict=True)
     rows = [
         [f"{at}. {text(session.name)}", *row, _has(session)]
         for at, (session, row) in enumerate(zip(sessions, columns, strict=True), 1)
     ]
-    head = headings(["session", "minutes", "Hz", "bias, deg/s", "noise, deg/s/√Hz", "also holds"], words=1)
+    head = headings(
+        ["session", "minutes", "Hz", "bias, deg/s", "noise, deg/s/√Hz", "angle random walk, °/√h", "also holds"],
+        words=1,
+    )
     return table("Numbered as in the figures.", head, rows, words=1)
 
 

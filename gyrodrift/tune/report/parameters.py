@@ -3,10 +3,17 @@
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.html.html import headings, paragraph, section, span, table, text
 from gyrodrift.html.numbers import Numbers, significant
+from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR
 from gyrodrift.tune.report.figures import importances
 from gyrodrift.tune.report.numbering import table_name
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import bound_of
+
+DATA_SHEET = {
+    "turn_on_dps": (SECONDS_PER_HOUR, "°/h"),
+    "walk_dps_rts": (SECONDS_PER_HOUR * ROOT_SECONDS_PER_ROOT_HOUR, "°/h/√h"),
+}
+"""Factor and unit of data sheets for parameters that these quote."""
 
 
 def value_found(run: Run, axis: Axis) -> float:
@@ -51,7 +58,7 @@ def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
     mark = span(f"at the {bound} bound", "mark") if bound else ""
     meaning = f'<div class="meaning">{described.effect}</div>'
     shares = [] if importance is None else [_share(importance)]
-    chosen = f"<b>{parameter(tuning, axis)}</b>"
+    chosen = f"<b>{parameter(tuning, axis)}</b>{_data_sheet(axis, values[0])}"
     return [
         f"{text(axis.name)}{unit}",
         chosen,
@@ -60,6 +67,14 @@ def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
         *shares,
         meaning,
     ]
+
+
+def _data_sheet(axis: Axis, value: float) -> str:
+    """The value in the unit of data sheets, below it; empty for other parameters."""
+    if axis.name not in DATA_SHEET:
+        return ""
+    factor, unit = DATA_SHEET[axis.name]
+    return f"<br/>{span(f'{significant(factor * value, 3)} {unit}', 'note')}"
 
 
 def _share(importance: float) -> str:

@@ -14,6 +14,8 @@ from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.space import axes_of, linear
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.html.provenance import Provenance
 from gyrodrift.tune.result import Pi, Tuning
 
@@ -288,3 +290,14 @@ def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables
     assert "every 5th is drawn" in words(html)
     assert row(html, "walk-0")
     assert row(html, "check-39")
+
+
+def test_noise_has_the_units_of_data_sheets_too() -> None:
+    """The bias at power-on in °/h and its random walk in °/h/√h."""
+    axes = axes_of(RESTLEVEL)
+    run_of_restlevel = replace(run(), params=RestlevelParams(), cube=np.full((90, len(axes)), 0.5), densities=None)
+    html = report_html(
+        replace(tuning(), filter=RESTLEVEL, axes=axes, run=run_of_restlevel, reduced_params=RestlevelParams()), MADE
+    )
+    assert row(html, "turn_on_dps deg/s")[1] == "0.51800 °/h"
+    assert row(html, "walk_dps_rts deg/s/√s")[1] == "0.0005108 °/h/√h"
