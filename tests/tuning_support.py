@@ -84,4 +84,4 @@ def tuning_of_both() -> Tuning:
         alternative("restlevel", "restlevel, defaults", 0.1, 0.2, RESTLEVEL),
     )
     slices = np.tile(np.geomspace(0.1, 10.0, SCAN_POINTS), (len(AXES), 1))
-    return replace(tuning(), alternatives=alternatives, slices=slices)
+    return replace(tuning(), alternatives=alternatives, slices=slices, slice_axes=AXES)

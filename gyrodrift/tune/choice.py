@@ -6,6 +6,7 @@ from math import sqrt
 
 import numpy as np
 
+from gyrodrift.errors import DataError
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import row_of
@@ -29,23 +30,29 @@ def tune_filters(
     Raises
     ------
     DataError
-        If every parameter vector that was tried has an infinite cost.
+        If every parameter vector of every filter has an infinite cost.
     """
     is_cross_validated = Split.TEST not in sessions.splits
     total = TotalProgress(tuple(plans), len(sessions.sessions) * is_cross_validated, progress)
     tunings: list[Tuning] = []
+    errors: list[DataError] = []
     is_alone = len(plans) == 1
     for plan in plans:
         try:
             _compile(plan, sessions, progress)
             run = _run_of(plan, sessions, journal, total.of_plan(plan), is_alone=is_alone)
             tunings.append(run.run())
+        except DataError as error:  # another filter may have a finite cost
+            errors.append(error)
+            continue
         except KeyboardInterrupt:
             if not tunings:
                 raise
             return chosen(tunings, sessions, is_alone=is_alone), True
         if run.was_interrupted:
             return chosen(tunings, sessions, is_alone=is_alone), True
+    if not tunings:
+        raise errors[0]
     return chosen(tunings, sessions, is_alone=is_alone), False
 
 

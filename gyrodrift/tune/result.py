@@ -98,8 +98,9 @@ class Tuning(ResultTable):
         Score of each session, by name, with parameters tuned on all other sessions; empty with held-out sessions.
     warnings : tuple of str
         Sentences to read before the result is used.
-    slices
-        PI on the training sessions along each axis through the parameters found, deg², shape (axes, SCAN_POINTS).
+    slices, slice_axes
+        PI on the training sessions along each axis through the parameters found, deg², shape (axes, SCAN_POINTS), and
+        these axes: CARLA as published searches linear axes, its slices may be logarithmic.
     alternatives
         Plain integration, start calibration, and every filter at its defaults and tuned.
     is_default_written
@@ -121,6 +122,7 @@ class Tuning(ResultTable):
     cross_validation: dict[str, Score] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     slices: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    slice_axes: tuple[Axis, ...] = ()
     alternatives: tuple[Alternative, ...] = ()
     is_default_written: bool = False
 

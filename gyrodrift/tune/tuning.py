@@ -198,6 +198,7 @@ class TuningRun:
             cross_validation=cross_validation,
             warnings=warnings,
             slices=slices,
+            slice_axes=self.plan.axes,
         )
 
     def _slices(self, params: FilterParams) -> Floats:

@@ -166,6 +166,11 @@ def slice_svgs(tuning: Tuning) -> list[str]:
         return [_slice_svg(tuning, number, axis) for number, axis in enumerate(tuning.axes)]
 
 
+def slice_curve(tuning: Tuning, number: int) -> tuple[Floats, Floats]:
+    """Values of a parameter and the costs of its slice, deg²; NaN for a cost that cannot be drawn."""
+    return slice_values(tuning.slice_axes[number]), _drawable(tuning.slices[number])
+
+
 def _slice_svg(tuning: Tuning, number: int, axis: Axis) -> str:
     figure = canvas(3.1, 2.0, inset=0.16, bottom=0.17, top=0.97, right=0.95)
     axes = figure.add_subplot()
@@ -176,11 +181,11 @@ def _slice_svg(tuning: Tuning, number: int, axis: Axis) -> str:
     late = indices >= len(tuning.run.history) // 2
     for is_part, opacity in ((~late, 0.3), (late, 0.75)):
         axes.plot(values[is_part], costs[is_part], ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=opacity)
-    axes.plot(slice_values(axis), _drawable(tuning.slices[number]), color=TUNED, linewidth=1.4)
+    axes.plot(*slice_curve(tuning, number), color=TUNED, linewidth=1.4)
     axes.axvline(float(getattr(tuning.run.params, axis.name)), color=INK, linewidth=1.0)
     axes.set_xlim(axis.low, axis.high)
     _limit_costs(axes, tuning)
-    _scale_values(axes, axis)
+    _scale_values(axes, tuning.slice_axes[number])
     axes.set_ylabel("PI, deg²")
     return as_svg(figure, f"slice-{axis.name}", f"Cost against {axis.name}")
 

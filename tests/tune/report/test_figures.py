@@ -5,9 +5,9 @@ from math import inf
 
 import numpy as np
 import pytest
-from tuning_support import curve, curve_of, run
+from tuning_support import curve, curve_of, run, tuning_of_both
 
-from gyrodrift.evaluation.space import axes_of
+from gyrodrift.evaluation.space import axes_of, linear
 from gyrodrift.filters.hdr_filter import HDR
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
@@ -37,3 +37,11 @@ def test_errors_are_enlarged_only_where_that_shows_more() -> None:
     assert figures.error_scales([good]).zoom_deg == pytest.approx(0.55, rel=0.01)
     assert figures.error_scales([bad]).zoom_deg is None
     assert figures.error_scales([good, good, bad]).zoom_deg == pytest.approx(2.2, rel=0.01)
+
+
+def test_the_slice_of_a_linear_search_has_the_values_of_its_own_axis() -> None:
+    """CARLA searches linear axes; its slices are over factors."""
+    searched = replace(tuning_of_both(), axes=linear(AXES))
+    values, costs = figures.slice_curve(searched, 0)
+    assert values == pytest.approx(np.geomspace(AXES[0].low, AXES[0].high, len(values)))
+    assert costs.tolist() == searched.slices[0].tolist()
