@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -78,8 +79,14 @@ def chosen(tunings: Sequence[Tuning], sessions: TuningSet, *, is_alone: bool) ->
     candidates = [way for way in every if way.key in by_name and (way.is_tuned or not is_alone)]
     best = min(candidates, key=_rank)
     result = by_name[best.key]
-    warnings = (*result.warnings, *default_warnings(best, every))
+    kept = result.warnings if best.is_tuned else filter(partial(_is_of_sessions, result), result.warnings)
+    warnings = (*kept, *default_warnings(best, every))
     return replace(result, alternatives=every, is_default_written=not best.is_tuned, warnings=warnings)
+
+
+def _is_of_sessions(tuning: Tuning, warning: str) -> bool:
+    """Whether a warning is not about a tuned parameter, with whose name it would begin."""
+    return warning.partition(" ")[0] not in tuning.filter.names
 
 
 def _tuned_of(default: Alternative, tunings: Mapping[str, Tuning]) -> Iterator[Alternative]:
