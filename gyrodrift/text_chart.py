@@ -165,7 +165,7 @@ def _joined(dots: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int]]:
 
 
 def _runs(cells: Cells, row: int, columns: int, blank: str) -> Iterator[tuple[str, str]]:
-    """The characters of a row, joined where they have one color."""
+    """Characters of a row, joined if they have one color."""
     empty = (0, "dim")
     characters: Sequence[tuple[int, str]] = [cells.get((row, column), empty) for column in range(columns)]
     for color, run in groupby(characters, key=lambda character: character[1]):

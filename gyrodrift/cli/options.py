@@ -158,10 +158,10 @@ def add_iterations_option(parser: argparse.ArgumentParser, of_what: str) -> None
     parser.add_argument("--iterations", type=numbers.whole(10**9), default=ITERATIONS, metavar="N", help=of_what)
 
 
-def add_cluster_option(parser: argparse.ArgumentParser, what: str) -> None:
+def add_cluster_option(parser: argparse.ArgumentParser, work: str) -> None:
     """Option of commands that can use a cluster."""
     parser.add_argument(
-        "--cluster", metavar="ADDRESS", help=f"{what} on a Dask cluster, such as tcp://host:8786 (default: here)"
+        "--cluster", metavar="ADDRESS", help=f"{work} on a Dask cluster, such as tcp://host:8786 (default: here)"
     )
 
 

@@ -73,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print JSON lines on a terminal too, where one line shows the state otherwise (default: in a pipe only)",
+        help="print JSON lines on a terminal, too, in place of one line with the state (default: only in a pipe)",
     )
     parser.add_argument(
         "--rate", type=numbers.number(1e6), metavar="HZ", help="at most HZ lines a second of device time (default: all)"
@@ -155,7 +155,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
-    """Refuse outputs and control where the system lacks the sockets that lead to them."""
+    """Refuse outputs and control on a system without unix sockets."""
     if has_outputs and not (sys.platform == "linux" and hasattr(socket, "AF_UNIX")):
         raise UsageError("outputs need Linux: their process is reached through a unix socket that keeps messages whole")
     if arguments.control is not None and not hasattr(socket, "AF_UNIX"):
@@ -177,7 +177,7 @@ def _has_person(arguments: argparse.Namespace) -> bool:
 
 
 def _log(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
-    """Logger on stderr; its lines stand above the line on stdout where both are the terminal."""
+    """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
     from gyrodrift.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
 
@@ -188,7 +188,7 @@ def _log(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundL
 
 
 def _follow_config(arguments: argparse.Namespace, filtering: "Filtering") -> None:
-    """Let a new config change the link where no option fixes it."""
+    """Let a new config change the link, unless an option fixes it."""
     link = filtering.link
     if configs.reads_columns_of_config(arguments):
         filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))

@@ -143,13 +143,13 @@ def load_config(path: Path) -> Config:
     if read.value is None and not read.problems:
         read.report((), f"is empty; expected at least {named}")
     elif read.value is not None and not isinstance(read.value, dict):
-        what = "text" if isinstance(read.value, str) else describe_value(read.value)  # the text may be a password
-        read.report((), f"holds {what}; expected keys such as {named}")
+        content = "text" if isinstance(read.value, str) else describe_value(read.value)  # the text may be a password
+        read.report((), f"holds {content}; expected keys such as {named}")
     file = _check(read) if isinstance(read.value, dict) else None
     given = read.value if isinstance(read.value, dict) else {}
     outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
-    columns = columns_in(given.get("columns"), lambda what: read.report(("columns",), what))
-    send = send_in(given.get("send"), lambda what: read.report(("send",), what))
+    columns = columns_in(given.get("columns"), lambda content: read.report(("columns",), content))
+    send = send_in(given.get("send"), lambda content: read.report(("send",), content))
     calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
@@ -221,7 +221,7 @@ def _config(file: Strict, given: Mapping[str, Any]) -> Config:
 
 
 def _within(read: YamlFile, block: str) -> Callable[[Key, str], None]:
-    return lambda key, what: read.report((block, *key), what)
+    return lambda key, message: read.report((block, *key), message)
 
 
 def _check(read: YamlFile) -> Strict | None:

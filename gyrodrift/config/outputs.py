@@ -38,11 +38,11 @@ def outputs_in(value: Any, report: Report) -> tuple[OutputSpec, ...]:
 
 
 def _within(index: int, report: Report) -> Report:
-    return lambda key, what: report((index, *key), what)
+    return lambda key, message: report((index, *key), message)
 
 
 def _describe_block(given: Any) -> str:
-    """Description of a value where a block is expected; text may be a misplaced password and is not shown."""
+    """Description of a value where a block is expected; text is not shown, as it may be a misplaced password."""
     return "is text" if isinstance(given, str) and given not in OUTPUTS else f"is {describe_value(given)}"
 
 
@@ -90,8 +90,8 @@ def output_of(argument: str) -> OutputSpec:
     if name in OUTPUTS:
         given |= {key: _read(name, key, text) for key, text in given.items() if key != "name"}
 
-    def report(key: Key, what: str) -> None:
-        problems.append(f"{'.'.join(map(str, key))}: {what}" if key and key != ("name",) else what)
+    def report(key: Key, message: str) -> None:
+        problems.append(f"{'.'.join(map(str, key))}: {message}" if key and key != ("name",) else message)
 
     spec = output_in(given, report)
     if problems or spec is None:

@@ -81,7 +81,7 @@ def run_demo(
     if screen:
         screen.keep(error)
     for text in summary(error):
-        print(text)  # noqa: T201 - what the demo is for
+        print(text)  # noqa: T201 - the result of the demo
     if svg is not None:
         save_svg(svg, error, duration_s)
 

@@ -102,9 +102,9 @@ class Hub:
             case wire.DROPPED:
                 self._call_all(lambda output: output.hear("samples_dropped", {"count": content}))
 
-    def _call_all(self, what: Callable[[Output[Any]], None]) -> None:
+    def _call_all(self, function: Callable[[Output[Any]], None]) -> None:
         for running in self._running.values():
-            running.call(what)
+            running.call(function)
 
     def _want(self, specs: list[OutputSpec]) -> None:
         """Set the wanted outputs; outputs that stay are not interrupted."""

@@ -44,7 +44,7 @@ class Tables(Protocol):
     """Topics on a server of this process, or on the server of the robot."""
 
     async def open(self) -> str:
-        """Begin; returns the address as text. OutputError where that does not go."""
+        """Begin; returns the address as text. OutputError if that fails."""
         ...
 
     def now_s(self) -> float:

@@ -36,7 +36,7 @@ class OutputHost:
     status
         State of the service as of the last second.
     access
-        Way to the control socket; None where the service has none.
+        Access to the control socket; None without one.
     """
 
     log: FilteringBoundLogger

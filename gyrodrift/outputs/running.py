@@ -63,12 +63,12 @@ class RunningOutput:
         """Notify of a change in the wanted or in the other outputs."""
         self._news.set()
 
-    def call(self, what: Callable[[Output[Any]], None]) -> None:
+    def call(self, function: Callable[[Output[Any]], None]) -> None:
         """Call a function with the open output; an error closes it until the next try."""
         if self._open is None:
             return
         try:
-            what(self._open)
+            function(self._open)
         except OutputError as error:
             self._fail(str(error))
         except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others

@@ -1,4 +1,4 @@
-"""At most so many samples a second, in device time."""
+"""Thinning of samples to a maximum rate in device time."""
 
 from collections.abc import Sequence
 

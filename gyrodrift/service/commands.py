@@ -31,7 +31,7 @@ class ServiceCommands:
     """Parts of the service that carry out the commands.
 
     stdout
-        JSON lines on stdout; None where a terminal shows one line.
+        JSON lines on stdout; None if a terminal shows one line.
     access
         Token of the live page.
     """

@@ -184,7 +184,7 @@ class Control:
         unlink_unix(self._path, self._file)
 
     def _look_ahead(self) -> None:
-        """Note what the next turn has to do."""
+        """Note the work of the next turn."""
         events_by_fd = {fd: client.events() for fd, client in self._clients.items()}
         self._is_due = any(client.is_due for client in self._clients.values())
         self._is_waited = any(client.due is not None for client in self._clients.values())
@@ -298,7 +298,7 @@ def number(words: list[str], usage: str) -> float:
     Raises
     ------
     CommandError
-        If it is none.
+        If it is no number.
     """
     try:
         (word,) = words

@@ -62,7 +62,7 @@ class GuidedCalibration:
         Raises
         ------
         CalibrationError
-            Where no calibration runs.
+            If no calibration runs.
         """
         guide = self._guide
         if guide is None:

@@ -16,7 +16,7 @@ class RecordingSwitch:
     """Hands samples and events to a recorder while there is one.
 
     make
-        Gives a new recorder. UsageError where its folder cannot be written to.
+        Gives a new recorder. UsageError if its folder is not writable.
     recorder
         None while nothing is recorded.
     """
@@ -30,7 +30,7 @@ class RecordingSwitch:
         Raises
         ------
         UsageError
-            Where the folder cannot be written to.
+            If the folder is not writable.
         """
         if self.recorder is None:
             self.recorder = self.make()

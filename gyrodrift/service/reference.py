@@ -11,7 +11,7 @@ class YawReference:
     """Converts yaw of the filter to yaw and heading of the output.
 
     zero_deg, raw_zero_deg
-        Yaw of the filter, and the integrated measured rate, where the output yaw is 0.
+        Yaw of the filter, and integrated measured rate, at the zero of the output.
     north_deg
         Yaw of the filter at which the heading is 0; NaN until a heading is set.
     """
@@ -52,7 +52,7 @@ class EncoderReference:
         self._offset_deg = nan
 
     def angle_deg(self, encoder_deg: float, yaw_deg: float) -> float:
-        """Encoder angle from the zero of yaw; NaN where the encoder has none. `yaw_deg` is the output yaw.
+        """Encoder angle from the zero of yaw; NaN without a value of the encoder. `yaw_deg` is the output yaw.
 
         An encoder whose range exceeds a full turn counts turns itself and is not unwrapped.
         """

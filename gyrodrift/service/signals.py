@@ -10,7 +10,7 @@ from gyrodrift.system import WakePipe
 
 OUTPUTS = (1, 2)
 SIGHUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
-"""Windows has none."""
+"""None on Windows."""
 
 REPEAT_S = 1.0
 """Terminals, shells and `timeout` may send a signal twice within this time, s."""

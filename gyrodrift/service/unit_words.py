@@ -61,7 +61,7 @@ def usb_number(text: str) -> str:
     Raises
     ------
     UsageError
-        If it is none.
+        If it is not four hexadecimal digits.
     """
     if not USB_NUMBER.fullmatch(text):
         raise UsageError(

@@ -30,7 +30,7 @@ def warn_of_others(log: FilteringBoundLogger, host: str) -> None:
 
 
 def shown(host: str, port: int) -> str:
-    """`host:port`, with brackets where they are needed."""
+    """`host:port`, with brackets around an IPv6 address."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 

@@ -14,12 +14,12 @@ class AddressError(Exception):
 
 
 def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
-    """URL of the first open page on loopback; browsers do not send what follows the `#`.
+    """URL of the first open page on loopback; browsers do not send the part after the `#`.
 
     Raises
     ------
     AddressError
-        Where there is none.
+        If there is none.
     """
     pages = [urlsplit(status.address) for status in outputs if status.output.partition(":")[0] == WEB]
     open_pages = [page for page in pages if page.hostname and page.port]
@@ -33,7 +33,7 @@ def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
 
 
 def loopback_of(host: str) -> str:
-    """Loopback name under which a server that listens on this host is reached; empty where it is not."""
+    """Loopback name under which a server that listens on this host is reached; empty if it is not."""
     if host == "localhost":
         return host
     try:

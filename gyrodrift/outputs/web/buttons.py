@@ -1,7 +1,8 @@
-"""Commands of the page's buttons: who may give them, which there are, and their way to the control socket.
+"""Commands of the buttons of the page: access, accepted commands, and their way to the control socket.
 
 A command needs the token, a page that was opened through loopback, and a connection from this machine. So neither the
-network nor another page in the same browser can give one. It is then a client of the socket like `gyrodrift ctl`.
+network nor another page in the same browser can give one. The command goes to the control socket, as with
+`gyrodrift ctl`.
 """
 
 import asyncio
@@ -59,7 +60,7 @@ class Buttons:
         Raises
         ------
         ValueError
-            Where the message is none, the token is wrong, there is no such command, or too many wait.
+            If the message or the token is wrong, there is no such command, or too many commands wait.
         """
         message = json.loads(content)
         if not isinstance(message, dict) or not isinstance(message.get("command"), str):
