@@ -1,1 +1,1 @@
-"""Shared by tune, compare and diagnose: sessions with a reference, and yaw errors against it."""
+"""Yaw errors of sessions with a reference, for tune, compare and diagnose."""

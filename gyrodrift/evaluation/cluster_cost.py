@@ -1,13 +1,13 @@
 """Cost of parameters on recorded sessions, computed on a Dask cluster, bit for bit as on one machine.
 
 The workers read the sessions, so all machines need the same paths: a shared file system. Scheduler, workers and this
-process need the same version of gyrodrift. Batches of sessions stay on the worker that loaded them. An evaluation sends
-parameters to the batches, and returns three numbers for each session and candidate. If a worker dies, Dask loads its
+process need the same version of gyrodrift. A batch of sessions stays on the worker that loaded it. An evaluation sends
+parameters to the batches and returns three numbers for each session and candidate. If a worker dies, Dask loads its
 batches on another worker and repeats its tasks.
 
-Memory of a worker: 250 MB for the program, and 24 bytes per sample of its sessions. A session that is being loaded
-takes 70 bytes more per sample. Above 70 % of its limit Dask moves batches to the disk of the worker, which is slow. A
-task uses one thread: a worker keeps as many processors busy as it has threads.
+A worker needs 250 MB for the program and 24 bytes per sample of its sessions. Loading a session takes another 70 bytes
+per sample. If a worker uses more than 70 % of its memory limit, Dask moves batches to its disk, which is slow. A task
+uses one thread: a worker keeps as many processors busy as it has threads.
 """
 
 import copy
@@ -36,13 +36,14 @@ from gyrodrift.filters.registry import FILTERS, PUBLISHED
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 BATCHES_PER_THREAD = 2
-"""More batches than threads balance the load; each costs the scheduler up to a millisecond: chosen."""
+"""More batches than threads balance the load; a batch costs the scheduler up to a millisecond: chosen."""
 
 BATCH_BYTES = 1 << 30
 BATCH_SESSIONS = 256
-"""Largest batch, by file size and by sessions: the unit that is lost with a worker or moved to its disk. Chosen."""
+"""Largest batch, by file size and by sessions: chosen. A worker that dies loses whole batches."""
 
 ARRAY_COUNT = 3
+"""Arrays of a reference: steps, rates and reference angles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +75,8 @@ def load_batch(sources: Sequence[Source], version: str) -> Batch:
     """
     if version != __version__:
         raise UsageError(
-            f"the worker on {socket.gethostname()} has gyrodrift {__version__}, this is {version}; "
-            "install the same everywhere"
+            f"the worker on {socket.gethostname()} has gyrodrift {__version__}, this machine {version}; "
+            "install the same version everywhere"
         )
     references, descriptions = [], []
     for source in sources:
@@ -91,18 +92,18 @@ def descriptions_of(batch: Batch) -> tuple[SessionSummary, ...]:
     return batch.descriptions
 
 
-def score_batch(batch: Batch, places: NDArray[np.int64], params: Floats, name: str) -> Floats:
-    """Mean squares, mean absolutes and worst of candidates of a filter, shape (3, places, c), by one thread."""
-    kernel, scores = kernel_of(FILTERS[name]), np.empty((3, len(places), len(params)))
+def score_batch(batch: Batch, indices: NDArray[np.int64], params: Floats, name: str) -> Floats:
+    """Mean squared, mean absolute and largest errors of candidates, shape (3, sessions, c), computed by one thread."""
+    kernel, scores = kernel_of(FILTERS[name]), np.empty((3, len(indices), len(params)))
     for cut in groups(len(params)):
         group = params[cut]
         prepared = kernel.prepare(group)
-        for row, index in enumerate(places.tolist()):
+        for row, index in enumerate(indices.tolist()):
             reference = batch.references[index]
             scores[:, row, cut] = kernel.sums(
                 reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared, reference.auxiliary
             )
-    scores[:2] /= batch.counts[places]
+    scores[:2] /= batch.counts[indices]
     return scores
 
 
@@ -114,7 +115,7 @@ class ClusterCost:
     address
         Address of the scheduler, such as `tcp://host:8786`.
     sessions
-        Paths on the workers, at least one, each with a flag for a still.
+        Paths on the workers, at least one, with a flag: the device did not move.
     chosen
         The filter.
     reading
@@ -129,8 +130,8 @@ class ClusterCost:
     GyrodriftError
         If the cluster is lost, now or in a later call.
 
-    `threads` counts the threads of the workers at the beginning, `evaluations` the candidates so far; `descriptions`
-    has one entry for each session. Results equal those of `Cost` bit for bit.
+    `threads` is the number of threads of the workers at the beginning, `evaluations` the number of candidates so far.
+    `descriptions` has one entry for each session. Results equal those of `Cost` bit for bit.
     """
 
     def __init__(
@@ -164,7 +165,7 @@ class ClusterCost:
         self.close()
 
     def for_filter(self, chosen: Filter) -> Self:
-        """Cost of another filter over the same sessions; the cluster is left when this object is closed."""
+        """Cost of another filter over the same sessions; closing this object leaves the cluster."""
         view = copy.copy(self)
         view._name, view.evaluations = chosen.name, 0  # noqa: SLF001 - of its own class
         return view
@@ -174,32 +175,32 @@ class ClusterCost:
         self._workers.close()
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, parameters of the filter), over some of the sessions or all."""
-        on = np.arange(len(self.descriptions)) if sessions is None else np.asarray(sessions, np.int64)
-        number = np.searchsorted(self._edges, on, side="right") - 1
-        chosen_batches = [(batch, np.flatnonzero(number == batch)) for batch in np.unique(number).tolist()]
+        """Scores of candidates, shape (c, parameters of the filter), on the sessions with these indices, or on all."""
+        session_indices = np.arange(len(self.descriptions)) if sessions is None else np.asarray(sessions, np.int64)
+        batch_of = np.searchsorted(self._edges, session_indices, side="right") - 1
+        chosen_batches = [(batch, np.flatnonzero(batch_of == batch)) for batch in np.unique(batch_of).tolist()]
         cuts = _cuts(len(params), ceil(self.threads / max(1, len(chosen_batches))))
         rows = [(batch, positions, cut) for batch, positions in chosen_batches for cut in cuts]
         tasks = self._workers.submit(
             score_batch,
             [self._batches[batch] for batch, _, _ in rows],
-            [on[positions] - self._edges[batch] for batch, positions, _ in rows],
+            [session_indices[positions] - self._edges[batch] for batch, positions, _ in rows],
             [params[cut] for _, _, cut in rows],
             [self._name] * len(rows),
         )
-        scores = np.empty((3, len(on), len(params)))
+        scores = np.empty((3, len(session_indices), len(params)))
         for (_, positions, cut), part in zip(rows, self._workers.results(tasks), strict=True):
             scores[:, positions, cut] = part
         self.evaluations += len(params)
         return Scores(*scores)
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
-        """PI, deg², shape (c,): every session counts the same, however long."""
+        """PI, deg², shape (c,); every session has the same weight."""
         return self.cost(params, sessions).pi
 
 
 def _edges(paths: Sequence[Path], threads: int) -> list[int]:
-    """First session of each batch, with the number of sessions at the end; batches have about the same size."""
+    """First session of each batch, then the number of sessions; batches have about the same size."""
     ends = np.cumsum([_file_bytes(path) for path in paths], dtype=np.float64)
     batches = max(BATCHES_PER_THREAD * threads, ceil(ends[-1] / BATCH_BYTES), ceil(len(paths) / BATCH_SESSIONS))
     inside = np.searchsorted(ends, ends[-1] / batches * np.arange(1, batches))
@@ -215,6 +216,6 @@ def _file_bytes(path: Path) -> int:
 
 
 def _cuts(candidates: int, parts: int) -> list[slice]:
-    """Slices of the candidates, at least `parts`, each of whole groups and at most a block."""
+    """Slices of the candidates: at least `parts`, in whole groups, and at most a block long."""
     size = min(BLOCK, ceil(candidates / parts / GROUP) * GROUP)
     return [slice(first, first + size) for first in range(0, candidates, size)] if candidates else []

@@ -21,7 +21,7 @@ from gyrodrift.system import memory_bytes_of_machine, processor_count
 
 FLOAT_BYTES = 8
 BLOCK = 512
-"""Candidates at a time: their step tables stay within 64 MB."""
+"""Candidates at a time: the step tables of HDR take 64 MB, 128 KiB for each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +45,12 @@ class Scores:
         """PI, the mean over the sessions of the mean squared error, deg², shape (c,)."""
         total = np.zeros(self.mean_squares.shape[1])
         with np.errstate(over="ignore"):
-            for mean_squares in self.mean_squares:  # np.mean adds up in another order where there is one candidate
+            for mean_squares in self.mean_squares:  # np.mean adds in another order if there is one candidate
                 total += mean_squares
         return total / len(self.mean_squares)
 
     def score(self, session: int, candidate: int, minutes: float) -> Score:
-        """The score of one candidate on one session of this duration."""
+        """Score of a candidate on a session of this duration."""
         mean_square, e_deg, worst_deg = (
             float(table[session, candidate]) for table in (self.mean_squares, self.mean_absolutes, self.worst)
         )
@@ -58,20 +58,20 @@ class Scores:
 
 
 class Cost:
-    """The cost of candidates over some sessions; a context manager that ends its threads.
+    """Cost of candidates over sessions; a context manager that ends its threads.
 
     Parameters
     ----------
     references
-        At least one; consumed one by one, so that a generator may load them.
+        At least one; a generator may load them, since they are read in sequence.
     threads
-        None for one per processor. The results do not depend on it.
+        Number of threads; None for the number of processors. The results do not depend on it.
     memory_bytes
-        References beyond it are kept in a temporary file; None for half of the memory of the machine.
+        Memory for references; further references go to a temporary file. None for half of the memory of the machine.
     chosen
         The filter.
 
-    `evaluations` counts the candidates so far.
+    `evaluations` is the number of candidates so far.
     """
 
     def __init__(
@@ -86,7 +86,9 @@ class Cost:
             _within_memory(references, memory_bytes_of_machine() // 2 if memory_bytes is None else memory_bytes)
         )
         self.evaluations = 0
-        self._counts = np.array([[np.count_nonzero(np.isfinite(c.reference_deg))] for c in self.references])
+        self._counts = np.array(
+            [[np.count_nonzero(np.isfinite(reference.reference_deg))] for reference in self.references]
+        )
         self.threads = threads or processor_count()
         self._pool = ThreadPoolExecutor(self.threads, "cost")
 
@@ -99,7 +101,7 @@ class Cost:
         self.close()
 
     def for_filter(self, chosen: Filter) -> Self:
-        """Cost of another filter over the same references, with the same threads, which end with this object."""
+        """Cost of another filter over the same references; closing this object ends the threads of both."""
         view = copy.copy(self)
         view._kernel, view.evaluations = kernel_of(chosen), 0  # noqa: SLF001 - of its own class
         return view
@@ -109,27 +111,27 @@ class Cost:
         self._pool.shutdown(cancel_futures=True)
 
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
-        """Scores of candidates, shape (c, parameters of the filter), over some of the references, or all."""
-        on = range(len(self.references)) if sessions is None else sessions
-        sums = np.empty((3, len(on), len(params)))
+        """Scores of candidates, shape (c, parameters of the filter), on the sessions with these indices, or on all."""
+        session_indices = range(len(self.references)) if sessions is None else sessions
+        sums = np.empty((3, len(session_indices), len(params)))
         for first in range(0, len(params), BLOCK):
             block = slice(first, first + BLOCK)
-            self._walk(params[block], on, sums[:, :, block])
+            self._walk(params[block], session_indices, sums[:, :, block])
         self.evaluations += len(params)
-        counts = self._counts[list(on)]
+        counts = self._counts[list(session_indices)]
         return Scores(sums[0] / counts, sums[1] / counts, sums[2])
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
-        """PI, deg², shape (c,): every session counts the same, however long."""
+        """PI, deg², shape (c,); every session has the same weight."""
         return self.cost(params, sessions).pi
 
-    def _walk(self, params: Floats, on: Sequence[int], sums: Floats) -> None:
-        """Fill in sums of squares, sums of absolutes and maxima, shape (3, len(on), c), the longest session first."""
+    def _walk(self, params: Floats, session_indices: Sequence[int], sums: Floats) -> None:
+        """Compute sums of squares, sums of absolutes and maxima, shape (3, sessions, c), the longest session first."""
         cuts = groups(len(params))
         tables = [self._kernel.prepare(params[cut]) for cut in cuts]
 
         def work(index: int, group: int) -> None:
-            reference, cut = self.references[on[index]], cuts[group]
+            reference, cut = self.references[session_indices[index]], cuts[group]
             sums[:, index, cut] = self._kernel.sums(
                 reference.dt_s,
                 reference.rate_dps,
@@ -139,34 +141,36 @@ class Cost:
                 reference.auxiliary,
             )
 
-        longest_first = sorted(range(len(on)), key=lambda index: -len(self.references[on[index]].dt_s))
-        for done in [self._pool.submit(work, index, group) for index in longest_first for group in range(len(cuts))]:
-            done.result()
+        longest_first = sorted(
+            range(len(session_indices)), key=lambda index: -len(self.references[session_indices[index]].dt_s)
+        )
+        for task in [self._pool.submit(work, index, group) for index in longest_first for group in range(len(cuts))]:
+            task.result()
 
 
 def _within_memory(references: Iterable[Reference], limit_bytes: int) -> list[Reference]:
-    """The references; those beyond the limit with their arrays in a file without a name, which ends with them."""
+    """References; beyond the limit their arrays are in a temporary file without a name, mapped into memory."""
     kept: list[Reference] = []
-    places: list[int | None] = []
-    held_bytes = 0
+    offsets: list[int | None] = []
+    total_bytes = 0
     with tempfile.TemporaryFile() as file:
         for reference in references:
-            held_bytes += 3 * reference.dt_s.nbytes
-            is_spilled = held_bytes > limit_bytes
-            places.append(file.tell() // FLOAT_BYTES if is_spilled else None)
+            total_bytes += 3 * reference.dt_s.nbytes
+            is_spilled = total_bytes > limit_bytes
+            offsets.append(file.tell() // FLOAT_BYTES if is_spilled else None)
             kept.append(_written(reference, file) if is_spilled else reference)
-        if held_bytes <= limit_bytes:
+        if total_bytes <= limit_bytes:
             return kept
         file.flush()
-        everything = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+        spilled = np.frombuffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     return [
-        reference if index is None else _read_back(reference, everything[index:])
-        for reference, index in zip(kept, places, strict=True)
+        reference if index is None else _read_back(reference, spilled[index:])
+        for reference, index in zip(kept, offsets, strict=True)
     ]
 
 
 def _written(reference: Reference, file: IO[bytes]) -> Reference:
-    """The reference with nothing but the length of its arrays."""
+    """Write the arrays of a reference to a file; the returned reference keeps only their length."""
     for values in (reference.dt_s, reference.rate_dps, reference.reference_deg):
         file.write(np.ascontiguousarray(values, dtype=np.float64).data)
     absent = np.broadcast_to(np.float64(0.0), len(reference.dt_s))

@@ -11,7 +11,7 @@ from gyrodrift.evaluation.dataset import LoadedSession
 
 @dataclass(frozen=True, slots=True)
 class YawCurves:
-    """Minutes and reference in deg, shape (m,), and yaw in deg by several methods in their order, shape (k, m)."""
+    """Times in minutes and reference in deg, shape (m,), and yaw of k methods in deg, shape (k, m)."""
 
     minutes: Floats
     reference_deg: Floats
@@ -19,12 +19,12 @@ class YawCurves:
 
     @property
     def errors_deg(self) -> Floats:
-        """Yaw less the reference, deg, shape (k, m)."""
+        """Yaw minus reference, deg, shape (k, m)."""
         return self.yaw_deg - self.reference_deg
 
 
-def yaw_curves(loaded: LoadedSession, yaws_deg: Sequence[Floats], points: int) -> YawCurves:
-    """Yaws of a session, each of shape (n,), thinned to at most `points` points."""
-    rows = loaded.reference.thinned(points)
+def yaw_curves(loaded: LoadedSession, yaws_deg: Sequence[Floats], max_samples: int) -> YawCurves:
+    """Yaws of a session, of shape (n,), thinned to at most `max_samples` samples."""
+    rows = loaded.reference.thinned(max_samples)
     minutes = (loaded.t_s[rows] - loaded.t_s[0]) / 60.0
     return YawCurves(minutes, loaded.reference.reference_deg[rows], np.array([yaw_deg[rows] for yaw_deg in yaws_deg]))

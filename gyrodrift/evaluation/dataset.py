@@ -1,4 +1,4 @@
-"""The sessions of an evaluation: read and checked, described, and split into training and test."""
+"""Sessions of an evaluation: loading, checks, and the split into training and test."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -19,14 +19,19 @@ from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.files import load_session
 
 CROSS_VALIDATED = 5
-"""Up to this number of sessions, each is tested with parameters tuned on the others: chosen."""
+"""Most sessions for leave-one-out cross-validation; with more sessions, a share is held out: chosen."""
 
 TEST_SHARE = 0.3
+"""Share of the sessions that is held out: chosen."""
+
 RATE_TOLERANCE = 0.02
+"""Relative difference of sample rates that is ignored, above the tolerance of oscillators: chosen."""
+
 MISSING_SHARE = 0.01
+"""Share of missing encoder values above which a warning is given: chosen."""
 
 MOVES_DPS = 3.0
-"""Range of the rate averaged over a second, deg/s, above which the device has moved: chosen."""
+"""Range of the one-second means of the rate, deg/s, above which the device has moved: chosen."""
 
 
 class Split(Enum):
@@ -59,9 +64,9 @@ class SessionSummary:
     digest
         SHA-256 of its content.
     minutes, sample_rate_hz
-        True duration by device time, and the rate by the median step.
+        Duration by device time, and sample rate from the median step.
     warnings : tuple of str
-        Sentences about doubtful data.
+        Sentences about suspect data.
     plain, start
         Scores of plain integration and of a start calibration; None if they were not computed.
     """
@@ -77,7 +82,7 @@ class SessionSummary:
 
 @dataclass(frozen=True, slots=True)
 class LoadedSession:
-    """A session to be evaluated on.
+    """A session with its reference.
 
     t_s
         Device times of the samples of the reference, s, shape (n,).
@@ -91,12 +96,12 @@ class LoadedSession:
 def load_with_reference(source: Source) -> LoadedSession:
     """Load a session with calibrated rates, from its first sample with a reference on.
 
-    The undamaged part of a damaged session is read; `session.files.damages_of` finds damage before.
+    Of a damaged session the undamaged part is loaded; call `session.files.damages_of` first to find damage.
 
     Raises
     ------
     DataError
-        With its path, where it cannot be read, has no reference, or contradicts what it is taken for.
+        With its path, if it cannot be read, has no reference, or contradicts its options.
     """
     whole = source.reading.applied(load_session(source.path, source.reading.columns, allow_damage=True))
     checked = examined(whole, source.reading, is_still=source.is_still)
@@ -141,14 +146,14 @@ def digest_of(path: Path) -> str:
 def _warnings(source: Source, reference: Reference) -> Iterator[str]:
     missing = float(np.mean(~np.isfinite(reference.reference_deg)))
     if missing > MISSING_SHARE:
-        yield f"{reference.name}: {missing:.0%} of its encoder values are no numbers; they do not count"
+        yield f"{reference.name}: {missing:.0%} of its encoder values are not numbers and are ignored"
     if np.nanmax(reference.reference_deg) == np.nanmin(reference.reference_deg):
         if _has_moved(reference):
             raise DataError(
-                f"{source.path}: its encoder never moves while the rate says that the device does; "
-                "is the encoder connected? A still goes with --still"
+                f"{source.path}: its encoder never moves, but its rate shows motion; "
+                "connect the encoder, or give --still if the device did not move"
             )
-        yield f"{reference.name}: its encoder never moves, so it counts as a still"
+        yield f"{reference.name}: its encoder never moves, so the device is assumed to be still"
 
 
 def _has_moved(reference: Reference) -> bool:
@@ -158,26 +163,26 @@ def _has_moved(reference: Reference) -> bool:
 
 
 def rates_differ(rates_hz: Sequence[float]) -> bool:
-    """Whether sample rates differ by more than the tolerance of crystals."""
+    """Whether sample rates differ by more than `RATE_TOLERANCE`."""
     return max(rates_hz) > min(rates_hz) * (1.0 + RATE_TOLERANCE)
 
 
 def check_rates(sessions: Sequence[SessionSummary], sample_counted: str) -> list[str]:
-    """A warning if sample rates differ, since some parameters count samples."""
-    rates = [about.sample_rate_hz for about in sessions]
+    """Warning if sample rates differ, since some parameters count samples; empty if they are equal."""
+    rates = [session.sample_rate_hz for session in sessions]
     if not rates_differ(rates):
         return []
     low, high = sessions[int(np.argmin(rates))], sessions[int(np.argmax(rates))]
     ends = f"from {min(rates):.4g} Hz ({low.name}) to {max(rates):.4g} Hz ({high.name})"
-    why = f"{sample_counted} count samples, so these parameters fit none of them; tune each rate by itself"
+    why = f"{sample_counted} count samples, so the tuned parameters fit none of these rates; tune each rate separately"
     return [f"sample rates differ, {ends}: {why}"]
 
 
 def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
-    """Sources with their use.
+    """Sources with their use: training or test.
 
-    Sessions that are not named as tests train. Without named tests, a share drawn by the seed is held out; of five
-    sessions or fewer, none.
+    With test sessions, all other sessions are for training. Without test sessions, a random share is held out, drawn
+    with the seed. Of at most `CROSS_VALIDATED` sessions none is held out.
 
     Raises
     ------
@@ -187,16 +192,16 @@ def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
     given = [source for source in sources if source.split is Split.TEST]
     free = [source for source in sources if source.split is None]
     if not free:
-        raise DataError("there are no sessions to tune with; all are held out by --test")
+        raise DataError("there are no sessions to tune on; --test holds out all of them")
     if given:
         return [replace(s, split=s.split or Split.TRAIN) for s in sources]
     if len(free) == 1:
         raise DataError(
-            f"{free[0].path}: is the only session, so none can be held out to show what the parameters are worth; "
-            "record another one, or give one with --test"
+            f"{free[0].path}: is the only session, so none can be held out to test the parameters; "
+            "record another session, or give one with --test"
         )
     if len(free) <= CROSS_VALIDATED:
         return [replace(s, split=Split.TRAIN) for s in sources]
     tests = np.random.default_rng(seed).permutation(len(free))[: round(TEST_SHARE * len(free))]
-    splits = [Split.TEST if number in tests else Split.TRAIN for number in range(len(free))]
+    splits = [Split.TEST if index in tests else Split.TRAIN for index in range(len(free))]
     return [replace(s, split=split) for s, split in zip(free, splits, strict=True)]

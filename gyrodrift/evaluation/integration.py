@@ -1,15 +1,15 @@
-"""Yaw without a filter: the integral of the rate, and of the rate less its mean over the first seconds."""
+"""Yaw without a filter: the integral of the rate, with or without a start calibration."""
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 
 CALIBRATION_S = 3.0
-"""Length of a start calibration, s: chosen, a usual time to ask for rest at power-on."""
+"""Length of a start calibration, s: chosen, the usual rest at power-on."""
 
 
 def euler(dt_s: Floats, rate_dps: Floats) -> Floats:
-    """Sum of rate times step, deg, shape (n,): equation 8 of HDR with nothing learned."""
+    """Sum of rate times step, deg, shape (n,): equation 8 of HDR without a bias estimate."""
     with np.errstate(over="ignore", invalid="ignore"):
         step_deg = rate_dps * dt_s
         step_deg[0] = 0.0
@@ -19,7 +19,7 @@ def euler(dt_s: Floats, rate_dps: Floats) -> Floats:
 def trapezium(dt_s: Floats, rate_dps: Floats) -> Floats:
     """Integral of the rate by the trapezoidal rule, deg, shape (n,), 0 at the first sample.
 
-    At a rate w and a step T the sum of rate times step is off by w·T/2: 0.5 deg at 100 deg/s and 100 Hz.
+    The rule avoids the error w·T/2 of `euler` at a rate w and a step T: 0.5 deg at 100 deg/s and 100 Hz.
     """
     step_deg = np.zeros(len(rate_dps))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -28,9 +28,9 @@ def trapezium(dt_s: Floats, rate_dps: Floats) -> Floats:
 
 
 def start_calibrated(t_s: Floats, rate_dps: Floats, calibration_s: float = CALIBRATION_S) -> Floats:
-    """Yaw of the rate less its mean over the first seconds, deg, shape (n,).
+    """Integral of the rate minus its mean over the first seconds, deg, shape (n,).
 
-    The mean is subtracted from the first sample on, as in a device that calibrates before it reports yaw.
+    The mean is subtracted from all samples, as in a device that calibrates before it reports yaw.
     """
     is_first = t_s - t_s[0] < calibration_s
     return trapezium(np.diff(t_s, prepend=t_s[0]), rate_dps - float(np.mean(rate_dps[is_first])))

@@ -1,4 +1,4 @@
-"""Data of an evaluation: the accepted samples of a session, and their reference angle."""
+"""Accepted samples of a session with their reference angle."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -26,7 +26,7 @@ class Auxiliary(NamedTuple):
     temp_c: Floats
 
     def filled(self, count: int) -> "Auxiliary":
-        """Copy with a value for each of `count` samples."""
+        """Copy in which an empty column has `count` NaN."""
         return Auxiliary(*(column if len(column) else np.full(count, np.nan) for column in self))
 
 
@@ -35,7 +35,7 @@ NO_AUXILIARY = Auxiliary(np.empty(0), np.empty(0))
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """Accepted samples from the first one with a reference on, shape (n,), n ≥ 2.
+    """Accepted samples, beginning with the first that has a reference, shape (n,), n ≥ 2.
 
     dt_s
         Step of device time before each sample, s, bit for bit as in `filter.step`; 0 before the first.
@@ -44,8 +44,8 @@ class Reference:
     reference_deg
         Reference angle, unwrapped, 0 at the first sample; NaN for a sample without it.
     minutes
-        True duration by device time.
-    beside
+        Duration by device time.
+    auxiliary
         Auxiliary data.
     """
 
@@ -56,10 +56,12 @@ class Reference:
     minutes: float
     auxiliary: Auxiliary = NO_AUXILIARY
 
-    def thinned(self, points: int) -> NDArray[np.int64]:
-        """Indices of at most `points` samples with a reference, evenly spread, for a figure."""
+    def thinned(self, max_samples: int) -> NDArray[np.int64]:
+        """Indices of at most `max_samples` samples with a reference, evenly spread, for a figure."""
         known_rows = np.flatnonzero(np.isfinite(self.reference_deg))
-        chosen: NDArray[np.int64] = known_rows[np.unique(np.linspace(0, len(known_rows) - 1, points).astype(np.int64))]
+        chosen: NDArray[np.int64] = known_rows[
+            np.unique(np.linspace(0, len(known_rows) - 1, max_samples).astype(np.int64))
+        ]
         return chosen
 
     @property
@@ -76,7 +78,7 @@ def reference_of(session: Session, *, is_still: bool = False) -> Reference:
 def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Floats, Reference]:
     """Device times in s, shape (n,), and the reference at them.
 
-    The reference does not hold the times: a tuning holds all its sessions and needs only the steps.
+    The times are not part of the reference: a tuning keeps all its sessions in memory and needs only the steps.
 
     Parameters
     ----------
@@ -94,7 +96,9 @@ def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Flo
     reference_deg = _reference_deg(session, kept, is_still=is_still)
     known_rows = np.flatnonzero(np.isfinite(reference_deg))
     if len(known_rows) < 2:
-        raise DataError(f"{session.name}: has {len(known_rows)} samples with a rate and a reference; two are the least")
+        raise DataError(
+            f"{session.name}: has {len(known_rows)} samples with a rate and a reference; at least 2 are needed"
+        )
     first = known_rows[0]
     t_s, rate_dps = session.t_device_s[kept][first:], session.rate_dps[kept][first:]
     reference_deg = reference_deg[first:] - reference_deg[first]
@@ -120,7 +124,7 @@ def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool)
         return np.zeros(np.count_nonzero(kept))
     if session.encoder_deg is None:
         raise DataError(
-            f"{session.name}: has no encoder, so nothing says what yaw should be; a still goes with --still"
+            f"{session.name}: has no encoder angle to compare yaw with; give --still if the device did not move"
         )
     return unwrapped(session.encoder_deg[kept])
 

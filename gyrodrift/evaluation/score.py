@@ -1,7 +1,7 @@
 """Measures of yaw error: PI, E, NE and the largest error.
 
 PI is the mean over sessions of the mean squared yaw error. E is the mean absolute yaw error. NE is E divided by the
-true duration. Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking
+duration. Source: J. Borenstein and L. Ojeda, "Heuristic reduction of gyro drift in vehicle tracking
 applications", 2009, DOI 10.1504/IJVICS.2009.027747.
 """
 
@@ -19,7 +19,7 @@ class Score:
     """Yaw errors of a session, or means over several sessions; inf if yaw overflows.
 
     e_deg, ne
-        Mean absolute error E, deg, and NE, that over the true duration, deg/min.
+        Mean absolute error E, deg, and NE = E / duration, deg/min.
     pi_deg2
         Mean squared error, deg²; its mean over sessions is PI.
     worst_deg

@@ -1,4 +1,4 @@
-"""Search ranges of parameters, and the unit cube of the search methods."""
+"""Search ranges of parameters, and their map to the unit cube."""
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
@@ -53,8 +53,8 @@ def candidates_of(chosen: Filter, axes: Sequence[Axis], values: Floats) -> Float
     """Candidates with all parameters of the filter, shape (c, parameters), from values of the axes, shape (c, axes)."""
     unsearched = chosen.params() if chosen.unsearched is None else chosen.unsearched
     whole = np.repeat(row_of(unsearched), len(values), axis=0)
-    for number, axis in enumerate(axes):
-        whole[:, chosen.names.index(axis.name)] = values[:, number]
+    for column, axis in enumerate(axes):
+        whole[:, chosen.names.index(axis.name)] = values[:, column]
     return whole
 
 
@@ -71,11 +71,11 @@ def linear(axes: Sequence[Axis]) -> tuple[Axis, ...]:
 
 def values_of(axes: Sequence[Axis], cube: Floats) -> Floats:
     """Values of the axes, shape (c, axes), from points of the unit cube of the same shape."""
-    return np.column_stack([axis.values(cube[:, number]) for number, axis in enumerate(axes)])
+    return np.column_stack([axis.values(cube[:, column]) for column, axis in enumerate(axes)])
 
 
 def with_ranges(texts: Sequence[str], chosen: Filter) -> tuple[Axis, ...]:
-    """The axes of a filter with some ranges replaced: `tau_s=0.01:2`.
+    """Axes of a filter; texts like `tau_s=0.01:2` replace ranges.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def with_ranges(texts: Sequence[str], chosen: Filter) -> tuple[Axis, ...]:
         if name not in axes:
             raise UsageError(f"--range {text}: unknown parameter {name}; there are {', '.join(axes)}")
         if not low < high:
-            raise UsageError(f"--range {text}: the range is upside down or empty")
+            raise UsageError(f"--range {text}: LOW must be below HIGH")
         axes[name] = _checked(text, replace(axes[name], low=low, high=high), chosen)
     return tuple(axes.values())
 
@@ -116,9 +116,9 @@ def limits(name: str, chosen: Filter) -> tuple[float, float]:
 def _checked(text: str, axis: Axis, chosen: Filter) -> Axis:
     low, high = limits(axis.name, chosen)
     if axis.high > high:
-        raise UsageError(f"--range {text}: {axis.name} goes up to {high:g}")
+        raise UsageError(f"--range {text}: {axis.name} is at most {high:g}")
     if axis.low < low:
-        raise UsageError(f"--range {text}: {axis.name} begins at {low:g}")
+        raise UsageError(f"--range {text}: {axis.name} is at least {low:g}")
     if axis.is_log and axis.low <= 0.0:
-        raise UsageError(f"--range {text}: {axis.name} is searched by factors; its range begins above 0")
+        raise UsageError(f"--range {text}: {axis.name} is searched on a logarithmic scale; LOW must be above 0")
     return axis

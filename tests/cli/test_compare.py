@@ -273,7 +273,7 @@ def test_a_still_needs_no_encoder(tmp_path: Path, capsys: pytest.CaptureFixture[
     path = tmp_path / "still.csv"
     write_session(path, [replace(turntable(1), encoder_deg=None)])
     assert main(["compare", str(path)]) == 4
-    assert f"{path}: has no encoder, so nothing says what yaw should be; a still goes with --still" in (
+    assert f"{path}: has no encoder angle to compare yaw with; give --still if the device did not move" in (
         capsys.readouterr().err
     )
     assert main(["compare", str(path), "--still", str(path), "--jobs", "1"]) == 0

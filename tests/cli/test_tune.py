@@ -378,10 +378,10 @@ def spoilt(folder: Path, what: str) -> list[str]:
 @pytest.mark.parametrize(
     ("what", "message"),
     [
-        ("one sample", "bad.csv: has 1 samples with a rate and a reference; two are the least"),
-        ("no encoder", "bad.csv: has no encoder, so nothing says what yaw should be; a still goes with --still"),
+        ("one sample", "bad.csv: has 1 samples with a rate and a reference; at least 2 are needed"),
+        ("no encoder", "bad.csv: has no encoder angle to compare yaw with; give --still if the device did not move"),
         ("no number", "bad.csv: has 0 samples with a rate and a reference"),
-        ("dead encoder", "bad.csv: its encoder never moves while the rate says that the device does"),
+        ("dead encoder", "bad.csv: its encoder never moves, but its rate shows motion"),
         ("only one", "good.csv: is the only session, so none can be held out"),
         ("huge", "bad.csv: has 0 samples with a rate and a reference"),
     ],
@@ -406,10 +406,10 @@ def test_sessions_that_cannot_be_used_are_told_by_name(
         (["{empty}/none", "--out", "{out}"], 4, "there is no such session or folder"),
         (["{eight}", "--out", "{empty}/x/c.yaml"], 2, "there is no folder"),
         (["{eight}", "--out", "{empty}/c.txt"], 2, "a config ends in .yaml"),
-        (["{eight}", "--out", "{out}", "--range", "tau_s=2:1"], 2, "the range is upside down"),
+        (["{eight}", "--out", "{out}", "--range", "tau_s=2:1"], 2, "LOW must be below HIGH"),
         (["{eight}", "--out", "{out}", "--iterations", "0"], 2, "--iterations 0: expected a number above 0"),
         (["{eight}", "--out", "{out}", "--report", "{eight}/table-0.csv"], 2, "cannot be written to: File exists"),
-        (["{eight}", "--test", "{eight}", "--out", "{out}"], 4, "there are no sessions to tune with"),
+        (["{eight}", "--test", "{eight}", "--out", "{out}"], 4, "there are no sessions to tune on"),
     ],
 )
 def test_mistakes_are_one_line(
@@ -461,7 +461,7 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
     ]
     assert main(["tune", str(folder), *arguments]) == 0
     said = capsys.readouterr().err
-    assert "odd: 2% of its encoder values are no numbers; they do not count" in said
+    assert "odd: 2% of its encoder values are not numbers and are ignored" in said
     assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
     assert "i_c_dps is at the upper end of its range, 1e-06; widen it with --range" in said
     params = load_config(tmp_path / "c.yaml").params

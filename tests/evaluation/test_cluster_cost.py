@@ -164,7 +164,7 @@ def test_a_session_that_cannot_be_read_is_said_as_here(
 
 def test_another_version_on_a_worker_is_refused() -> None:
     """It might give other bits."""
-    with pytest.raises(UsageError, match=r"has gyrodrift .*, this is 0\.0\.0; install the same"):
+    with pytest.raises(UsageError, match=r"has gyrodrift .*, this machine 0\.0\.0; install the same"):
         load_batch([], "0.0.0")
 
 

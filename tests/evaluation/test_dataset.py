@@ -33,7 +33,7 @@ def test_where_tests_are_named_all_others_train() -> None:
 @pytest.mark.parametrize(("count", "tests"), [(1, 0), (2, 2)])
 def test_none_to_train_with_is_told(count: int, tests: int) -> None:
     """As is one alone."""
-    with pytest.raises(DataError, match=r"is the only session|there are no sessions to tune with"):
+    with pytest.raises(DataError, match=r"is the only session|there are no sessions to tune on"):
         split_sources(sources(count, tests), 1)
 
 

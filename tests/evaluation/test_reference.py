@@ -83,7 +83,7 @@ def test_a_session_without_an_encoder_is_refused_by_name() -> None:
 @pytest.mark.parametrize("encoder_deg", [[nan, nan], [nan, 3.0], [5.0, nan]])
 def test_fewer_than_two_references_are_refused(encoder_deg: list[float]) -> None:
     """One angle is no path."""
-    with pytest.raises(DataError, match="two are the least"):
+    with pytest.raises(DataError, match="at least 2 are needed"):
         reference_of(session([0.0, 1.0], encoder_deg))
 
 

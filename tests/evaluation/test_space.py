@@ -46,14 +46,14 @@ def test_a_range_is_replaced_by_name() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("tau_s=2:0.5", "the range is upside down or empty"),
-        ("tau_s=1:1", "the range is upside down or empty"),
+        ("tau_s=2:0.5", "LOW must be below HIGH"),
+        ("tau_s=1:1", "LOW must be below HIGH"),
         ("tau=0:1", "unknown parameter tau; there are i_c_dps, tau_s, theta_w_dps, c1, c2"),
         ("tau_s=fast", "expected NAME=LOW:HIGH"),
-        ("tau_s=nan:1", "the range is upside down or empty"),
-        ("tau_s=0:1", "its range begins above 0"),
-        ("c2=0:11", "c2 goes up to 10"),
-        ("c1=-1:1", "c1 begins at 0"),
+        ("tau_s=nan:1", "LOW must be below HIGH"),
+        ("tau_s=0:1", "LOW must be above 0"),
+        ("c2=0:11", "c2 is at most 10"),
+        ("c1=-1:1", "c1 is at least 0"),
     ],
 )
 def test_a_range_that_makes_no_sense_is_told(text: str, message: str) -> None:

@@ -1,4 +1,4 @@
-"""The recursion of `gyrodrift.filters.hdr` for many parameter vectors at once, compiled, with the same bits."""
+"""HDR for many parameter vectors at once, compiled, bit for bit as `gyrodrift.filters.hdr`."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
 
 TABLE_SIZE = 1 << 14
-"""Longest run of equal signs whose step is in a table; longer runs compute it at every sample."""
+"""Runs of equal signs up to this length, in samples, have their step in a table; longer runs compute it."""
 
 
 def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) -> tuple[Floats, Floats, Floats, int]:
@@ -27,32 +27,32 @@ def sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats) 
     -------
     squares, absolutes, worst
         Shape (c,): sum of squared errors in deg², sum of absolute errors and largest absolute error in deg; inf
-        where yaw left the floats.
+        if yaw overflows.
     count
         Number of samples with a reference.
 
     Raises
     ------
     ValueError
-        If the arrays do not belong together.
+        If the shapes do not match.
     """
-    sums_found = np.empty((3, len(params)))
+    error_sums = np.empty((3, len(params)))
     for cut in groups(len(params)):
         group = params[cut]
-        sums_found[:, cut] = group_sums(dt_s, rate_dps, reference_deg, group, unknown_steps(len(group)))
-    return sums_found[0], sums_found[1], sums_found[2], int(np.count_nonzero(np.isfinite(reference_deg)))
+        error_sums[:, cut] = group_sums(dt_s, rate_dps, reference_deg, group, new_step_table(len(group)))
+    return error_sums[0], error_sums[1], error_sums[2], int(np.count_nonzero(np.isfinite(reference_deg)))
 
 
-def unknown_steps(candidates: int) -> Floats:
-    """Empty table of the steps R(r)·i_c in deg/s of a group; the kernel fills it on demand.
+def new_step_table(candidates: int) -> Floats:
+    """Empty table of the steps R(r)·i_c of a group, deg/s; the kernel fills it on demand.
 
-    It may be kept for the same candidates on other sessions. Threads may share it: they write the same values.
+    The same candidates can use it on other sessions. Threads can share it: they write the same values.
     """
     return np.zeros((_width(candidates), TABLE_SIZE))
 
 
 def group_sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, steps_dps: Floats) -> Floats:
-    """`sums` of one group, 1 to `GROUP` candidates with their table: squares, absolutes and worst, shape (3, c)."""
+    """Sums for a group of 1 to `GROUP` candidates with their step table, shape (3, c): squares, absolutes, worst."""
     unused = _width(len(params)) - len(params)
     group = np.concatenate([params, np.repeat(params[-1:], unused, axis=0)])
     return _walked(dt_s, rate_dps, reference_deg, group, steps_dps, np.empty((0, 1)))[:, : len(params)]
@@ -61,7 +61,7 @@ def group_sums(dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Fl
 def yaw(dt_s: Floats, rate_dps: Floats, params: Floats) -> Floats:
     """Yaw of one candidate, deg, shape (n,); `params` has the shape (5,)."""
     path = np.zeros((len(dt_s), 1))
-    _walked(dt_s, rate_dps, np.zeros(len(dt_s)), params[np.newaxis], unknown_steps(1), path)
+    _walked(dt_s, rate_dps, np.zeros(len(dt_s)), params[np.newaxis], new_step_table(1), path)
     return path[:, 0]
 
 
@@ -75,19 +75,19 @@ def _walked(
 ) -> Floats:
     if not len(dt_s) == len(rate_dps) == len(reference_deg) > 0 or params.shape[1] != 5:
         shapes = [array.shape for array in (dt_s, rate_dps, reference_deg, params)]
-        raise ValueError(f"a session is three arrays of one length, and candidates have five columns: {shapes}")
-    walk = _walk_of_one if len(params) == 1 else _walk_of_many
+        raise ValueError(f"a session needs three arrays of one length, and candidates need five columns: {shapes}")
+    walk = _walk_single if len(params) == 1 else _walk_group
     columns = np.array(params.T, dtype=np.float64, order="C")
-    columns[2, columns[0] == 0.0] = 0.0  # an increment of 0 learns nothing, and needs no steps
-    sums_found: Floats = walk(
+    columns[2, columns[0] == 0.0] = 0.0  # with an increment of 0 the bias stays 0, and no step is needed
+    error_sums: Floats = walk(
         _read_only(dt_s), _read_only(rate_dps), _read_only(reference_deg), columns, steps_dps, path_deg
     )
-    sums_found[:, np.isnan(sums_found[0])] = np.inf
-    return sums_found
+    error_sums[:, np.isnan(error_sums[0])] = np.inf
+    return error_sums
 
 
 def _read_only(values: Floats) -> Floats:
-    """Arrays in memory and in a file as one type, for a single compilation."""
+    """Read-only view, so that arrays in memory and in a file have one type and are compiled once."""
     view = np.ascontiguousarray(values, dtype=np.float64).view()
     view.flags.writeable = False
     return view
@@ -103,20 +103,21 @@ def attenuated_step(i_c_dps: float, c1: float, c2: float, run: float) -> float:
 
 
 @compiled_once()
-def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, wanted_dps: Floats) -> None:
-    """Compute the steps that are 0, and store those within the table."""
-    for k in range(len(wanted_dps)):
-        if wanted_dps[k] == 0.0:
-            wanted_dps[k] = attenuated_step(params[0, k], params[3, k], params[4, k], float(runs[k]))
+def _learn_steps(params: Floats, steps_dps: Floats, runs: Any, lane_steps_dps: Floats) -> None:
+    """Compute the steps that are 0; store them if the table has their run."""
+    for k in range(len(lane_steps_dps)):
+        if lane_steps_dps[k] == 0.0:
+            lane_steps_dps[k] = attenuated_step(params[0, k], params[3, k], params[4, k], float(runs[k]))
             if runs[k] < TABLE_SIZE - 1:
-                steps_dps[k, runs[k]] = wanted_dps[k]
+                steps_dps[k, runs[k]] = lane_steps_dps[k]
 
 
 def _compiled(count: int) -> Any:
-    """Walk `count` candidates.
+    """Compile the recursion for `count` candidates.
 
-    `params` has the shape (5, count), `steps_dps` (count, TABLE_SIZE); its last column stays 0, which stands for a step
-    that is not known. `path_deg`, shape (n, count), receives yaw; with (0, count) it is not wanted.
+    `params` has the shape (5, count), `steps_dps` (count, TABLE_SIZE); 0 is a step that is not
+    computed yet, and its last column stays 0. `path_deg`, shape (n, count), receives yaw; with shape (0, count) yaw is
+    not stored.
     """
 
     def walk(
@@ -153,23 +154,23 @@ def _compiled(count: int) -> Any:
                 error = magnitude(yaw_deg - splat(reference_deg[n], count))
                 squares, absolutes = squares + error * error, absolutes + error
                 worst = select(error > worst, error, worst)
-        sums_found = np.empty((3, count))
-        store(sums_found[0], squares)
-        store(sums_found[1], absolutes)
-        store(sums_found[2], worst)
-        return sums_found
+        error_sums = np.empty((3, count))
+        store(error_sums[0], squares)
+        store(error_sums[1], absolutes)
+        store(error_sums[2], worst)
+        return error_sums
 
-    # Symbols of compiled code are made of this name and a number that counts functions by process: one from the cache
-    # and one compiled here may have the same number, and must not have the same name.
+    # The symbol of a compiled function is its name and a counter of the process. A function from the cache and a
+    # function compiled here may have the same counter, so their names must differ.
     walk.__qualname__ = f"walk_of_{count}"
     return compiled_once()(walk)
 
 
-_walk_of_one = _compiled(1)
-_walk_of_many = _compiled(GROUP)
+_walk_single = _compiled(1)
+_walk_group = _compiled(GROUP)
 
 KERNEL = Kernel(
-    lambda group: unknown_steps(len(group)),
+    lambda group: new_step_table(len(group)),
     lambda dt_s, rate_dps, reference_deg, group, steps, _: group_sums(dt_s, rate_dps, reference_deg, group, steps),
     lambda dt_s, rate_dps, candidate, _: yaw(dt_s, rate_dps, candidate),
 )

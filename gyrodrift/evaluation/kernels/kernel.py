@@ -1,4 +1,4 @@
-"""Kernels: a filter walked through whole sessions for many candidates, compiled or by plain stepping."""
+"""Kernels run a filter over whole sessions for many candidates, compiled or by plain stepping."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ GROUP = 8
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """Functions that walk a filter through a session. Arrays over samples have the shape (n,).
+    """Functions that run a filter over a session. Arrays over samples have the shape (n,).
 
     prepare
-        From a group of at most `GROUP` candidates, shape (c, parameters), to data that every session needs.
+        From a group of at most `GROUP` candidates, shape (c, parameters), to data that all sessions share.
     sums
         From steps in s, rates in deg/s, reference in deg, candidates, prepared data and auxiliary data to sums, shape
         (3, c): squared errors in deg², absolute errors in deg, largest absolute error in deg. Samples without a
-        reference do not count. A sum is inf if yaw overflows.
+        reference are ignored. A sum is inf if yaw overflows.
     yaw
         From steps, rates, one candidate, shape (parameters,), and auxiliary data to yaw in deg.
     sigma
@@ -37,7 +37,7 @@ class Kernel:
 
 
 def kernel_of(chosen: Filter) -> Kernel:
-    """Kernel of the filter, or a slow one that steps it sample by sample."""
+    """Kernel of the filter; without one, a slow kernel that calls `step` for every sample."""
     if chosen.kernel:
         module, _, name = chosen.kernel.partition(":")
         kernel: Kernel = getattr(import_module(module), name)

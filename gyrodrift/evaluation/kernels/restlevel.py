@@ -1,4 +1,4 @@
-"""Restlevel for many parameter vectors, compiled from its own source, with the same bits."""
+"""Restlevel for many parameter vectors, compiled from its source, bit for bit the same."""
 
 from typing import Any
 
@@ -21,9 +21,9 @@ def sums(
 ) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
     result, walked = np.empty((3, len(params))), np.empty((3, len(dt_s)))
-    for number, row in enumerate(params.tolist()):
+    for column, row in enumerate(params.tolist()):
         _follow(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *auxiliary, walked)
-        _add_up(walked[0], reference_deg, result[:, number])
+        _add_up(walked[0], reference_deg, result[:, column])
     return np.where(np.isfinite(result), result, np.inf)
 
 
@@ -53,8 +53,8 @@ def _coefficients(row: list[float]) -> Any:
 def _compiled() -> Any:
     """Compile the loop over samples once for all runs; it takes ten seconds.
 
-    Numba identifies the cached loop by this file and by the variables it closes over. The stamp stands for the source
-    of the filters. The loop returns the stamp so that it does close over it.
+    Numba identifies the cached loop by this file and by the variables it closes over. The stamp is a digest of
+    the source of the filters. The loop returns the stamp, so it closes over it.
     """
     stamp = stamp_of("gyrodrift.filters")
 

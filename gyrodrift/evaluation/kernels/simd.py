@@ -1,12 +1,12 @@
 """Vectors in compiled functions: an operation works on all lanes, with the bits of the scalar operation.
 
-The compiler's own vectoriser leaves the recursion alone, since it cannot know that the table of steps and the state
-do not overlap; written with these values the loop has no choice. LLVM cuts up what is wider than the processor's
-registers. numba's cache does not see a change of this file: it takes a touch of those that use it.
+LLVM does not vectorize the recursion by itself, since it cannot know that the step table and the state do not overlap.
+These types make the vectors explicit. LLVM splits a vector that is wider than the registers of the processor. The cache
+of numba does not see a change of this file: after a change, touch the files that import it.
 """
 
 # mypy: disable-error-code="no-untyped-call, untyped-decorator"
-# (numba has types for its users, not for its extensions)
+# numba has no types for extensions.
 
 import operator
 from collections.abc import Callable
@@ -37,9 +37,9 @@ class SimdVector(types.Type):
 
 @register_model(SimdVector)
 class _SimdModel(models.PrimitiveModel):
-    def __init__(self, models_known: Any, kind: SimdVector) -> None:
+    def __init__(self, data_models: Any, kind: SimdVector) -> None:
         vector = ir.VectorType(ELEMENTS[kind.element], kind.count)
-        super().__init__(models_known, kind, vector)
+        super().__init__(data_models, kind, vector)
 
 
 def _offer(operation: Any, floats: str, integers: str) -> None:
@@ -80,7 +80,7 @@ _offer_comparison(operator.eq, "==")
 
 @_operation
 def splat(_typing: Any, value: Any, count: Any) -> Any:
-    """Vector of one number; `count` has to be a constant."""
+    """Vector with the same number in all lanes; `count` is a constant."""
     kind = SimdVector(types.unliteral(value), count.literal_value)
 
     def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
@@ -117,7 +117,7 @@ def store(_typing: Any, row: Any, kind: Any) -> Any:
 
 @_operation
 def look_up(_typing: Any, table: Any, columns: Any) -> Any:
-    """Value of row k of a contiguous table at the column of lane k, which has to exist."""
+    """Value of row k of a contiguous table at the column in lane k; the column must exist."""
     kind = columns.of(table.dtype)
 
     def emit(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
@@ -146,7 +146,7 @@ def magnitude(_typing: Any, a: Any) -> Any:
 
 @_operation
 def with_sign(_typing: Any, a: Any, b: Any) -> Any:
-    """The magnitude of `a` with the sign of `b`, floats; a zero has a sign too."""
+    """Magnitude of `a` with the sign of `b`, floats; the sign of a zero counts."""
     return a(a, b), _named(f"llvm.copysign.v{a.count}f64")
 
 

@@ -1,4 +1,4 @@
-"""Walk a filter without a compiled kernel by its own `step`, a sample at a time."""
+"""Run a filter without a compiled kernel by its `step`, sample by sample."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def stepped_sigma(
 def _stepped(chosen: Filter, dt_s: Floats, rate_dps: Floats, candidate: Floats, auxiliary: Auxiliary) -> Floats:
     """Yaw and its standard deviation, deg, shape (2, n).
 
-    A step takes times, not their differences. Adding the differences up from 0 may round the last digit of a step.
+    A step takes times, not differences. Summing the differences from 0 may round the last digit of a step.
     """
     state, coefficients = chosen.state(), chosen.coefficients(chosen.params(*candidate.tolist()))
     result = np.empty((2, len(dt_s)))

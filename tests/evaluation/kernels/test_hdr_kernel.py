@@ -139,7 +139,7 @@ def test_grouping_and_a_used_table_change_no_bit() -> None:
     together = np.array(kernel.sums(*second, params)[:3])
     alone = np.column_stack([np.array(kernel.sums(*second, one[np.newaxis])[:3])[:, 0] for one in params])
     backwards = np.array(kernel.sums(*second, params[::-1])[:3])[:, ::-1]
-    table = kernel.unknown_steps(len(params))
+    table = kernel.new_step_table(len(params))
     kernel.group_sums(*first, params, table)
     for found in (alone, backwards, kernel.group_sums(*second, params, table)):
         np.testing.assert_array_equal(found, together)
