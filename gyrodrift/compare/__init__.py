@@ -1,4 +1,4 @@
-"""Drift reducers side by side on the same sessions: this one, and those that people use instead."""
+"""Yaw errors of several drift filters on the same sessions: filters of this package and of other packages."""
 
 from gyrodrift.callable_package import make_callable
 

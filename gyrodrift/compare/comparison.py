@@ -36,7 +36,7 @@ COMPILED_SAMPLES = 100
 
 CURVE_POINTS = 300
 PLOTTED = 24
-"""Most sessions with curves; of more sessions only the first of each folder has curves: chosen."""
+"""Most sessions with curves; with more sessions, only the first of each folder has curves: chosen."""
 
 
 class ParamsFrom(Enum):
@@ -241,7 +241,7 @@ def compare(request: ComparisonRequest) -> Comparison:
 
 
 def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
-    """Compile every method by a run over a second of rest; processes that are forked later have the compiled code."""
+    """Compile every method by a run over a second of rest, before processes are forked: they inherit the code."""
     progress(COMPILING, 0, 0)
     t_s = np.arange(COMPILED_SAMPLES) / COMPILED_SAMPLES
     for method in methods:
@@ -272,7 +272,7 @@ def _given_entry(method: Method, config: ConfigFile | None) -> Entry:
 
 
 def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry:
-    """A tuned method; parameters that the search did not improve keep the sessions they were tuned on."""
+    """Method with tuned parameters; parameters that the search did not change keep their earlier training sessions."""
     earlier = given.trained_on if params == given.params else frozenset()
     return Entry(given.method, params, ParamsFrom.TRAINING, digests | earlier)
 
@@ -309,7 +309,7 @@ def _run(request: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedS
 
 @dataclass(frozen=True, slots=True)
 class _Work:
-    """Work on a session, small enough to be sent to another process."""
+    """Task for a worker process: a session and the methods to run on it."""
 
     source: Source
     folder: str
@@ -320,7 +320,10 @@ class _Work:
 def _compared(work: _Work) -> ComparedSession:
     loaded = load_with_reference(work.source)
     reference = loaded.reference
-    by_name = {key: method.seeing(reference.auxiliary) if method.seeing else method for key, method in by_key().items()}
+    by_name = {
+        key: method.with_auxiliary(reference.auxiliary) if method.with_auxiliary else method
+        for key, method in by_key().items()
+    }
     yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
     return ComparedSession(
         session=loaded.description,
@@ -347,20 +350,20 @@ def _notes(
     compared: Sequence[ComparedSession],
     train: Sequence[LoadedSession],
 ) -> Iterator[str]:
-    """Warnings of the sessions, and of scores on sessions that parameters were tuned on."""
+    """Warnings of the sessions, then warnings about scores on training sessions."""
     sessions, trained_on = [row.session for row in compared], [loaded.description for loaded in train]
     yield from (warning for session in sessions for warning in session.warnings)
     digests = {session.digest for session in trained_on}
     shared = [session.name for session in sessions if session.digest in digests]
     if shared:
-        yield f"tuned rows are too optimistic: they were tuned on {', '.join(shared)}, which they are scored on"
+        yield f"tuned rows are too optimistic: they were tuned and scored on {', '.join(shared)}"
     for entry in entries:
         shared = [session.name for session in sessions if session.digest in entry.trained_on]
         if shared and entry.source is ParamsFrom.CONFIG and request.config is not None:
             yield (
-                f"the row {entry.title} is too optimistic: {request.config.name} was tuned on {', '.join(shared)}, "
-                "which it is scored on"
+                f"the row {entry.title} is too optimistic: {request.config.name} was tuned on "
+                f"sessions that are scored here: {', '.join(shared)}"
             )
     counting = [entry.method.title for entry in entries if entry.is_tuned and entry.method.counts_samples]
     if counting and rates_differ([session.sample_rate_hz for session in [*sessions, *trained_on]]):
-        yield f"sample rates differ: tuned parameters of {' and '.join(counting)} hold for one rate"
+        yield f"sample rates differ: tuned parameters of {' and '.join(counting)} hold for one sample rate"

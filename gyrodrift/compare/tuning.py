@@ -34,8 +34,8 @@ def tuned(
 ) -> dict[str, Params]:
     """Parameters by method, for methods with axes: the best of `iterations` evaluations, or the defaults.
 
-    A search with many parameters and few evaluations may end worse than the defaults. The defaults are kept then, so
-    tuning makes no method worse on the training sessions.
+    A search with many parameters and few evaluations may find nothing better than the defaults. It then returns the
+    defaults, so tuning makes no method worse on the training sessions.
     """
     with _shared(train), workers(jobs) as pool:
         return {method.key: _tuned(method, pool, iterations, seed, progress) for method in chosen if method.axes}
@@ -76,6 +76,7 @@ def _pi(row: tuple[str, Mapping[str, float]]) -> float:
     method = by_key()[key]
     scores = []
     for session in _training:
-        seeing = method.seeing(session.reference.auxiliary) if method.seeing else method
-        scores.append(score_of(session.reference, seeing.run(session.t_s, session.reference.rate_dps, params)))
+        reference = session.reference
+        run = method.with_auxiliary(reference.auxiliary).run if method.with_auxiliary else method.run
+        scores.append(score_of(reference, run(session.t_s, reference.rate_dps, params)))
     return float(np.mean([score.pi_deg2 for score in scores]))

@@ -129,7 +129,7 @@ def test_the_page_shows_all_of_it(told: Path) -> None:
     html = (told / "report.html").read_text()
     assert row(html, "Euler")[0] == "Euler"
     assert {"HDR, tuned ▲ tuned on 2 of these", "HDR, tuned best ▲ tuned on 2 of these"} & set(first_cells(html))
-    assert "tuned rows are too optimistic: they were tuned on table-0, table-1" in words(html)
+    assert "tuned rows are too optimistic: they were tuned and scored on table-0, table-1" in words(html)
     assert row(html, "a/table-1")
     assert sum("data-scales" in one.attrib for one in parsed(html).iter()) == 2 * 4 * 2, "yaw and error, twice"
     assert [one.text for one in parsed(html).iter("h2")][-1] == "Provenance"
@@ -182,7 +182,8 @@ def test_a_config_that_tune_wrote_is_told_of_with_the_sessions_that_it_saw(by_tu
     """By their content: the first folder has the same names. Nothing claims that nothing was tuned."""
     said, html = numbers(by_tune), words((by_tune / "report.html").read_text())
     config = by_tune / "c.yaml"
-    note = f"the row HDR, by config is too optimistic: {config} was tuned on table-0, table-1, which it is scored on"
+    tuned_on = "was tuned on sessions that are scored here: table-0, table-1"
+    note = f"the row HDR, by config is too optimistic: {config} {tuned_on}"
     assert said["notes"] == [note]
     assert note in html
     assert f"HDR ran with the parameters of {config}, tuned (40 evaluations, seed 0) on 2 sessions" in html

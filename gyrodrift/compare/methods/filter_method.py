@@ -1,4 +1,4 @@
-"""HDR, restlevel and registered filters as methods, by kernels that equal their steps bit for bit."""
+"""HDR, restlevel and registered filters as methods. Their kernels equal their `step` bit for bit."""
 
 from dataclasses import asdict
 
@@ -34,7 +34,7 @@ def filter_method(chosen: Filter, params: FilterParams | None = None, auxiliary:
         about=chosen.about,
         counts_samples=chosen.counts_samples,
         sigma=sigma,
-        seeing=lambda data: filter_method(chosen, auxiliary=data),
+        with_auxiliary=lambda data: filter_method(chosen, auxiliary=data),
         color=chosen.color,
         dash=chosen.dash,
     )

@@ -14,10 +14,11 @@ START_DPS = 1.0
 
 
 def run_kalman(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw, deg, shape (n,), with the bias b estimated at rest.
+    """Yaw, deg, shape (n,), with a bias b that is updated at rest.
 
-    At rest: K = P/(P + R), b += K·(w − b), P −= K·P; P grows by q·T. R is `noise_dps`², q is `walk_dps_rts`².
-    Rest: for `rest_s` the rate is within `rest_dps` of its low-pass, and the low-pass is below `bias_most_dps`.
+    Every step: P += q·T. At rest: K = P/(P + R), b += K·(w − b), P −= K·P. R is `noise_dps`², q is `walk_dps_rts`².
+    The device is at rest if, for `rest_s`, the rate is within `rest_dps` of its low-pass, and the low-pass is below
+    `bias_most_dps`.
     """
     names = ("rest_dps", "rest_s", "bias_most_dps", "noise_dps", "walk_dps_rts")
     dt_s = steps_s(t_s)

@@ -21,9 +21,9 @@ class Method:
     """A method that computes yaw.
 
     key, title
-        Name in files, and for people.
+        Name in files, and name in reports.
     run
-        Computes yaw from times and rates; see `seeing` for auxiliary data.
+        Computes yaw from times and rates; see `with_auxiliary` for auxiliary data.
     defaults
         Default parameters.
     axes
@@ -33,16 +33,16 @@ class Method:
     is_offline
         The method uses the whole session and cannot run in real time.
     about
-        Source of the defaults, and limits of the package, in a sentence or two.
+        Source of the defaults and limits of the package, in one or two sentences.
     counts_samples
         The tuned parameters hold for one sample rate.
     sigma
-        Computes the standard deviation of yaw, deg, shape (n,), from the arguments of `run`; None for a method without
-        it.
-    seeing
-        Gives the method with auxiliary data of a session; None for a method that uses only the rate.
+        Computes the standard deviation of yaw, deg, shape (n,), from the arguments of `run`; None if the method has
+        none.
+    with_auxiliary
+        Returns the method with the auxiliary data of a session; None for a method that uses only the rate.
     color, dash
-        Line style: a role of the style sheet of the pages, and `-` or `--`.
+        Line style: a color role of the style sheet, and `-` or `--`.
     """
 
     key: str
@@ -55,7 +55,7 @@ class Method:
     about: str = ""
     counts_samples: bool = False
     sigma: Run | None = None
-    seeing: "Callable[[Auxiliary], Method] | None" = None
+    with_auxiliary: "Callable[[Auxiliary], Method] | None" = None
     color: str = "ink"
     dash: str = "-"
 

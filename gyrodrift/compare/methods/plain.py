@@ -1,4 +1,4 @@
-"""Plain integration, and start calibration."""
+"""Plain integration and start calibration."""
 
 import numpy as np
 
@@ -23,5 +23,5 @@ def run_euler(t_s: Floats, rate_dps: Floats, _params: Params) -> Floats:
 
 
 def run_start_calibration(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw of the rate less its mean over the first `calibration_s`, deg, shape (n,)."""
+    """Integral of the rate minus its mean over the first `calibration_s`, deg, shape (n,)."""
     return start_calibrated(t_s, rate_dps, params["calibration_s"])

@@ -22,7 +22,7 @@ VQF_DEFAULTS = {
     "biasClip": 2.0,
     "biasSigmaRest": 0.03,
 }
-"""Parameters of VQF that matter for the bias about the vertical, of 25; deg/s and s."""
+"""Parameters of VQF that affect the bias about the vertical, 7 of 25, in deg/s and s: defaults of the package."""
 
 VQF_AXES = (
     Axis("restThGyr", 0.02, 20.0, is_log=True),
@@ -50,7 +50,7 @@ PLAIN = (
         run_sign,
         {"step_dps": 0.0006, "theta_dps": 2.0},
         (Axis("step_dps", 1e-6, 0.1, is_log=True), Axis("theta_dps", 0.02, 20.0, is_log=True)),
-        about="No published defaults: the step is that of HDR, the threshold that of rest in VQF.",
+        about="No published defaults: the step is taken from HDR, the threshold from the rest detection of VQF.",
         counts_samples=True,
         color="two",
     ),
@@ -101,7 +101,7 @@ PEERS = (
         VQF_AXES,
         package="vqf",
         is_offline=True,
-        about="Runs forwards and backwards over a session: a bound for real-time filters.",
+        about="Runs forward and backward over a session: a bound for real-time filters.",
         color="five",
         dash="--",
     ),

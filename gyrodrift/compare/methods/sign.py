@@ -1,4 +1,4 @@
-"""The sign integrator: the bias follows the sign of the corrected rate while that is small."""
+"""Sign integrator: while the corrected rate is small, its sign moves the bias by a fixed step."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def run_sign(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
 
 @compiled_once()
 def _corrected(rate_dps: Floats, step_dps: float, theta_dps: float) -> Floats:
-    """Rate less the bias, deg/s, shape (n,)."""
+    """Rate minus bias, deg/s, shape (n,)."""
     corrected_dps = rate_dps.copy()
     bias_dps = 0.0
     for n in range(1, len(rate_dps)):

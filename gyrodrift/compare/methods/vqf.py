@@ -1,4 +1,4 @@
-"""Rest detection and bias estimation of VQF, by its package `vqf`, in real time and offline.
+"""Rest detection and bias estimation of VQF by its package `vqf`, in real time and offline.
 
 Source: D. Laidig and T. Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic
 disturbance rejection", Information Fusion 91, 2023, DOI 10.1016/j.inffus.2022.10.014.
@@ -16,18 +16,18 @@ GRAVITY_MSS = 9.81
 
 
 def run_vqf(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw of the rates less the bias that the filter estimates from (0, 0, rate), deg, shape (n,).
+    """Integral of the rate minus the bias that VQF estimates from (0, 0, rate), deg, shape (n,).
 
-    The rates are integrated here. The package assumes equal steps, so lost samples would count as its error.
+    The package assumes equal steps, so it would make an error at lost samples. The integral here uses the real steps.
     """
-    from vqf import VQF  # noqa: PLC0415 - not everybody has it
+    from vqf import VQF  # noqa: PLC0415 - an optional package
 
     estimate = VQF(mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
     return _without(t_s, rate_dps, estimate["bias"])
 
 
 def run_vqf_offline(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
-    """Yaw with a bias estimated forwards and backwards, deg, shape (n,)."""
+    """Integral of the rate minus a bias estimated forward and backward in time, deg, shape (n,)."""
     from vqf import offlineVQF  # noqa: PLC0415
 
     estimate = offlineVQF(*_as_imu(rate_dps), None, mean_step_s(t_s), dict(params))

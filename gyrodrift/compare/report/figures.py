@@ -33,7 +33,7 @@ LINEAR_DEG = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class LineStyle:
     """Line style of a method in figures and legends."""
 
     color: str
@@ -45,9 +45,9 @@ class Look:
         return ROLES[self.color], "key dashed" if self.dash == "--" else "key"
 
 
-def look_of(entry: Entry) -> Look:
+def line_style_of(entry: Entry) -> LineStyle:
     """Line style of an entry."""
-    return Look(COLORS[entry.method.color], entry.method.dash)
+    return LineStyle(COLORS[entry.method.color], entry.method.dash)
 
 
 def key_of(entry: Entry) -> str:
@@ -68,7 +68,7 @@ def bars_svg(entries: Sequence[Entry], e_deg: Sequence[float], rows: Sequence[in
             drawn_deg = min(max(e_deg[row], low), high) if np.isfinite(e_deg[row]) else high
             opacity = 0.95 if entries[row].is_tuned or not any(entry.is_tuned for entry in entries) else 0.5
             axes.barh(
-                position, drawn_deg - low, left=low, height=0.66, color=look_of(entries[row]).color, alpha=opacity
+                position, drawn_deg - low, left=low, height=0.66, color=line_style_of(entries[row]).color, alpha=opacity
             )
             label = f" {significant(e_deg[row], 3)}°"
             axes.text(drawn_deg, position, label, va="center", ha="left", fontsize=8.0, color=INK, clip_on=False)
@@ -98,10 +98,10 @@ def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Entry]], name: st
     follows(below.axhline(0.0, color=QUIET, linewidth=0.6))
     errors_deg = curves.errors_deg
     for row, entry in reversed(lines):  # the best on top
-        look = look_of(entry)
+        style = line_style_of(entry)
         for panel, yaw_deg in ((above, curves.yaw_deg[row]), (below, errors_deg[row])):
             (line,) = panel.plot(
-                *thinned(curves.minutes, yaw_deg), color=look.color, linestyle=look.dash, linewidth=1.0
+                *thinned(curves.minutes, yaw_deg), color=style.color, linestyle=style.dash, linewidth=1.0
             )
             switched(line, key_of(entry))
     (line,) = above.plot(*thinned(curves.minutes, curves.reference_deg), color=INK, linestyle=":", linewidth=1.2)
@@ -119,8 +119,8 @@ def _session_svg(curves: YawCurves, lines: Sequence[tuple[int, Entry]], name: st
 
 def _scale_errors(axes: Axes, errors_deg: Sequence[Floats]) -> None:
     """Linear within a degree, logarithmic beyond it, over the range of the errors."""
-    everything = np.concatenate(list(errors_deg))
-    finite_deg = everything[np.isfinite(everything)]
+    all_deg = np.concatenate(list(errors_deg))
+    finite_deg = all_deg[np.isfinite(all_deg)]
     low, high = float(finite_deg.min(initial=-LINEAR_DEG)), float(finite_deg.max(initial=LINEAR_DEG))
     decades = 10.0 ** np.arange(0, np.ceil(np.log10(max(-low, high))) + 1)
     axes.set_yscale("symlog", linthresh=LINEAR_DEG)

@@ -22,7 +22,7 @@ DIGITS = 3
 
 
 def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
-    """Write the numbers, whole or not at all; infinite values are null.
+    """Write the comparison as JSON, whole or not at all; infinite values are null.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def _numbers(score: Score) -> dict[str, float | None]:
 
 
 def summary(comparison: Comparison) -> list[str]:
-    """Table of means over all sessions, the best first, table of E by folder, and sources of the parameters."""
+    """Lines for a terminal: means over all sessions, the best first, then E by folder and sources of the parameters."""
     sessions = len(comparison.sessions)
     counted = f"mean over {sessions} session{'s' * (sessions > 1)}; E, largest error and CRPS in deg"
     lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best in real time"]
@@ -133,7 +133,7 @@ def _line(comparison: Comparison, row: int) -> list[str]:
 
 
 def best_of(comparison: Comparison) -> int:
-    """Row with the least mean E among real-time methods, or among all methods."""
+    """Row with the smallest mean E among real-time methods; among all methods if no method runs in real time."""
     return (*comparison.streaming, *comparison.ranked)[0]
 
 

@@ -1,6 +1,6 @@
 """A forest plot in the cells of a table: sessions as dots and their mean as a bar, on one axis for all rows.
 
-A strip fills its cell; its text has the size of the page text.
+A strip fills its cell, and its text has the size of the text of the page.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,7 @@ from gyrodrift.html.html import text
 from gyrodrift.html.numbers import factor_label, significant
 
 DOTS = 60
-"""Most dots in a strip; of more sessions, at even steps from the best to the worst: chosen."""
+"""Most dots in a strip; more sessions are thinned at even steps from the best to the worst: chosen."""
 
 MARGIN_PERCENT = 3.0
 FEW_DECADES = 1.3
@@ -30,7 +30,7 @@ class ForestAxis:
     high_deg: float
 
     def percent(self, error_deg: float) -> float:
-        """Position of an error in percent of the width; outside of the axis at its end."""
+        """Position of an error in percent of the width; an error outside of the axis is drawn at its end."""
         inside_deg = min(max(error_deg, self.low_deg), self.high_deg)
         share = log10(inside_deg / self.low_deg) / log10(self.high_deg / self.low_deg)
         return MARGIN_PERCENT + (100.0 - 2.0 * MARGIN_PERCENT) * share
@@ -55,7 +55,7 @@ def forest_axis(errors_deg: Sequence[float]) -> ForestAxis:
 
 
 def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> str:
-    """Strip of a row: a dot for each session, a line from the least to the largest, a bar at the mean."""
+    """Strip of a row: a dot for each session, a line from the smallest to the largest error, a bar at the mean."""
     ranked = sorted(zip(errors_deg, names, strict=True))
     drawn = [ranked[index] for index in np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()]
     ends = [axis.percent(ranked[index][0]) for index in (0, -1)]

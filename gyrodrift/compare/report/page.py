@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import isfinite
 
 from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry, ParamsFrom
-from gyrodrift.compare.report.figures import bars_svg, key_of, look_of, session_svgs
+from gyrodrift.compare.report.figures import bars_svg, key_of, line_style_of, session_svgs
 from gyrodrift.compare.report.files import absence, best_of, cells, e_cell, uncertainty_cells
 from gyrodrift.compare.report.forest import forest_axis, scale, strip
 from gyrodrift.compare.report.sources import shared, sources
@@ -29,7 +29,7 @@ from gyrodrift.html.numbers import degrees, significant
 from gyrodrift.html.provenance import Provenance, UsedFile, provenance
 
 SHOWN = 2
-"""Methods whose curves are shown at first, besides the start calibration: chosen."""
+"""Number of methods whose curves are visible at first, besides the start calibration: chosen."""
 
 MEASURES = (
     "E: mean absolute yaw error. NE: E divided by the duration in minutes. PI: mean squared error. Largest: largest "
@@ -40,11 +40,11 @@ UNCERTAINTY = (
     "more for one that is too large. CRPS: continuous ranked probability score of the stated normal distribution; "
     "without an uncertainty it equals E."
 )
-OFFLINE = "An offline method uses the whole session: it is a bound, since no device can run it."
+OFFLINE = "An offline method uses the whole session, so no device can run it; it shows a bound."
 HOW = (
     "Yaw and reference are unwrapped and start at 0 at the first sample with a reference. Samples whose time does not "
-    "advance are left out for all methods. Methods get times and rates only; a package with three axes gets a level "
-    "device. All methods integrate by the trapezoidal rule, HDR as published."
+    "advance are left out for all methods. Other packages get times and rates only; packages for three axes get the "
+    "data of a level device. All methods integrate by the trapezoidal rule, except HDR, which integrates as published."
 )
 
 
@@ -83,11 +83,11 @@ def _headline(comparison: Comparison, set_name: str) -> str:
     best = comparison.entries[comparison.streaming[0]]
     mark = shared(comparison, best)
     e_deg = degrees(comparison.means[comparison.streaming[0]].e_deg)
-    return f"Least yaw error on {set_name}: {best.title}{f' ({mark})' if mark else ''}, {e_deg} on average"
+    return f"Smallest yaw error on {set_name}: {best.title}{f' ({mark})' if mark else ''}, {e_deg} on average"
 
 
 def _in_words(comparison: Comparison) -> str:
-    """How much better the best method is than the next."""
+    """Sentence that compares the best real-time method with the next."""
     if len(comparison.streaming) < 2:
         return ""
     first, second = comparison.streaming[:2]
@@ -121,7 +121,9 @@ def _ranking(comparison: Comparison) -> list[str]:
     rows += [[text(method.title), *["–"] * len(units), ""] for method in comparison.missing]
     head = headings(["method", *units, "E of each session (dots) and its mean (bar), deg"], words=1)
     count = len(comparison.sessions)
-    caption = f"Means over {count} session{'s' * (count > 1)}, the least E first. The axis of the dots is logarithmic."
+    caption = (
+        f"Means over {count} session{'s' * (count > 1)}, the smallest E first. The axis of the dots is logarithmic."
+    )
     foot = ["", *[""] * len(units), scale(axis)]
     words = [MEASURES, *[UNCERTAINTY] * says_sigma, *[OFFLINE] * any(e.method.is_offline for e in comparison.entries)]
     return [_bars(comparison), table(caption, head, rows, foot, words=1), paragraph(" ".join(words), "note")]
@@ -166,7 +168,7 @@ def _by_method(
         ]
         last = ["mean", *(e_cell(means[row]) for row in shown)] if means else []
         head = headings([what, *(text(comparison.entries[row].method.title) for row in shown)])
-        tables.append(table(f"{caption}, methods {kind}; the least of each row in bold.", head, body, last))
+        tables.append(table(f"{caption}, methods {kind}; the smallest of each row in bold.", head, body, last))
     return tables
 
 
@@ -195,7 +197,9 @@ def _figure(
 ) -> str:
     entries = comparison.entries
     plotted = _largest_first(comparison, plotted)
-    marks = [(key_of(entries[row]), *look_of(entries[row]).mark, text(entries[row].method.title)) for row in shown]
+    marks = [
+        (key_of(entries[row]), *line_style_of(entries[row]).mark, text(entries[row].method.title)) for row in shown
+    ]
     legend = switches([("reference", "ink", "key dotted", "reference"), *marks])
     for row in set(shown) - _first_shown(comparison, shown):
         switch = f'data-switch="{key_of(entries[row])}"'
@@ -252,7 +256,7 @@ def _entry(entry: Entry) -> str:
 
 
 def _used(comparison: Comparison) -> list[UsedFile]:
-    """The sessions: those compared, and those tuned on."""
+    """Compared sessions, then training sessions."""
     is_tuned = bool(comparison.train)
     used = [
         UsedFile(_session_name(comparison, session), session.session.digest, "compared" if is_tuned else "")

@@ -28,7 +28,7 @@ def _by_config(comparison: Comparison, entry: Entry) -> str:
     if tuning is None or tuning.filter != entry.method.key:
         return f"{ran}, which has no provenance."
     if tuning.is_default:
-        return f"{ran}, which are its defaults: tune found none that are better on held-out sessions."
+        return f"{ran}, which are its defaults: tune found no better parameters on held-out sessions."
     effort = [f"{tuning.iterations} evaluations"] if tuning.iterations is not None else []
     effort += [f"seed {tuning.seed}"] if tuning.seed is not None else []
     details = f" ({', '.join(effort)})" if effort else ""
@@ -46,7 +46,7 @@ def _trained(comparison: Comparison) -> str:
     unnamed = len(comparison.train) - NAMED
     names = ", ".join(comparison.train[:NAMED]) + (f" and {unnamed} more" if unnamed > 0 else "")
     return (
-        f"Tuned rows: each method with {comparison.iterations} evaluations and seed {comparison.seed} on {names}. "
+        f"Tuned rows: every method with {comparison.iterations} evaluations and seed {comparison.seed} on {names}. "
         "Parameters that the search did not improve are kept."
     )
 
@@ -56,6 +56,6 @@ def _count(count: int, noun: str) -> str:
 
 
 def shared(comparison: Comparison, entry: Entry) -> str:
-    """Mark of a row that is scored on its training sessions; empty for other rows."""
+    """Mark of a row whose training sessions are compared here; empty for other rows."""
     count = len(comparison.trained_on_by(entry))
     return f"tuned on {count} of these" if count else ""
