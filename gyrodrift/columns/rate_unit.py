@@ -14,6 +14,7 @@ from itertools import pairwise
 from math import degrees, isfinite, isnan, log, radians, sqrt
 from statistics import median
 
+from gyrodrift.columns.sensitivities import SENSITIVITIES
 from gyrodrift.sample import Sample
 
 PRIOR = 0.05
@@ -62,9 +63,6 @@ DIGITS = 1e-9
 WHOLE_DISTINCT = 8
 WHOLE_SHARE = 0.02
 """Share of devices in deg/s that send whole numbers only."""
-
-SENSITIVITIES = (131.0, 65.5, 32.8, 16.4, 114.3, 57.1, 28.6, 14.3)
-"""Counts per deg/s: InvenSense and Bosch at ±250 to 2000 deg/s, ST at 8.75 to 70 mdps a count (data sheets)."""
 
 RADIANS = "rad/s"
 DEGREES = "deg/s taken for rad/s"

@@ -1,7 +1,7 @@
 """Columns of foreign text and tables, as the user writes them: `t_ms, _, _, rate:lsb/131:-`."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees
 
@@ -123,6 +123,15 @@ def parsed(spec: str) -> tuple[Column, ...]:
     if len({bool(column.label) for column in columns}) > 1:
         raise ValueError(f"{spec!r}: either all columns need a label (LABEL=rate), or none")
     return columns
+
+
+def spec_text(entries: Sequence[str], labels: Sequence[str] = ()) -> str:
+    """SPEC of entries such as `rate:lsb/131`: with labels if there are any, else by position."""
+    if any(labels):
+        named = zip(labels, entries, strict=True)
+        return ", ".join(f"{label}={entry}" for label, entry in named if label and entry != IGNORED)
+    used = [index for index, entry in enumerate(entries) if entry != IGNORED]
+    return ", ".join(entries[: max(used, default=-1) + 1])
 
 
 def _column(entry: str) -> Column:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from math import degrees
 
+from gyrodrift.columns.sensitivities import INVENSENSE, ST, ST_FINEST
 from gyrodrift.columns.spec import PER, RATE_DPS
 from gyrodrift.columns.units import Dimension, Unit
 
@@ -37,15 +38,14 @@ PRINTED_UNITS = (
     PrintedUnit("lsb/60", 60.0, "deg/min"),
     PrintedUnit("lsb/10", 10.0, "0.1 deg/s"),
     PrintedUnit("lsb/100", 100.0, "0.01 deg/s"),
-    PrintedUnit("lsb/131", 131.0, "counts of ±250 deg/s, InvenSense"),
-    PrintedUnit("lsb/65.5", 65.5, "counts of ±500 deg/s, InvenSense"),
-    PrintedUnit("lsb/32.8", 32.8, "counts of ±1000 deg/s, InvenSense"),
-    PrintedUnit("lsb/16.4", 16.4, "counts of ±2000 deg/s, InvenSense"),
-    PrintedUnit("lsb/228.57", 228.57, "counts of 4.375 mdeg/s, ST"),
-    PrintedUnit("lsb/114.28", 114.28, "counts of 8.75 mdeg/s, ST"),
-    PrintedUnit("lsb/57.14", 57.14, "counts of 17.5 mdeg/s, ST"),
-    PrintedUnit("lsb/28.57", 28.57, "counts of 35 mdeg/s, ST"),
-    PrintedUnit("lsb/14.29", 14.29, "counts of 70 mdeg/s, ST"),
+    *(
+        PrintedUnit(f"lsb/{counts:g}", counts, f"counts of ±{full_scale} deg/s, InvenSense")
+        for full_scale, counts in INVENSENSE.items()
+    ),
+    *(
+        PrintedUnit(f"lsb/{counts:g}", counts, f"counts of {step:g} mdeg/s, ST")
+        for step, counts in (ST_FINEST, *ST.items())
+    ),
     PrintedUnit("lsb/16", 16.0, "counts of a BNO055"),
     PrintedUnit("lsb/14.375", 14.375, "counts of an ITG-3200"),
 )

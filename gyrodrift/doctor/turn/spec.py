@@ -7,7 +7,7 @@ from math import isfinite
 import numpy as np
 
 from gyrodrift.columns.ranges import TEMPERATURES_C
-from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of, spec_text
 from gyrodrift.doctor.turn.motion import TurnWindow, motion_of
 from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG
 from gyrodrift.doctor.turn.series import ColumnKey, Series, TimedLine
@@ -57,10 +57,9 @@ def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
     if temperature := next(filter(_is_temperature, further), None):
         entries.setdefault(temperature.key, "temp")
     if key.label:
-        ordered = [column.key for column in series if column.key in entries]
-        return ", ".join(f"{entry.label}={entries[entry]}" for entry in ordered)
-    width = 1 + max(entry.index for entry in entries)
-    return ", ".join(entries.get(ColumnKey(index=index, width=key.width), IGNORED) for index in range(width))
+        keys = [column.key for column in series if column.key in entries]
+        return spec_text([entries[column_key] for column_key in keys], [column_key.label for column_key in keys])
+    return spec_text([entries.get(ColumnKey(index=index, width=key.width), IGNORED) for index in range(key.width)])
 
 
 def _is_temperature(column: Series) -> bool:

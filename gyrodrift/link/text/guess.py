@@ -20,7 +20,7 @@ from gyrodrift.columns.names import (
     name_by_unit,
 )
 from gyrodrift.columns.ranges import TEMPERATURES_C
-from gyrodrift.columns.spec import IGNORED
+from gyrodrift.columns.spec import IGNORED, spec_text
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.link.text.behavior import find_accelerometer, find_clock, find_temperature, unname_clocks
 from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
@@ -88,13 +88,7 @@ class TextGuess:
         """SPEC with UNKNOWN_UNIT for a missing unit; None if no column is a rate or yaw."""
         if self.turn is None:
             return None
-        entries = [column.entry for column in self.columns]
-        if any(self.labels):
-            named = zip(self.labels, entries, strict=True)
-            return ", ".join(f"{label}={entry}" for label, entry in named if entry != IGNORED and label)
-        while entries[-1] == IGNORED:
-            entries.pop()
-        return ", ".join(entries)
+        return spec_text([column.entry for column in self.columns], self.labels)
 
     def meaning(self, index: int) -> str:
         """Name of a column; IGNORED without one."""

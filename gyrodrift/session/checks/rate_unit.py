@@ -13,13 +13,13 @@ from gyrodrift.columns.rate_unit import (
     ODDS_MAX,
     PER_DPS,
     RADIANS,
-    SENSITIVITIES,
     SURE_ODDS,
     TURN_DPS,
     WINDOW,
     RateUnit,
     RateUnitOdds,
 )
+from gyrodrift.columns.sensitivities import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
 from gyrodrift.sample import Sample
 from gyrodrift.session.checks.finding import SessionFinding
