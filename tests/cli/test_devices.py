@@ -162,4 +162,4 @@ def test_port_auto_ignores_a_simulated_device(simulated: Simulated, monkeypatch:
 def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -> None:
     """Where several are plugged in later, auto would end it."""
     assert main(["install-service", "--port", "auto", "--dry-run"]) == 2
-    assert "gyrodrift devices --listen shows which" in capsys.readouterr().err
+    assert "gyrodrift devices --listen shows it" in capsys.readouterr().err

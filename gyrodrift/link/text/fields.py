@@ -20,9 +20,7 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
 LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
-LABELLED = re.compile(
-    rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE
-)
+LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
@@ -91,7 +89,7 @@ class Form(StrEnum):
     """How the values of a line are told apart."""
 
     ROW = "a row of values"
-    LABELLED = "label:value pairs"
+    LABELED = "label:value pairs"
     JSON = "a JSON object"
     NMEA = "an NMEA sentence"
 
@@ -124,11 +122,11 @@ def fields_of(line: str) -> Fields | None:
     if line.startswith("["):
         line = LOG_HEAD.sub("", line, count=1)
         if state := STATE.match(line):
-            return Fields(Form.LABELLED, (as_label(state[1]),), (state[2],), _units(line, [state]))
+            return Fields(Form.LABELED, (as_label(state[1]),), (state[2],), _units(line, [state]))
     line = _unwrapped(line)
     if line[:1].isalpha() and (headed := HEADED_ROW.fullmatch(line)):
         return _headed_row(headed)
-    fields = _labelled(line) if MARK.search(line) else None
+    fields = _labeled(line) if MARK.search(line) else None
     return fields or _row(line)
 
 
@@ -139,7 +137,7 @@ def _unwrapped(line: str) -> str:
     return line
 
 
-def _labelled(line: str) -> Fields | None:
+def _labeled(line: str) -> Fields | None:
     """Values after labels; None without labels, or for a single word before a row."""
     if "," in LABEL_END.split(line, 1)[0]:
         line = NAMES_FIRST.sub(_names_first, line)
@@ -147,11 +145,11 @@ def _labelled(line: str) -> Fields | None:
     if BRACKET.search(line):
         line = AXES_NAMED.sub(_named_axes, BRACED.sub(r"\1 ", line))
     line = VECTOR.sub(_axes, line)
-    matches = list(LABELLED.finditer(line))
+    matches = list(LABELED.finditer(line))
     if not matches or (len(matches) == 1 and sum(map(is_number, _row(line).values)) > 1):
         return None
     labels = with_head(head, _headed(tuple(as_label(match[1]) for match in matches)))
-    return Fields(Form.LABELLED, labels, tuple(match[2] for match in matches), _units(line, matches))
+    return Fields(Form.LABELED, labels, tuple(match[2] for match in matches), _units(line, matches))
 
 
 def _units(line: str, matches: list[re.Match[str]]) -> tuple[str, ...]:
@@ -169,7 +167,7 @@ def _teleplot(point: re.Match[str]) -> Fields:
     name, ms, value, unit = point.groups()
     labels, values = ((TELEPLOT_CLOCK, name), (ms, value)) if ms else ((name,), (value,))
     units = ("",) * (len(values) - 1) + (unit,) if unit and unit_of(unit) else ()
-    return Fields(Form.LABELLED, tuple(map(as_label, labels)), values, units)
+    return Fields(Form.LABELED, tuple(map(as_label, labels)), values, units)
 
 
 def _headed_row(headed: re.Match[str]) -> Fields:

@@ -21,7 +21,7 @@ class Headings:
         fields = fields_of(line)
         if fields is None:
             return None
-        if fields.form is Form.LABELLED:
+        if fields.form is Form.LABELED:
             return fields._replace(labels=tuple(map(self.full, fields.labels)))
         if match := HEADING.fullmatch(line):
             name = as_label(UNIT_NAMED.sub(r" (\1)", match[1]))

@@ -43,7 +43,7 @@ def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[st
     """A letter alone takes over the words before the first one; Teleplot says the time between name and value."""
     found = fields_of(line)
     assert found is not None
-    assert (found.form, found.labels, found.values) == (Form.LABELLED, labels, values)
+    assert (found.form, found.labels, found.values) == (Form.LABELED, labels, values)
 
 
 @pytest.mark.parametrize(
