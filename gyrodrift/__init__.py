@@ -19,7 +19,7 @@ _PUBLIC = {
     "diagnose": "analyses",
     "compare": "analyses",
 }
-"""Names with their files in `gyrodrift.library`."""
+"""Public names with their modules in `gyrodrift.library`."""
 
 __all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - they are strings, and named once
 
@@ -27,7 +27,7 @@ __all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - they are strings, and nam
 def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module  # noqa: PLC0415 - the package alone imports nothing
+    from importlib import import_module  # noqa: PLC0415 - `import gyrodrift` alone must be quick
 
     return getattr(import_module(f"gyrodrift.library.{_PUBLIC[name]}"), name)
 

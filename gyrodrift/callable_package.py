@@ -1,7 +1,6 @@
-"""Packages that can be called: `gyrodrift.tune` is a package and a function of other programs.
+"""Callable packages: `gyrodrift.tune` is a package, and other programs call it as a function.
 
-Python binds the name of a package in its parent when anything in it is imported. A function of the same name cannot
-stand there too.
+When a package is imported, Python sets its name in the parent package. So a function cannot have the same name there.
 """
 
 import sys
@@ -11,7 +10,7 @@ from typing import Any
 
 
 class CallablePackage(ModuleType):
-    """A package that calls the function of its name in `gyrodrift.library.analyses`."""
+    """A package; a call of it calls the function with its name in `gyrodrift.library.analyses`."""
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
         """Call the function."""
@@ -20,5 +19,5 @@ class CallablePackage(ModuleType):
 
 
 def make_callable(package: str) -> None:
-    """Let a package be called."""
+    """Make an imported package callable."""
     sys.modules[package].__class__ = CallablePackage

@@ -1,7 +1,7 @@
-"""Workers of a Dask cluster: send tasks to them, and wait for the results without hanging.
+"""Workers of a Dask cluster: send tasks, and wait for results with a time limit.
 
 Scheduler, workers and this process need the same version of gyrodrift. If a worker dies, Dask repeats its tasks on
-another worker. A task uses one thread: a worker keeps as many processors busy as it has threads.
+another worker. A task uses one thread, so a worker with n threads uses n processors.
 """
 
 import asyncio
@@ -17,43 +17,43 @@ from gyrodrift.installation import extra_command
 
 CONNECT_S = 5.0
 FIRST_WORKER_S = 10.0
-"""Longest waits for the first answer of the scheduler, and for its first worker, s: chosen."""
+"""Longest wait for the first answer of the scheduler, and for its first worker, s: chosen."""
 
-LOOK_S = 1.0
+POLL_S = 1.0
 ANSWER_S = 30.0
 NO_WORKER_S = 60.0
-"""Interval between looks at the cluster, longest wait for an answer of the scheduler, and longest time without a
-worker, s: chosen. A nanny starts a new worker within seconds."""
+"""Interval of the checks of the cluster, longest wait for an answer of the scheduler, and longest time without a
+worker, s: chosen. The nanny of Dask starts a new worker within seconds."""
 
 TASKS_AT_A_TIME = 250
-"""Tasks in one message: with the paths of their sessions some megabytes; Dask warns above ten."""
+"""Tasks in one message: some megabytes with the paths of their sessions; Dask warns above 10 MB."""
 
-CANCELLED = (asyncio.CancelledError, futures.CancelledError)
-"""Dask raises either kind."""
+CANCELLATIONS = (asyncio.CancelledError, futures.CancelledError)
+"""Dask raises both types."""
 
 
 class ClusterWorkers:
-    """The workers of a Dask scheduler; waiting for their results always ends.
+    """Workers of a Dask scheduler; every wait for them has a time limit.
 
     Parameters
     ----------
     address
         Address of the scheduler, such as `tcp://host:8786`.
     purpose
-        Purpose in a word for the message about a missing package: `tuning`.
+        Purpose for the message about a missing package, such as `tuning`.
 
     Raises
     ------
     UsageError
         If the package is missing, no scheduler answers, or the scheduler has no workers.
 
-    `threads` counts the threads of the workers at the beginning.
+    `threads` is the number of threads of the workers at the beginning.
     """
 
     def __init__(self, address: str, purpose: str) -> None:
         self._dask = _library(purpose)
         self._address = address
-        self._worked_s = time.monotonic()
+        self._last_worker_s = time.monotonic()
         self._client = self._connected()
         try:
             self.threads = self._first_threads()
@@ -62,7 +62,7 @@ class ClusterWorkers:
             raise
 
     def close(self) -> None:
-        """Leave the cluster, which drops our data."""
+        """Leave the cluster; the workers drop the data of this process."""
         with suppress(TimeoutError, OSError):
             self._client.close(timeout=CONNECT_S)
 
@@ -77,8 +77,8 @@ class ClusterWorkers:
             ) from error
 
     def submit(self, work: Callable[..., object], *columns: Sequence[Any]) -> list[Any]:
-        """Submit one task for each row of the columns, which may hold futures; returns their futures."""
-        if self._client.status != "running" or any(_is_cancelled(value) for column in columns for value in column):
+        """Submit a task for each row of the columns and return their futures; columns may hold futures."""
+        if self._client.status != "running" or any(_is_canceled(value) for column in columns for value in column):
             raise self._lost()
         return list(self._client.map(work, *columns, pure=False, batch_size=TASKS_AT_A_TIME))
 
@@ -88,41 +88,41 @@ class ClusterWorkers:
         Raises
         ------
         GyrodriftError
-            The error of the first task that failed, or that the cluster is lost.
+            The error of the first failed task, or the loss of the cluster.
         """
-        self._worked_s = time.monotonic()
+        self._last_worker_s = time.monotonic()
         while True:
             try:
                 with self._client.as_current():
-                    self._dask.wait(tasks, timeout=LOOK_S)
+                    self._dask.wait(tasks, timeout=POLL_S)
             except TimeoutError:
                 self._raise_first(tasks)
-                self._look()
-            except CANCELLED:
+                self._check_workers()
+            except CANCELLATIONS:
                 raise self._lost() from None
             else:
                 self._raise_first(tasks)
                 return self._gathered(tasks)
 
     def _gathered(self, tasks: Sequence[Any]) -> list[Any]:
-        """Fetch the results; if a worker dies meanwhile, wait for its repetition."""
+        """Fetch the results; if a worker dies meanwhile, wait until Dask has repeated its tasks."""
         gathering = asyncio.run_coroutine_threadsafe(
             self._client.gather(list(tasks), asynchronous=True), self._client.loop.asyncio_loop
         )
         while True:
             try:
-                return list(gathering.result(LOOK_S))
+                return list(gathering.result(POLL_S))
             except TimeoutError:
-                self._look()
-            except (OSError, *CANCELLED):
+                self._check_workers()
+            except (OSError, *CANCELLATIONS):
                 raise self._lost() from None
 
     def _raise_first(self, tasks: Sequence[Any]) -> None:
-        """Raise the error of the first failed task, after all tasks before it are done."""
+        """Raise the error of the first failed task, once all tasks before it are done."""
         for task in tasks:
             if task.status in {"pending", "lost"}:
                 return
-            if _is_cancelled(task):
+            if _is_canceled(task):
                 raise self._lost()
             if task.status == "error":
                 raise self._error_of(task.exception())
@@ -134,17 +134,17 @@ class ClusterWorkers:
             return GyrodriftError(f"{self._address}: several workers died on the same task; check their memory")
         return GyrodriftError(f"{self._address}: a task failed: {type(error).__name__}: {error}")
 
-    def _look(self) -> None:
+    def _check_workers(self) -> None:
         """Raise an error if no worker is left to wait for."""
         try:
             threads = self._running_threads()
         except (OSError, TimeoutError):
             raise self._lost() from None
         if threads:
-            self._worked_s = time.monotonic()
-        elif time.monotonic() - self._worked_s > NO_WORKER_S:
+            self._last_worker_s = time.monotonic()
+        elif time.monotonic() - self._last_worker_s > NO_WORKER_S:
             raise GyrodriftError(
-                f"{self._address}: no worker for {NO_WORKER_S:.0f} s; all are gone, or paused for lack of memory"
+                f"{self._address}: no worker for {NO_WORKER_S:.0f} s; all workers stopped, or paused for lack of memory"
             )
 
     def _first_threads(self) -> int:
@@ -168,24 +168,26 @@ class ClusterWorkers:
 
 
 def _library(purpose: str) -> Any:
-    """The package `distributed`, with its log silenced: errors are raised instead."""
+    """The package `distributed`; only its errors are logged, since this process raises the rest."""
     try:
-        import distributed  # noqa: PLC0415 - a second to import, for who has a cluster
+        import distributed  # noqa: PLC0415 - takes a second to import
     except ImportError as error:
-        raise UsageError(f"{purpose} on a cluster needs a package: {extra_command('cluster')} ({error})") from error
+        raise UsageError(
+            f"{purpose} on a cluster needs the package {error.name}: {extra_command('cluster')}"
+        ) from error
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.ERROR)
     return distributed
 
 
 async def _greet(dask: Any, address: str) -> None:
-    """Check for a scheduler first: a client that waits in vain leaves its thread behind."""
-    async with dask.rpc(address) as somebody:
-        kind = (await somebody.identity())["type"]
+    """Check for a scheduler before a client is made: a client without a scheduler leaves a thread behind."""
+    async with dask.rpc(address) as server:
+        kind = (await server.identity())["type"]
     if kind != "Scheduler":
         raise ValueError(f"it is a {kind}")
 
 
-def _is_cancelled(value: Any) -> bool:
-    """Whether this is a future that Dask has given up, as it does if the scheduler ends."""
+def _is_canceled(value: Any) -> bool:
+    """Whether this is a future that Dask has canceled, as after the end of the scheduler."""
     return getattr(value, "status", "") == "cancelled"

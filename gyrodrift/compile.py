@@ -21,9 +21,9 @@ def stamp_of(package: str) -> str:
 
 
 def compiled_once(*, nogil: bool = True, **options: Any) -> Callable[[Function], Function]:
-    """Numba's `njit` with its cache; without a writable cache folder each run compiles again.
+    """`numba.njit` with a cache on the disk; without a writable cache folder, every run compiles again.
 
-    Division by zero gives what numpy gives. `options` are those of `njit`.
+    Division by zero gives inf or NaN, as in numpy. `options` are options of `njit`.
     """
 
     def compiled(function: Function) -> Function:

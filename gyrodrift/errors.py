@@ -3,19 +3,19 @@
 ```
 GyrodriftError
 ├── UsageError            2   wrong arguments (a ValueError)
-│   └── ConfigError       2   a YAML file with mistakes, all of them at once
+│   └── ConfigError       2   a YAML file with mistakes; lists all of them
 ├── LinkError             3   the port, the cable, the device
 │   ├── PortMissingError      (a FileNotFoundError)
 │   ├── PortDeniedError       (a PermissionError)
 │   ├── PortBusyError
-│   ├── DeviceSilentError     nothing decodable within the time given (a TimeoutError)
-│   └── UnitError             a device clock in another unit than microseconds
+│   ├── DeviceSilentError     no decodable data in time (a TimeoutError)
+│   └── UnitError             a device clock that does not count microseconds
 └── DataError             4   a session that cannot be read (a ValueError)
     ├── DamagedError          changed or missing bytes (gyrodrift.session.damage)
-    └── CalibrationError      turns or a rest that calibrate nothing
+    └── CalibrationError      turns or a rest that give no calibration
 ```
 
-A message says what happened, to which thing, and what to do. Damaged bytes are counted, never raised.
+A message names the thing, the problem, and the next step. Damaged bytes are counted, never raised.
 """
 
 import re
@@ -25,16 +25,16 @@ from typing import ClassVar
 from gyrodrift.secret import without_secrets
 
 MOST_LINES, LONGEST_LINE = 40, 1000
-"""Limits of a message: it may quote a file or a device, of any length."""
+"""Most lines of a message, and characters of a line: a message may quote a file or a device. Chosen."""
 
 CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-"""All control characters but tab and line feed: a terminal may execute them."""
+"""Control characters except tab and line feed; a terminal may execute them."""
 
 
 class GyrodriftError(Exception):
-    """Root of the tree; `exit_status` is what a command ends with.
+    """Root of the tree; `exit_status` is the exit status of a command that fails with it.
 
-    A message is of bounded length, has no control characters, and names no password.
+    The message has a limited length, no control characters, and no passwords.
     """
 
     exit_status: ClassVar[int] = 1
@@ -62,7 +62,7 @@ class UsageError(GyrodriftError, ValueError):
 
 
 class ConfigError(UsageError):
-    """A config file with mistakes; `problems` has one line each, `file:line:column key: what, and what is expected`."""
+    """A config file with mistakes; `problems` are lines `file:line:column key: mistake, and expected value`."""
 
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__("\n".join(problems))
@@ -92,7 +92,7 @@ class DeviceSilentError(LinkError, TimeoutError):
 
 
 class UnitError(LinkError):
-    """The stream is decoded, but its clock has another unit than assumed."""
+    """The stream is decoded, but its clock has a different unit than assumed."""
 
 
 class DataError(GyrodriftError, ValueError):
@@ -102,4 +102,4 @@ class DataError(GyrodriftError, ValueError):
 
 
 class CalibrationError(DataError):
-    """Data of a calibration that do not determine it."""
+    """Recorded turns or rests do not determine the calibration."""

@@ -7,8 +7,8 @@ SIMILARITY = 0.6
 
 
 def nearest(word: str, names: Iterable[str], count: int = 1, similarity: float = SIMILARITY) -> list[str]:
-    """At most `count` of the names that are similar to a word, the most similar first; case is ignored."""
-    from difflib import get_close_matches  # noqa: PLC0415 - for mistakes only
+    """At most `count` names that are similar to a word, the most similar first; case is ignored."""
+    from difflib import get_close_matches  # noqa: PLC0415 - imported only for a mistake
 
     by_lower = {name.lower(): name for name in names}
     return [by_lower[name] for name in get_close_matches(word.lower(), by_lower, n=count, cutoff=similarity)]
