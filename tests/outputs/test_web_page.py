@@ -177,6 +177,26 @@ def test_a_local_person_zeroes_sets_a_heading_and_records(page: Tab, port: Path,
     assert len(load_session(recorded).t_device_s) == 300
 
 
+SAVED = """new Promise((resolve) => {
+  HTMLAnchorElement.prototype.click = function () {
+    resolve([this.download, this.href.slice(0, 5)]);
+  };
+  document.querySelector(".save").click();
+})"""
+"""Name of the file and protocol of its address, in place of a download."""
+
+
+def test_a_chart_is_saved_as_a_picture(page: Tab) -> None:
+    """With its title for a name."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq) for seq in range(100)])
+        page.until(f"{INK % 0} > 3")
+        assert page.run(SAVED) == ["Yaw, deg.png", "blob:"]
+
+
 def test_yaw_stays_in_view_on_a_telephone(page: Tab) -> None:
     """At 400 px, wherever the page is scrolled to."""
     with hub() as outputs:

@@ -109,6 +109,28 @@ function drawMarks(plot, marks) {
   ctx.restore();
 }
 
+const TITLE_PX = 24;
+
+// Save a chart with its title as a PNG file, on the color of its card.
+function savePicture(plot, title) {
+  const source = plot.ctx.canvas;
+  const top = TITLE_PX * devicePixelRatio;
+  const picture = Object.assign(document.createElement("canvas"), { width: source.width, height: source.height + top });
+  const ctx = picture.getContext("2d");
+  ctx.fillStyle = color("card");
+  ctx.fillRect(0, 0, picture.width, picture.height);
+  ctx.fillStyle = color("ink");
+  ctx.font = `600 ${0.6 * top}px system-ui, sans-serif`;
+  ctx.fillText(title, 0.3 * top, 0.75 * top);
+  ctx.drawImage(source, 0, top);
+  picture.toBlob((blob) => {
+    const link = document.createElement("a");
+    Object.assign(link, { href: URL.createObjectURL(blob), download: `${title}.png` });
+    link.click();
+    URL.revokeObjectURL(link.href);
+  });
+}
+
 class Chart {
   // hands(plot) adds the listeners of mouse and touch; marks are times to mark.
   constructor(place, made, hands, marks) {
@@ -117,6 +139,10 @@ class Chart {
     figure.className = made.strip ? "strip" : "";
     const caption = document.createElement("figcaption");
     caption.textContent = made.unit ? `${made.title}, ${made.unit}` : made.title;
+    const save = Object.assign(document.createElement("button"), { type: "button", className: "save", textContent: "PNG" });
+    save.title = "Save this chart as a picture";
+    save.addEventListener("click", () => savePicture(this.plot, caption.firstChild.data));
+    caption.append(save);
     figure.append(caption);
     place.append(figure);
     this.figure = figure;
