@@ -40,7 +40,7 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
     steps = [
         ("Simulate sessions of that rig, faster than real time:", f"gyrodrift simulate --rig {rig} --out {simulated}"),
         ("Tune the filter on them:", f"gyrodrift tune {simulated} --out {tuned}"),
-        ("Run the same rig as a device on a serial port:", f"python -m firmware_sim --link /tmp/gyro --rig {rig}"),
+        ("Run the same rig as a device on a serial port:", f"gyrodrift simulated-device --link /tmp/gyro --rig {rig}"),
         (
             "Diagnose later recordings against that rig, to see whether anything is left:",
             f"gyrodrift diagnose MORE --rig {rig} --out {shlex.quote(str(home / 'again'))}",
@@ -51,7 +51,7 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
         steps += [
             (
                 "Play the motion that decides what is open on your own table; a simulated device plays it so:",
-                f"python -m firmware_sim --link /tmp/gyro --rig {rig} --profile {profile}",
+                f"gyrodrift simulated-device --link /tmp/gyro --rig {rig} --profile {profile}",
             ),
             (
                 "Diagnose recordings of it, in a folder MORE, together with these:",
