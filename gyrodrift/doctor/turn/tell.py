@@ -164,7 +164,7 @@ def _angle_json(angle: AngleColumn) -> dict[str, Any]:
 def _motion_json(motion: ColumnMotion) -> dict[str, Any]:
     return {
         "column": motion.series.name,
-        "behaviour": str(motion.behavior),
+        "behaviour": str(motion.behavior),  # codespell:ignore behaviour - a published key
         "level": _rounded(motion.level),
         "noise": _rounded(motion.noise),
         "integral": _rounded(motion.integral),
