@@ -130,6 +130,7 @@ def test_the_command_that_a_message_gives_installs_the_extra(where: str, install
     assert re.search(r"/\S+\[lab\]'?$", command)
 
 
+@pytest.mark.long
 def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tmp_path: Path) -> None:
     """Its commands, one after the other: the link is listed, doctor has no error, a whole turn of 364.3 reads 360."""
     link = tmp_path / "gyro"
