@@ -100,8 +100,8 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
             '{"hypotheses": {"0": {"weight": 1.0, "bias_var": -1.0}}, "samples": 1}',
             "the filter state in its metadata cannot be continued",
         ),
-        ('{"t_s": NaN}', "is damaged, or of another version"),
-        ('{"t_s":' * 100_000, "is damaged, or of another version"),
+        ('{"t_s": NaN}', "is damaged or of another version"),
+        ('{"t_s":' * 100_000, "is damaged or of another version"),
     ],
     ids=["negative", "nan", "deep"],
 )
