@@ -57,7 +57,7 @@ class Progress:
     Parameters
     ----------
     stream
-        Where the bars are drawn if it is a terminal.
+        Stream of the bars; nothing is drawn if it is not a terminal.
     is_quiet
         Draw nothing on a terminal either.
     shares

@@ -17,15 +17,15 @@ COMMANDS = {
     "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
     "install-service": "run serve under systemd: unit, udev rule, start",
     "calibrate": "scale, sign, bias and noise of a gyro from whole turns against a mark, into the config",
-    "devices": "list serial ports: stable name, maker, who holds each, what speaks there",
-    "doctor": "what is wrong with a device or a recording, what to do, and what drift to expect",
+    "devices": "list serial ports: stable name, maker, process that holds the port, device",
+    "doctor": "find problems of a device or a recording, with remedies and the expected drift",
     "top": "watch a running service in the terminal",
-    "record": "read a device and write what it sends into session files",
+    "record": "record a device into session files",
     "tune": "find filter parameters from recorded sessions",
     "diagnose": "name the effect that explains the gap between a simulator and recordings",
     "compare": "compare these filters with plain integration, Fusion and VQF on the same sessions",
     "filter": "run the same filter over a recorded session",
-    "info": "what a recorded session holds: rate, gaps, clocks, temperature, rest, noise",
+    "info": "describe recorded sessions: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "simulated-device": "a simulated gyro on a serial port, to try every command without hardware",
     "replay": "play a recorded session through a pty that looks like the device",
@@ -74,7 +74,7 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("gyrodrift: interrupted", file=sys.stderr)
         return INTERRUPTED
-    except OSError as error:  # what no command foresaw: a full disk, a device that fails
+    except OSError as error:  # a full disk, or a device that fails
         if isinstance(error, BrokenPipeError) and _is_stdout_closed():
             _forget_stdout()
             return 0

@@ -1,4 +1,4 @@
-"""Where a simulated rig and real recordings part, which effect it is, and how far adding it closes the gap."""
+"""Explain the gap between a simulated rig and real recordings."""
 
 from gyrodrift.callable_package import make_callable
 

@@ -8,8 +8,8 @@ with a low-pass filter, a turn switch and a repetition attenuator (equations 1 t
 since the sample before:
 
 ```
-    r       = r + 1 where SIGN(omega) is that of the sample before, else 1
-    W       = 1 where |omega| < theta_w, else 0                               the turn switch
+    r       = r + 1 if SIGN(omega) equals that of the sample before, else 1
+    W       = 1 if |omega| < theta_w, else 0                                  the turn switch
     R       = (1 + c1)/(1 + c1·r^c2)                                          the repetition attenuator
     I       = I − SIGN(omega)·W·R·i_c                                         the integrator: less the drift
     lpf     = (raw·T + tau·lpf)/(T + tau)                                     the low-pass

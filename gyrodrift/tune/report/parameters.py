@@ -30,7 +30,7 @@ def parameters(tuning: Tuning) -> str:
     """The section of Table 1."""
     spread = [f"over {1 + len(tuning.other_runs)} seeds"] if tuning.other_runs else []
     importance = ["importance"] if tuning.slices.size else []
-    columns = ["parameter", "found", *spread, "searched", *importance, "what it does"]
+    columns = ["parameter", "found", *spread, "searched", *importance, "effect"]
     head = headings(columns, words=2)
     shares = importances(tuning.slices) if tuning.slices.size else None
     rows = [_row(tuning, axis, None if shares is None else float(shares[n])) for n, axis in enumerate(tuning.axes)]

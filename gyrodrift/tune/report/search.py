@@ -93,6 +93,6 @@ def _pi_table(tuning: Tuning) -> str:
 
 
 def pi_cells(pi: Pi, *, has_test: bool) -> list[str]:
-    """The cost as cells of a table, deg²: on the training sessions, and where there are any on the test sessions."""
+    """Cells of the cost, deg²: training sessions, and test sessions if there are any."""
     test = "–" if pi.test is None else significant(pi.test, 4)
     return [significant(pi.train, 4), *[test] * has_test]

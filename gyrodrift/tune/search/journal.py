@@ -90,6 +90,6 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
         file.seek(0)
         with np.load(file) as stored:
             arrays = {name: stored[name] for name in stored.files}
-    if not all(isinstance(array, np.ndarray) for array in arrays.values()):  # numpy gives bytes for what is no array
+    if not all(isinstance(array, np.ndarray) for array in arrays.values()):  # numpy returns bytes for other content
         raise DataError("it holds something other than arrays")
     return arrays
