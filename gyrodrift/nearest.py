@@ -15,11 +15,11 @@ def nearest(word: str, names: Iterable[str], count: int = 1, similarity: float =
 
 
 def did_you_mean(word: str, names: Iterable[str]) -> str:
-    """`did you mean NAME?`, or empty if no name is similar."""
-    return question(nearest(word, names))
+    """`did you mean NAME?`; empty if no name is similar."""
+    return suggestion(nearest(word, names))
 
 
-def question(names: Iterable[str]) -> str:
-    """`did you mean A or B?`, or empty without names."""
+def suggestion(names: Iterable[str]) -> str:
+    """`did you mean A or B?`; empty without names."""
     choices = " or ".join(names)
     return f"did you mean {choices}?" if choices else ""

@@ -29,7 +29,7 @@ WINDOW_S = 120.0
 Item = TypeVar("Item")
 
 
-def untold(_stage: str, _done: int, _total: int) -> None:
+def ignore_progress(_stage: str, _done: int, _total: int) -> None:
     """Ignore progress."""
 
 
@@ -85,7 +85,7 @@ class Progress:
         if self._bars is not None:
             self._bars.stop()
 
-    def evaluated(self, stage: str, done: int, total: int) -> None:
+    def report(self, stage: str, done: int, total: int) -> None:
         """Report the progress of a stage; `total` is 0 if unknown."""
         if self._bars is None:
             return
@@ -101,7 +101,7 @@ class Progress:
             self._update_total(self._percent_of_total(stage, done / total if total else 0.0))
 
     @contextmanager
-    def aside(self) -> Iterator[None]:
+    def paused(self) -> Iterator[None]:
         """Hide the bars while something is printed."""
         if self._bars is not None:
             self._bars.stop()

@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_writable(arguments.out)
     options.hold_product_threads()
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
-        progress.evaluated(options.PACKAGES, 0, 0)
+        progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 
         need_packages("compare", "cma", "matplotlib", "numba", "scipy")
@@ -105,7 +105,7 @@ def _request(arguments: argparse.Namespace, progress: "Progress") -> "Comparison
         seed=arguments.seed,
         config=config_file(arguments.config, config.blocks) if config else None,
         jobs=options.processes(arguments.jobs),
-        progress=progress.evaluated,
+        progress=progress.report,
         reading=inputs.reading(arguments),
     )
 

@@ -68,10 +68,10 @@ def run(arguments: argparse.Namespace) -> int:
     check_kept([target], [source], force=arguments.force)
     written_ending(target, "OUT")
     with options.progress_of(arguments) as progress:
-        progress.evaluated(f"{source.name} read", 0, 0)
+        progress.report(f"{source.name} read", 0, 0)
         session = _loaded(source, topic, arguments)
         _tell_left_out(arguments, session)
-        _write(target, form, session, in_pieces(session, progress.evaluated))
+        _write(target, form, session, in_pieces(session, progress.report))
     tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0
 

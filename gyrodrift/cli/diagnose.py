@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_writable(arguments.out)
     options.hold_product_threads()
     with options.progress_of(arguments, {}) as waiting:
-        waiting.evaluated(options.PACKAGES, 0, 0)
+        waiting.report(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 
         need_packages("diagnose", "matplotlib", "numba", "scipy")
@@ -89,13 +89,13 @@ def run(arguments: argparse.Namespace) -> int:
                 withheld,
                 jobs,
                 arguments.cluster,
-                progress.evaluated,
+                progress.report,
                 baseline,
                 reading=inputs.reading(arguments),
                 inference=Inference(arguments.inference),
             )
         )
-        progress.evaluated(REPORT, 0, 0)
+        progress.report(REPORT, 0, 0)
         write_files(arguments.out, diagnosis)
         page = report_html(diagnosis, arguments.out, _provenance(arguments, rig))
     write_whole(arguments.out / "report.html", [page])

@@ -128,17 +128,17 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
         arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns, arguments.send or b""
     )
     if link_options.port != options.AUTO_PORT:
-        return listen(link_options, arguments.seconds, progress.evaluated)
+        return listen(link_options, arguments.seconds, progress.report)
     ports = serial_ports()
     if len(ports) == 1:  # a single port is checked even if no gyro speaks there
-        return listen(replace(link_options, port=ports[0].name), arguments.seconds, progress.evaluated)
+        return listen(replace(link_options, port=ports[0].name), arguments.seconds, progress.report)
     try:
         target, port = find_gyro(ports, link_options, lambda *_, **__: None)
     except (UsageError, PortMissingError) as error:
         if not str(error).startswith("--port auto"):
             raise
         return DeviceEvidence(options.AUTO_PORT, search=str(error))
-    return listen(target, arguments.seconds, progress.evaluated, port)
+    return listen(target, arguments.seconds, progress.report, port)
 
 
 def _sensor(name: str | None) -> "Sensor | None":

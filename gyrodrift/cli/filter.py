@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Filter the session; 0 when the result is written."""
     arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a progress bar would disturb a pager
     with options.progress_of(arguments) as progress:
-        progress.evaluated(options.PACKAGES, 0, 0)
+        progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
         from gyrodrift.session.calibrated import applied_scale_sigma
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
             check_kept([arguments.out], read_files, force=arguments.force)
             written_ending(arguments.out, "--out")
         config = configs.chosen_config(arguments)
-        progress.evaluated(f"{arguments.session.name} read", 0, 0)
+        progress.report(f"{arguments.session.name} read", 0, 0)
         session = inputs.calibrated_session(arguments, config)
         chosen = config.chosen
         sigma = applied_scale_sigma(session)
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
         state: FilterState = begun or chosen.state()
         samples_before = state.samples
         try:
-            _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.evaluated)
+            _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.report)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None or isinstance(error, GyrodriftError):
                 raise

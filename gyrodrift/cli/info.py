@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         After the descriptions, with the sessions that are unreadable or contradict their units.
     """
     with options.progress_of(arguments) as progress:
-        progress.evaluated(options.PACKAGES, 0, 0)
+        progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.session.files import session_paths
 
         paths = session_paths(arguments.sessions)
@@ -90,10 +90,10 @@ def run(arguments: argparse.Namespace) -> int:
         texts = _table(paths, descriptions) if is_table else _texts(arguments, descriptions)
         if drawing is not None:
             texts = iter(list(texts))
-            with progress.aside():
+            with progress.paused():
                 drawing.write(paths)
         for text in texts:
-            with progress.aside():
+            with progress.paused():
                 print(text if arguments.json else visible(text))  # names of files and devices may hold anything
     if errors:
         raise DataError("\n".join(errors))
@@ -133,13 +133,13 @@ def _descriptions(
     """The readable sessions, with yaw if they are drawn or have an encoder; `errors` gets the other ones."""
     config = _config(arguments)
     for index, path in enumerate(paths):
-        progress.evaluated("sessions", index, len(paths))
+        progress.report("sessions", index, len(paths))
         try:
             description = _described(arguments, path)
         except DataError as error:
             errors.append(str(error))
             continue
-        with progress.aside():
+        with progress.paused():
             inputs.print_remarks(path, description.session)
         errors += [f"{path}: {finding}" for finding in description.findings if finding.is_error]
         yaw = None

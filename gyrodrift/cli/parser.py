@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
 from gyrodrift.errors import UsageError, shortened
-from gyrodrift.nearest import nearest, question
+from gyrodrift.nearest import nearest, suggestion
 
 RENAMED = {"--threads": "--jobs"}
 """Options that had another name."""
@@ -18,19 +18,19 @@ LONGEST_QUOTE = 40
 """Longest quote of a value that is not understood, characters."""
 
 NUMBER = re.compile(r"-\.?\d")
-UNTOLD: tuple[object, ...] = (None, False, "", [], argparse.SUPPRESS)
+HIDDEN_DEFAULTS: tuple[object, ...] = (None, False, "", [], argparse.SUPPRESS)
 """Defaults that the help does not print."""
 
 
 def begun_or_near(word: str, names: Iterable[str]) -> str:
-    """Question for a word that begins like a known one or is near it; empty without such a word."""
+    """`did you mean NAME?` for names that begin with a word, or else are similar to it; empty without such names."""
     names = list(names)
     begun = [name for name in names if name.startswith(word)]
-    return question(begun[:NEAREST] or nearest(word, names, NEAREST))
+    return suggestion(begun[:NEAREST] or nearest(word, names, NEAREST))
 
 
 def nearest_or_all(word: str, names: Iterable[str]) -> str:
-    """Question for a near word, or the list of all known words."""
+    """`did you mean NAME?`, or the list of all names if none is similar."""
     names = list(names)
     return begun_or_near(word, names) or f"there are {', '.join(names)}"
 
@@ -45,7 +45,7 @@ class HelpFormatter(argparse.RawDescriptionHelpFormatter):
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         text = action.help or ""
-        if "default" in text or any(action.default is untold or action.default == untold for untold in UNTOLD):
+        if "default" in text or any(action.default is hidden or action.default == hidden for hidden in HIDDEN_DEFAULTS):
             return text
         return f"{text} (default %(default)s)"
 

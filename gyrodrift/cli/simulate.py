@@ -68,11 +68,11 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect and --twin")
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
-        progress.evaluated(options.PACKAGES, 0, 0)
+        progress.report(options.PACKAGES, 0, 0)
         rig, profile = _rig_and_profile(arguments)
         _check_kept(arguments, rig)
         try:
-            for text in _written(arguments, rig, profile, progress.evaluated):
+            for text in _written(arguments, rig, profile, progress.report):
                 if not arguments.quiet:
                     print(visible(f"gyrodrift: {text}"), file=sys.stderr)
         except OSError as error:

@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 if all files are written."""
     _check_paths(arguments.out, arguments.report)
     with options.progress_of(arguments, {}) as progress:
-        progress.evaluated(options.PACKAGES, 0, 0)
+        progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
 
         need_packages("tune", "cma", "numba")
@@ -128,9 +128,9 @@ def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning
 
     seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
     plans = plans_of(arguments.filter, arguments.iterations, seeds, arguments.method, arguments.range)
-    with TuningSet(sources, arguments.seed, arguments.jobs, arguments.cluster, progress.evaluated) as sessions:
+    with TuningSet(sources, arguments.seed, arguments.jobs, arguments.cluster, progress.report) as sessions:
         journal = Journal(path, identity(plans, sessions), is_resumed=arguments.resume)
-        tuning, was_interrupted = tune_filters(plans, sessions, journal, progress.evaluated)
+        tuning, was_interrupted = tune_filters(plans, sessions, journal, progress.report)
     if was_interrupted:
         journal.save()
     else:

@@ -26,7 +26,7 @@ from gyrodrift.evaluation.dataset import (
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.parallel import workers
-from gyrodrift.progress import COMPILING, OnProgress, untold
+from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
@@ -90,7 +90,7 @@ class ComparisonRequest:
     seed: int = 0
     config: ConfigFile | None = None
     jobs: int = 1
-    progress: OnProgress = untold
+    progress: OnProgress = ignore_progress
     reading: ReadingOptions = AS_WRITTEN
 
 

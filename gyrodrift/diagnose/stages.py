@@ -39,7 +39,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedS
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized
 from gyrodrift.errors import DataError
-from gyrodrift.progress import OnProgress, untold
+from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 GONE_SHARE = 0.1
@@ -131,7 +131,7 @@ def tables_of(
     return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
 
 
-def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) -> Inferred:
+def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Inferred:
     """Search for causes, see what else there is to each, and judge."""
     progress(SEARCHED, 0, 0)
     evidence = evidence_of(simulated.tables, simulated.tried)
@@ -159,7 +159,7 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) 
     return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
 
 
-def concluded_of(simulated: Simulated, jobs: int, progress: OnProgress = untold) -> Inferred:
+def concluded_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Inferred:
     """Find the posterior over sets of effects, and judge by it."""
     progress(SEARCHED, 0, 0)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
@@ -180,7 +180,7 @@ def _heating_of(subject: Subject) -> Heating:
 
 
 def recordings_of(
-    asked: Sequence[Path], progress: OnProgress = untold, reading: ReadingOptions = AS_WRITTEN
+    asked: Sequence[Path], progress: OnProgress = ignore_progress, reading: ReadingOptions = AS_WRITTEN
 ) -> tuple[list[Origin], list[Recording], list[str]]:
     """Those that passed the recording checks, with their origins, and what is to be said of all."""
     origins: list[Origin] = []

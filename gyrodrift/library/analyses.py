@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from gyrodrift.errors import UsageError
-from gyrodrift.progress import OnProgress, untold
+from gyrodrift.progress import OnProgress, ignore_progress
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
@@ -32,7 +32,7 @@ def tune(
     method: str | None = None,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     jobs: int | None = None,
-    on_progress: OnProgress = untold,
+    on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Tuning":
@@ -91,7 +91,7 @@ def diagnose(
     baseline: Paths = (),
     withhold: Iterable[str] = (),
     jobs: int = 1,
-    on_progress: OnProgress = untold,
+    on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Diagnosis":
@@ -153,7 +153,7 @@ def compare(
     iterations: int = 3000,
     seed: int = 0,
     jobs: int = 1,
-    on_progress: OnProgress = untold,
+    on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
 ) -> "Comparison":

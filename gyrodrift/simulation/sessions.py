@@ -12,7 +12,7 @@ from firmware_sim.measure import Block, Motion, measure
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.files import write_whole
-from gyrodrift.progress import OnProgress, counted, untold
+from gyrodrift.progress import OnProgress, counted, ignore_progress
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
@@ -74,7 +74,7 @@ def write_sessions(
     sessions: int,
     minutes: float,
     ending: str = "mcap",
-    progress: OnProgress = untold,
+    progress: OnProgress = ignore_progress,
 ) -> Iterator[Path]:
     """Write the rig, `session-01`, `session-02` and so on, and yield the path of each written session."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -95,7 +95,7 @@ def simulated_paths(folder: Path, sessions: int, ending: str = "mcap") -> list[P
 
 
 def write_simulation(
-    path: Path, simulated: Simulation, device_id: str | None = None, progress: OnProgress = untold
+    path: Path, simulated: Simulation, device_id: str | None = None, progress: OnProgress = ignore_progress
 ) -> None:
     """Write one session, with everything that is needed to simulate it again."""
     rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)

@@ -13,7 +13,7 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import row_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import SHIPPED
-from gyrodrift.progress import COMPILING, OnProgress, untold
+from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.tune.result import Alternative, Pi, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.total_progress import TotalProgress
@@ -22,7 +22,7 @@ from gyrodrift.tune.tuning_set import TuningSet
 
 
 def tune_filters(
-    plans: Sequence[Plan], sessions: TuningSet, journal: Journal, progress: OnProgress = untold
+    plans: Sequence[Plan], sessions: TuningSet, journal: Journal, progress: OnProgress = ignore_progress
 ) -> tuple[Tuning, bool]:
     """Result of the best filter, and whether the tuning was interrupted.
 

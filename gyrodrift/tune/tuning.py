@@ -18,7 +18,7 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import PUBLISHED
-from gyrodrift.progress import OnProgress, untold
+from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
@@ -79,7 +79,7 @@ class TuningRun:
     splits: Sequence[Split]
     loaded: Callable[[int], LoadedSession]
     journal: Journal
-    progress: OnProgress = untold
+    progress: OnProgress = ignore_progress
     prefix: str = ""
     was_interrupted: bool = False
     _begun_s: float = field(default_factory=time.monotonic)

@@ -155,9 +155,9 @@ class InterruptedAfter(io.StringIO):
 
 def two_bars(stream: TextIO) -> None:
     with Progress(stream) as progress:
-        progress.evaluated("the first", 1, 2)
+        progress.report("the first", 1, 2)
         time.sleep(0.3)
-        progress.evaluated("the second", 1, 2)
+        progress.report("the second", 1, 2)
         time.sleep(PATIENCE_S)
 
 

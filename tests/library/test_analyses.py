@@ -12,7 +12,7 @@ from gyrodrift import compare, diagnose, tune
 from gyrodrift.cli import main
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.progress import untold
+from gyrodrift.progress import ignore_progress
 
 pytest.importorskip("numba", reason="the analyses need the workstation extra")
 from gyrodrift.diagnose.stages import DiagnosisRequest
@@ -78,7 +78,7 @@ def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, mon
     asked: list[DiagnosisRequest] = []
 
     def stop(request: DiagnosisRequest) -> None:
-        asked.append(request._replace(progress=untold))
+        asked.append(request._replace(progress=ignore_progress))
         raise DataError("asked")
 
     monkeypatch.setattr("gyrodrift.diagnose.diagnosis.diagnose", stop)

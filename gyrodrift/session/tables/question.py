@@ -7,7 +7,7 @@ from math import isfinite
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.units import unit_in, without_unit
 from gyrodrift.errors import DataError, shortened
-from gyrodrift.nearest import question
+from gyrodrift.nearest import suggestion
 from gyrodrift.session.csv import COLUMNS, OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.tables.plan import Head, clock_unit
 from gyrodrift.session.tables.times import is_time
@@ -69,7 +69,7 @@ def check_header(head: Head) -> None:
         if is_ours or set(meant) & set(REQUIRED):
             hint = f"columns are {', '.join(COLUMNS)}"
             raise DataError(
-                f"{head.path}:{head.line}: column {index + 1} is {labels[index]!r}; {question(meant)} {hint}"
+                f"{head.path}:{head.line}: column {index + 1} is {labels[index]!r}; {suggestion(meant)} {hint}"
             )
 
 
