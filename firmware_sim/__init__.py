@@ -1,5 +1,5 @@
 """A simulated gyro on a turntable with an encoder: the other end of the serial link.
 
-It imports nothing of gyrodrift. Device and host meet only at the wire protocols, and golden frames in the tests,
-checked from both ends, prove that they agree.
+It imports nothing from gyrodrift. Device and host share only the wire protocols; tests check both against the same
+golden frames.
 """

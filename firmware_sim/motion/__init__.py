@@ -1,1 +1,1 @@
-"""How the table moves: segments, and profiles made of them."""
+"""Motion of the table: segments, and profiles of segments."""

@@ -1,5 +1,5 @@
 """Protocols of the device, one file per protocol.
 
-Written from the protocols, not from the host's decoders: a codec that both ends share would hide its own bugs. Every
-module here that has an `ENCODER` is a protocol; `registry` finds it.
+They follow the protocol documents, not the decoders of the host: a shared codec would hide its own errors. Every module
+with an `ENCODER` is a protocol, and `registry` finds it.
 """

@@ -1,1 +1,1 @@
-"""Calibrating a gyro by hand: rest, whole turns against a mark in both directions, warming; samples in, values out."""
+"""Calibration of a gyro: rest, temperature run, and whole turns against a mark; samples in, values out."""

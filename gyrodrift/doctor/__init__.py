@@ -1,1 +1,1 @@
-"""A device or a recording looked at as a whole: evidence first, then one finding a check, each with what to do."""
+"""Check of a device or a recording: evidence first, then a finding per check, with advice."""

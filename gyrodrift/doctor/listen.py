@@ -97,8 +97,8 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
             begun_s = now_s
         if begun_s is not None and now_s - begun_s >= seconds:
             return
-        what = "waiting for the device" if begun_s is None else "listening, keep it still"
-        progress(what, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
+        task = "waiting for the device" if begun_s is None else "listening, keep it still"
+        progress(task, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
 
 
 def _wait(link: Link) -> None:

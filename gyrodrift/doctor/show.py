@@ -21,7 +21,7 @@ MARKS = {
 }
 PIPE_WIDTH = 100_000
 WIDE = 120
-"""Columns from which the advice stands beside the finding."""
+"""Columns of a terminal from which the advice has its own column."""
 
 DRIFT = "drift_"
 """Beginning of the ids of the expected drift, which is always of interest."""

@@ -1,1 +1,1 @@
-"""From a serial port to timed samples: port, decoders, clock, and the link that holds them together."""
+"""Timed samples from a serial port: port, decoders, clock, and the link that combines them."""

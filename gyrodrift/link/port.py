@@ -40,38 +40,38 @@ PTY_SLAVE_MAJORS = range(136, 144)
 BY_ID = Path("/dev/serial/by-id")
 
 LOOKS = 3
-"""pyserial reads what sysfs says of an adapter piece by piece, and stumbles where it is pulled meanwhile."""
+"""Attempts to list the ports: pyserial reads sysfs in pieces, and fails if an adapter is unplugged meanwhile."""
 
 HUNG_UP = frozenset({errno.EIO, errno.ENXIO, errno.EBADF, errno.ENODEV})
-"""A read may fail so for a moment while a pty has no other end; with any other error the port is of no use any more."""
+"""Errors of a hung-up port; a pty without its other end has them for a moment. Other errors end the port."""
 
 
 class PortGoneError(Exception):
-    """The port hung up: unplugged, or its other end closed."""
+    """Port that is unplugged, or whose other end is closed."""
 
 
 class Port:
-    """An open port with exclusive use of its device."""
+    """Open port with exclusive use of its device."""
 
     def __init__(self, path: str, baud: int) -> None:
         self.path = path
         self._serial = open_serial(path, baud)
         self.fd: int = self._serial.fileno()
         self.is_pty = _is_pty(self.fd)
-        if not self.is_pty:  # a pty would stay locked after a kill for as long as its other end lives
+        if not self.is_pty:  # after a kill, a pty would stay locked while its other end is open
             with suppress(OSError):
                 fcntl.ioctl(self.fd, termios.TIOCEXCL)
-        # Best effort: drivers, ptys and other systems each refuse it in a way of their own.
+        # Best effort: drivers, ptys and other systems refuse it in different ways.
         with suppress(OSError, ValueError, NotImplementedError, AttributeError):
             self._serial.set_low_latency_mode(True)
 
     def read(self) -> bytes:
-        """All that is there, up to a bound, without waiting.
+        """Available bytes, up to a limit, without waiting.
 
         Raises
         ------
         PortGoneError
-            The port hung up, and everything it had before that has been read.
+            The port is closed, and all its bytes have been read.
         """
         chunks: list[bytes] = []
         for _ in range(READS_PER_TURN):
@@ -85,7 +85,7 @@ class Port:
                 chunk = b""
             if not chunk:
                 if chunks or not self._hung_up():
-                    break  # pyserial sets VMIN 0: an empty read may just mean that nothing is there
+                    break  # pyserial sets VMIN 0, so an empty read may only mean that there are no bytes
                 raise PortGoneError(self.path)
             chunks.append(chunk)
             if len(chunk) < READ_BYTES // 2:
@@ -93,7 +93,7 @@ class Port:
         return b"".join(chunks)
 
     def write(self, content: bytes) -> int:
-        """Send what the port takes without waiting; how many bytes that were. An end that is gone shows at reading."""
+        """Send without waiting, and return the number of bytes; the next read reports a closed port."""
         try:
             return os.write(self.fd, content)
         except OSError:
@@ -105,7 +105,7 @@ class Port:
         return bool(poller.poll(0))
 
     def set_baud(self, baud: int) -> None:
-        """Change the line rate and drop what came at the old one."""
+        """Change the baud rate, and drop bytes received at the old one."""
         try:
             self._serial.baudrate = baud
             self._serial.reset_input_buffer()
@@ -113,7 +113,7 @@ class Port:
             raise PortGoneError(self.path) from error
 
     def close(self) -> None:
-        """Close, whatever state the device is in."""
+        """Close the port in any state of the device."""
         with suppress(OSError):
             if not self.is_pty:
                 fcntl.ioctl(self.fd, termios.TIOCNXCL)
@@ -122,7 +122,7 @@ class Port:
 
 
 def stable_name(path: str) -> str:
-    """The name under which the same adapter comes back after it was unplugged, if it has one."""
+    """Name that the adapter keeps when it is replugged; the path itself without one."""
     device = os.path.realpath(path)
     if not Path(path).is_symlink():
         with suppress(OSError):  # it is there while an adapter is
@@ -133,7 +133,7 @@ def stable_name(path: str) -> str:
 
 
 def serial_ports() -> list[SerialPort]:
-    """The ports of this machine that have hardware behind them, by name; none of them is opened."""
+    """Ports of this machine with hardware, by name; no port is opened."""
     ports = {entry.device: _described(entry) for entry in _plugged_in() if has_uart(entry.device)}
     for device in built_in_ports():  # pyserial leaves out those on a chip, such as the Raspberry Pi's
         ports.setdefault(device, SerialPort(stable_name(device), device))

@@ -16,9 +16,9 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
     Raises
     ------
     PortMissingError
-        No port is plugged in, or no gyro speaks at any of them.
+        No port is plugged in, or there is no gyro at any port.
     UsageError
-        Several gyros speak, or `--send` would reach several ports.
+        There are several gyros, or `--send` would reach several ports.
     """
     if not ports:
         raise PortMissingError(

@@ -1,1 +1,1 @@
-"""The checks by what they look at; `registry` has all of them in the order in which they are told."""
+"""Checks by subject; `registry` has all of them in the order of the report."""

@@ -1,1 +1,1 @@
-"""One motion that a person makes, a quarter turn to the left, and what it says of the columns of a text."""
+"""Quarter turn to the left, and the meaning of text columns that follows from it."""

@@ -1,1 +1,1 @@
-"""Device time from counters, stamps and arrivals."""
+"""Device time from counters, time stamps and arrivals."""

@@ -1,1 +1,1 @@
-"""The wire protocols, one file each."""
+"""Wire protocols, one file per protocol."""

@@ -1,1 +1,1 @@
-"""Lines of other people's text: their fields, the columns a person names in them, and a guess at what they hold."""
+"""Lines of foreign text: fields, columns that the user names, and a guess of the columns."""
