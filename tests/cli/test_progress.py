@@ -3,6 +3,7 @@
 import io
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -45,8 +46,13 @@ QUICK = {
 
 
 def words(name: str, arguments: Sequence[str], sessions: Path, out: Path) -> list[str]:
-    places = {"one": sessions / "session-01.mcap", "all": sessions, "out": out}
-    return [name, *(word.format(**places) for word in arguments)]
+    one = sessions / "session-01.mcap"
+    paths = {"one": one, "all": sessions, "many": out / "many", "out": out}
+    if "{many}" in arguments:
+        paths["many"].mkdir()
+        for index in range(COPIES):
+            shutil.copy(one, paths["many"] / f"copy-{index:03}.mcap")
+    return [name, *(word.format(**paths) for word in arguments)]
 
 
 @pytest.mark.parametrize("name", QUICK)
@@ -86,11 +92,14 @@ def test_a_pager_is_not_drawn_over(sessions: Path) -> None:
 
 LONG = {
     "tune": ["{all}", "--out", "{out}/c.yaml", "--iterations", "60", "--jobs", "1"],
-    "compare": ["{all}", "--jobs", "1"],
+    "compare": ["{many}", "--jobs", "1"],
     "diagnose": ["{all}", "--out", "{out}/report", "--jobs", "1"],
 }
 LEFT_OF = {"tune": "total", "compare": "sessions", "diagnose": "total"}
 """The bar with the time left: a stage with others after it has none."""
+
+COPIES = 60
+"""Sessions of a stage that lasts longer than a loaded machine needs to draw it."""
 
 NEXT = {"tune": "sessions read", "compare": "sessions", "diagnose": "sessions checked"}
 
