@@ -94,7 +94,7 @@ def chart(series: Sequence[ChartLine], x_range: AxisRange, y_range: AxisRange, c
 
 def _y_labels(shown: AxisRange, rows: int) -> dict[int, str]:
     """Label of each row that has one."""
-    values = ticks(shown, max(2, rows // ROWS_PER_TICK + 1))
+    values = ticks(shown, max(3, rows // ROWS_PER_TICK + 1))
     digits = _digits(values)
     return {_row(value, shown, rows): _label(value, digits) for value in values}
 

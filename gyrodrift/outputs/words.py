@@ -24,8 +24,10 @@ def figures(status: ServiceStatus) -> list[Figure]:
 def _filter_figures(now: FilterStatus) -> list[Figure]:
     rest = UNKNOWN if now.rest_probability is None else f"{now.rest_probability:.0%}"
     heading = [Figure("Heading", f"{now.heading_deg:.1f}°")] if now.heading_deg is not None else []
+    scale = [Figure("Sigma of scale", f"{now.scale_sigma_deg:.2f} deg")] if now.scale_sigma_deg is not None else []
     return [
         Figure("Yaw", f"{now.yaw_deg:+.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
+        *scale,
         *heading,
         Figure("Bias", f"{now.bias_dps:+.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),

@@ -80,14 +80,29 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
     clients = tuple(ClientStatus(f"127.0.0.1:{50_000 + n}", 100, n) for n in range(10))
     status = ServiceStatus(
         link=LinkStatus(port="/dev/gyro", is_open=True, samples=10, damaged=3, gaps=1, missing=7),
-        filter=FilterStatus(yaw_deg=1.0, yaw_sigma_deg=0.5, bias_dps=-0.25, bias_sigma_dps=0.01, rest_probability=0.97),
+        filter=FilterStatus(
+            yaw_deg=1.0,
+            yaw_sigma_deg=0.5,
+            scale_sigma_deg=0.25,
+            bias_dps=-0.25,
+            bias_sigma_dps=0.01,
+            rest_probability=0.97,
+        ),
         outputs=(OutputStatus("tcp", "127.0.0.1:7117", "", clients, 10, 1000, 45),),
     )
     console = Console(width=100, file=open(os.devnull, "w"), record=True)  # noqa: PTH123, SIM115 - closed below
     console.print(draw(status, [YawPoint(0.0, 0.0, 0.5), YawPoint(0.25, 1.0, 0.5)]))
     console.file.close()
     shown = console.export_text()
-    for said in ("+1.00 ± 0.50 deg", "-0.2500 ± 0.0100 deg/s", "97%", "1 (7 samples)", "127.0.0.1:50007", "and 2 more"):
+    for said in (
+        "+1.00 ± 0.50 deg",
+        "0.25 deg",
+        "-0.2500 ± 0.0100 deg/s",
+        "97%",
+        "1 (7 samples)",
+        "127.0.0.1:50007",
+        "and 2 more",
+    ):
         assert said in shown
     assert "3 frames are damaged (23.1%); check cable, ground and baud." in shown
 
