@@ -68,7 +68,7 @@ def report_html(comparison: Comparison, made: Provenance) -> str:
 
 def _verdict(comparison: Comparison, set_name: str) -> str:
     count, minutes = len(comparison.sessions), sum(session.session.minutes for session in comparison.sessions)
-    extent = f"{count} session{'s' * (count > 1)}, {significant(minutes, 3)} minutes"
+    extent = f"{count} session{'s' * (count > 1)}, {significant(minutes, 3)} min"
     return header(
         f"gyrodrift compare · {set_name} · {extent}",
         _headline(comparison, set_name),
@@ -231,7 +231,7 @@ def _first_shown(comparison: Comparison, shown: Sequence[int]) -> set[int]:
 def _panel_name(session: ComparedSession) -> str:
     name = text(session.session.name)
     return f'<b title="{name}">{name}</b>' + span(
-        f"{text(session.folder)}, {session.session.minutes:.3g} minutes", "note"
+        f"{text(session.folder)}, {session.session.minutes:.3g} min", "note"
     )
 
 
