@@ -1,6 +1,7 @@
 """What an input may cost, and how long a target is fuzzed: both in processor time, which other work does not change."""
 
 import os
+import resource
 import time
 from collections.abc import Callable
 
@@ -8,8 +9,13 @@ LONGEST_CALL_S, LONGEST_INSTRUMENTED_CALL_S = 1.0, 3.0
 """Of 32 kB; coverage makes a call two to three times as long."""
 
 
+MOST_BYTES = 500 << 20
+"""Largest growth of the peak memory in one call. The memory of a whole run says nothing: a guided run loses some kB in
+each call of a mutator of its own, though the same calls without a fuzzer leave memory flat."""
+
+
 class Limited:
-    """A target with an assertion on its processor time; `is_over` once all calls have had `seconds` of it."""
+    """A target with assertions on processor time and memory; `is_over` once all calls have had `seconds`."""
 
     def __init__(self, target: Callable[[bytes], None], seconds: float, longest_s: float = LONGEST_CALL_S) -> None:
         self.runs = 0
@@ -18,10 +24,11 @@ class Limited:
 
     def __call__(self, content: bytes) -> None:
         """Run the target."""
-        begun_s = time.process_time()
+        begun_s, begun_bytes = time.process_time(), _peak_bytes()
         self._target(content)
-        taken_s = time.process_time() - begun_s
+        taken_s, grown_bytes = time.process_time() - begun_s, _peak_bytes() - begun_bytes
         assert taken_s < self._longest_s, f"{len(content)} bytes took {taken_s:.1f} s of processor time"
+        assert grown_bytes < MOST_BYTES, f"{len(content)} bytes took {grown_bytes >> 20} MB of memory"
         self.runs += 1
 
     @property
@@ -32,6 +39,10 @@ class Limited:
     def tell(self) -> None:
         """Print how far it came."""
         print(f"{self.runs} runs in {time.process_time() - self._begun_s:.0f} s", flush=True)
+
+
+def _peak_bytes() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss << 10
 
 
 def ending(limited: Limited) -> Callable[[bytes], None]:

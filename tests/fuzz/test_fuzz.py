@@ -1,5 +1,7 @@
 """A small part of the fuzzing, in every run: what is kept of earlier ones, and a few inputs made by chance."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from random import Random
@@ -47,3 +49,13 @@ def test_what_is_kept_breaks_nothing(path: Path) -> None:
 def test_what_chance_makes_breaks_nothing(name: str, seed: int, content: bytes | None) -> None:
     """Any bytes, and what is kept with some changes."""
     assert_target_holds(name, mutated(name, SEEDS[name], Random(seed)) if content is None else content)
+
+
+def test_an_input_that_takes_much_memory_breaks_its_target() -> None:
+    """600 MB that are touched raise the peak; the same again raise it no more."""
+    script = "from fuzz.limits import Limited; Limited(lambda content: len(b'x' * (600 << 20)), 1.0)(b'')"
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=CORPUS.parent.parent, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "0 bytes took 6" in done.stderr
