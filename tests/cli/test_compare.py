@@ -300,3 +300,17 @@ def test_mistakes_are_told(
     told = capsys.readouterr().err
     assert message in told
     assert "Traceback" not in told
+
+
+def test_the_page_begins_with_bars_and_shows_few_curves_and_one_session_large(told: Path) -> None:
+    """The other curves are shown by a click on their names."""
+    html = (told / "report.html").read_text()
+    assert html.index('aria-label="Mean yaw error of every method"') < html.index("<table")
+    legends = [
+        [name for name in figure.iter("span") if "data-switch" in name.attrib] for figure in parsed(html).iter("figure")
+    ]
+    for names in filter(None, legends):
+        shown = {name.attrib["data-switch"].partition("-")[0] for name in names if "data-off" not in name.attrib}
+        assert "reference" in shown
+        assert len(shown - {"reference", "start"}) == 2
+    assert html.count('class="panel wide"') == len(list(filter(None, legends))) == 2

@@ -223,16 +223,14 @@ def _largest_first(comparison: Comparison, plotted: Sequence[ComparedSession]) -
 
 def _first_shown(comparison: Comparison, shown: Sequence[int]) -> set[int]:
     """Rows whose curves are shown at first: the best real-time methods, and the start calibration."""
-    real_time = [row for row in shown if not comparison.entries[row].method.is_offline]
-    start = {row for row in shown if comparison.entries[row].method.key == "start"}
-    return set(real_time[:SHOWN]) | start
+    start = [row for row in shown if comparison.entries[row].method.key == "start"]
+    real_time = [row for row in shown if not comparison.entries[row].method.is_offline and row not in start]
+    return {*real_time[:SHOWN], *start}
 
 
 def _panel_name(session: ComparedSession) -> str:
     name = text(session.session.name)
-    return f'<b title="{name}">{name}</b>' + span(
-        f"{text(session.folder)}, {session.session.minutes:.3g} min", "note"
-    )
+    return f'<b title="{name}">{name}</b>' + span(f"{text(session.folder)}, {session.session.minutes:.3g} min", "note")
 
 
 def _sessions(comparison: Comparison) -> list[str]:
